@@ -6,7 +6,7 @@ if(failed)
   set(dirty 1)
 else()
   # Results and figures are outputs: writing them does not make the sources dirty.
-  execute_process(COMMAND git -C ${SOURCE_DIR} status --porcelain -- kernels variants harness scenes cmake CMakeLists.txt
+  execute_process(COMMAND git -C ${SOURCE_DIR} status --porcelain -- kernels variants harness stability scenes cmake CMakeLists.txt
                   OUTPUT_VARIABLE changes)
   if(changes)
     set(dirty 1)

@@ -20,6 +20,14 @@ if(PTBENCH_CUDA AND NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   message(FATAL_ERROR "The compiler is ${CMAKE_CXX_COMPILER_ID} (${CMAKE_CXX_COMPILER}); beside nvcc, allowed: g++ "
                       "(unset CXX), or -DPTBENCH_WITH_CUDA=OFF for the CPU backend alone")
 endif()
+# The choices whose kernels NVRTC compiles; a build without a toolkit knows their names.
+file(GLOB choices_with_kernels CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/*/*.cuh)
+foreach(header ${choices_with_kernels})
+  file(STRINGS ${header} host_part REGEX "^#if defined\\(PT_HOST\\)" LIMIT_COUNT 1)
+  if(NOT host_part)
+    list(REMOVE_ITEM choices_with_kernels ${header})
+  endif()
+endforeach()
 if(NOT PTBENCH_CUDA)
   return()
 endif()
@@ -38,10 +46,10 @@ set(PTBENCH_CCCL_VERSION "${cub_major}.${cub_minor}.${cub_patch}")
 
 # What NVRTC compiles: kernels/, the device side of choices, what both sides include, and the GLM headers behind
 # glm/vec3.hpp.
-set(shared_headers append_in_kernel append_parameters kernel_config kernel_parameters key_bounds parameters path_store totals)
-list(TRANSFORM shared_headers REPLACE "(.+)" "${PROJECT_SOURCE_DIR}/variants/cuda/\\1.h")
 file(GLOB embedded_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/kernels/*.h ${PROJECT_SOURCE_DIR}/kernels/shapes/*.h ${PROJECT_SOURCE_DIR}/variants/*/*.cuh
-     ${PROJECT_SOURCE_DIR}/variants/accelerator/*.h ${PROJECT_SOURCE_DIR}/variants/acceleration/*.h ${shared_headers})
+     ${PROJECT_SOURCE_DIR}/variants/accelerator/*.h ${PROJECT_SOURCE_DIR}/variants/bvh/*.h ${PROJECT_SOURCE_DIR}/variants/cuda/device/*)
+# No kernel that NVRTC compiles has these, so a change to them must not empty the kernels' cache.
+list(FILTER embedded_headers EXCLUDE REGEX "/layout/payload_iterator\\.cuh$|/axis\\.h$")
 get_target_property(glm_include glm::glm INTERFACE_INCLUDE_DIRECTORIES)
 list(GET glm_include 0 glm_include)
 file(GLOB glm_headers ${glm_include}/glm/vec3.hpp ${glm_include}/glm/ext/vector_bool3*.hpp ${glm_include}/glm/ext/vector_float3*.hpp
@@ -63,8 +71,21 @@ add_custom_command(OUTPUT ${embedded_file}
   DEPENDS ${embedded_headers} ${PROJECT_SOURCE_DIR}/cmake/embed_sources.cmake VERBATIM)
 set(cuda_sources ${embedded_file})
 
-# NAME.cuda.cpp is the host's side of a choice on CUDA, and registers it.
-file(GLOB cuda_host_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/cuda/*.cpp ${PROJECT_SOURCE_DIR}/variants/*/*.cuda.cpp)
+# A choice with kernels of its own is one file, NAME.cuh, whose last part is the host's: behind PT_HOST stand what launches
+# the kernels and the registration. NAME.cuda.cpp registers a choice on CUDA that has none.
+file(GLOB cuda_host_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/cuda/*.cpp ${PROJECT_SOURCE_DIR}/variants/cuda/runtime/*.cpp
+     ${PROJECT_SOURCE_DIR}/variants/*/*.cuda.cpp)
+function(ptbench_write_host_unit output header) # `header`: by its name from the repository's root, or an absolute one
+  file(CONFIGURE OUTPUT ${output} CONTENT "#define PT_HOST\n#include \"${header}\"\n#undef PT_HOST\n")
+endfunction()
+set(host_units "")
+foreach(header ${choices_with_kernels})
+  file(RELATIVE_PATH name ${PROJECT_SOURCE_DIR} ${header})
+  string(MAKE_C_IDENTIFIER ${name} unit)
+  list(APPEND host_units ${PROJECT_BINARY_DIR}/generated/${unit}.cpp)
+  ptbench_write_host_unit(${PROJECT_BINARY_DIR}/generated/${unit}.cpp ${name})
+endforeach()
+list(APPEND cuda_host_sources ${host_units})
 list(APPEND cuda_sources ${cuda_host_sources})
 
 # What nvcc compiles: Thrust, CUB, and the clock.
@@ -97,7 +118,7 @@ if(PTBENCH_GROUP_SOURCES)
   list(APPEND nvcc_sources ${PROJECT_BINARY_DIR}/generated/thrust_choices.cu ${PROJECT_BINARY_DIR}/generated/cub_choices.cu)
 endif()
 add_library(ptbench_nvcc_options INTERFACE)
-target_include_directories(ptbench_nvcc_options INTERFACE ${PROJECT_SOURCE_DIR})
+target_include_directories(ptbench_nvcc_options INTERFACE ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR}/generated)
 target_include_directories(ptbench_nvcc_options SYSTEM INTERFACE ${glm_include})
 target_compile_options(ptbench_nvcc_options INTERFACE -include=cuda.h --expt-relaxed-constexpr --extended-lambda -diag-suppress=20012
                        -Xcompiler=-Wall,-Wextra,-Wno-unused-parameter,-Wno-unknown-pragmas)

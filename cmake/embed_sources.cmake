@@ -1,4 +1,5 @@
-# Writes a C++ file with the text of every source that NVRTC compiles. FILES: "name=path" pairs.
+# Writes a C++ file with the text of every source that NVRTC compiles. FILES: "name=path" pairs. The host's part of a
+# choice is left out, which is the last: an edit there leaves compiled kernels what they are.
 set(entries "")
 foreach(pair ${FILES})
   string(FIND "${pair}" "=" equals)
@@ -6,9 +7,14 @@ foreach(pair ${FILES})
   math(EXPR start "${equals} + 1")
   string(SUBSTRING "${pair}" ${start} -1 path)
   file(READ ${path} text)
+  string(FIND "${text}" "\n#if defined(PT_HOST)" host_part)
+  if(NOT host_part EQUAL -1)
+    string(SUBSTRING "${text}" 0 ${host_part} text)
+    string(APPEND text "\n")
+  endif()
   string(APPEND entries "    {\"${name}\", R\"ptbench(${text})ptbench\"sv},\n")
 endforeach()
-file(WRITE ${OUTPUT}.new "#include \"variants/cuda/sources.h\"
+file(WRITE ${OUTPUT}.new "#include \"variants/cuda/runtime/sources.h\"
 
 namespace pt::cuda {
 

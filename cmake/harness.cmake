@@ -1,8 +1,9 @@
-file(GLOB_RECURSE harness_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/harness/*.cpp)
-list(FILTER harness_sources EXCLUDE REGEX "/harness/(main\\.cpp$|cuda/)")
+file(GLOB_RECURSE harness_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/harness/*.cpp ${PROJECT_SOURCE_DIR}/stability/*.cpp)
+list(FILTER harness_sources EXCLUDE REGEX "/harness/(cli/main\\.cpp$|cuda/)")
 if(PTBENCH_CUDA)
   file(GLOB cuda_harness_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/harness/cuda/*.cpp)
   list(FILTER cuda_harness_sources EXCLUDE REGEX "/without_cuda\\.cpp$")
+  list(FILTER harness_sources EXCLUDE REGEX "/rays/gpu_batch_without_cuda\\.cpp$")
   list(APPEND harness_sources ${cuda_harness_sources})
 else()
   list(APPEND harness_sources ${PROJECT_SOURCE_DIR}/harness/cuda/without_cuda.cpp)
@@ -10,7 +11,7 @@ endif()
 
 # Compiled together, what their headers instantiate (JSON above all) is compiled once and not in every file: a group of
 # files costs little more than one. So a name in an anonymous namespace is one for the whole folder, and each file of
-# harness/stability/cases/ has a namespace of its own.
+# stability/cases/ has a namespace of its own.
 function(ptbench_group_sources target)
   if(NOT PTBENCH_GROUP_SOURCES)
     return()
@@ -52,7 +53,7 @@ else()
 endif()
 
 set(rendering_sources ${harness_sources})
-list(FILTER rendering_sources INCLUDE REGEX "/harness/(render|scene|mesh|rays|error|stability)/|/harness/bench/cpu_clock\\.cpp$")
+list(FILTER rendering_sources INCLUDE REGEX "/harness/(render|scene|interchange|mesh|rays|error|stability)/|/harness/(exr|machine/cpu_clock)\\.cpp$|/stability/")
 list(REMOVE_ITEM harness_sources ${rendering_sources})
 add_library(ptbench_rendering OBJECT ${rendering_sources})
 add_library(ptbench_harness OBJECT ${harness_sources})
@@ -88,15 +89,15 @@ if(PTBENCH_MPI AND MPI_CXX_FOUND)
 endif()
 # tinygltf is compiled in the first of these files, and asked for in no others.
 set(glb_reader ${PROJECT_SOURCE_DIR}/harness/mesh/gltf_model.cpp ${PROJECT_SOURCE_DIR}/harness/mesh/read_glb.cpp
-    ${PROJECT_SOURCE_DIR}/harness/scene/import_gltf.cpp ${PROJECT_SOURCE_DIR}/harness/scene/import_gltf_image.cpp
-    ${PROJECT_SOURCE_DIR}/harness/scene/import_gltf_material.cpp)
+    ${PROJECT_SOURCE_DIR}/harness/interchange/import_gltf.cpp ${PROJECT_SOURCE_DIR}/harness/interchange/import_gltf_image.cpp
+    ${PROJECT_SOURCE_DIR}/harness/interchange/import_gltf_material.cpp)
 set_source_files_properties(${glb_reader} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON)
 if(PTBENCH_TINYGLTF_INCLUDE)
   set_source_files_properties(${glb_reader} PROPERTIES COMPILE_DEFINITIONS PTBENCH_HAS_TINYGLTF)
   target_include_directories(ptbench_rendering SYSTEM PRIVATE ${PTBENCH_TINYGLTF_INCLUDE})
 endif()
 # And OpenEXR in this one.
-set(exr_writer ${PROJECT_SOURCE_DIR}/harness/render/exr.cpp)
+set(exr_writer ${PROJECT_SOURCE_DIR}/harness/exr.cpp)
 if(OpenEXR_FOUND)
   set_source_files_properties(${exr_writer} PROPERTIES COMPILE_DEFINITIONS PTBENCH_HAS_OPENEXR
                               SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON)
@@ -107,7 +108,7 @@ if(OpenEXR_FOUND)
   target_link_libraries(ptbench_rendering INTERFACE $<LINK_ONLY:OpenEXR::OpenEXR>)
 endif()
 # So is pugixml.
-set(xml_reader ${PROJECT_SOURCE_DIR}/harness/scene/xml_document.cpp)
+set(xml_reader ${PROJECT_SOURCE_DIR}/harness/interchange/xml_document.cpp)
 if(PTBENCH_PUGIXML_INCLUDE AND PTBENCH_PUGIXML_LIBRARY)
   set_source_files_properties(${xml_reader} PROPERTIES COMPILE_DEFINITIONS PTBENCH_HAS_PUGIXML SKIP_UNITY_BUILD_INCLUSION ON)
   target_include_directories(ptbench_rendering SYSTEM PRIVATE ${PTBENCH_PUGIXML_INCLUDE})
@@ -123,7 +124,7 @@ target_compile_options(ptbench_harness PRIVATE ${harness_optimisation})
 # It reads: what it computes is the same at every level.
 set_property(SOURCE ${glb_reader} APPEND PROPERTY COMPILE_OPTIONS ${harness_optimisation})
 # The commit is in machine.cpp: it alone is compiled anew at every commit.
-set_source_files_properties(${PROJECT_SOURCE_DIR}/harness/bench/machine.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+set_source_files_properties(${PROJECT_SOURCE_DIR}/harness/machine/machine.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 ptbench_precompile_headers(ptbench_harness ${PTBENCH_PRECOMPILED_JSON})
 ptbench_reuse_precompiled_headers(ptbench_rendering ptbench_variants)
 # What every program links, in this order: of a function that several parts hold, the linker takes the first, which has to
@@ -141,7 +142,7 @@ add_custom_target(ptbench_build_info BYPRODUCTS ${PROJECT_BINARY_DIR}/generated/
 add_dependencies(ptbench_rendering ptbench_build_info)
 add_dependencies(ptbench_harness ptbench_build_info)
 
-add_executable(ptbench harness/main.cpp)
+add_executable(ptbench harness/cli/main.cpp)
 target_link_libraries(ptbench PRIVATE ${PTBENCH_PARTS})
 target_compile_options(ptbench PRIVATE ${harness_optimisation})
 ptbench_reuse_precompiled_headers(ptbench ptbench_harness)

@@ -7,7 +7,7 @@
 #include <pthread.h>
 #include <unistd.h>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/say.h"
 
 namespace pt {

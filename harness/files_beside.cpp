@@ -1,6 +1,6 @@
 #include "harness/files_beside.h"
 
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/files_read.h"
 #include "harness/write_file.h"
 

@@ -4,7 +4,7 @@
 #include <set>
 #include <tuple>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 
 namespace pt {
 

@@ -11,7 +11,7 @@
 #include <semaphore.h>
 #include <unistd.h>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/say.h"
 
 namespace pt {

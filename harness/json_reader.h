@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 
 namespace pt {
 

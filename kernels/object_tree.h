@@ -1,5 +1,5 @@
 // A binary tree over the objects that show meshes: the upper of two levels, whose leaves are objects with trees of
-// their own. Slabs that err only towards yes, as in variants/acceleration/box_ray.h (Ize, "Robust BVH Ray Traversal",
+// their own. Slabs that err only towards yes, as in variants/bvh/box_ray.h (Ize, "Robust BVH Ray Traversal",
 // JCGT 2 (2), 2013), but for what an object's own space adds to the rounding: that is in the boxes, and in `margin`.
 #pragma once
 

@@ -5,7 +5,7 @@ clang_format_major=14 # versions differ in what they call formatted, so the chec
 python_folders=(analysis tests/analysis tests/package tools packaging/gpu_tests)
 
 cpp_files() {
-    find kernels variants harness tests -type f -regextype egrep -regex '.*\.(h|hpp|cpp|cu|cuh|inl)' -print0
+    find kernels variants harness stability tests -type f -regextype egrep -regex '.*\.(h|hpp|cpp|cu|cuh|inl)' -print0
 }
 
 find_clang_format() {

@@ -70,31 +70,10 @@ Chosen<AxisTraits> chosen(std::string_view axis, const Descriptors& descriptors)
 
 VariantTraits traits_of(const Descriptors& descriptors, const Variant& variant) {
     return {
-        .integrator = chosen<IntegratorTraits>("integrator", descriptors),
-        .compaction = chosen<CompactionTraits>("compaction", descriptors),
-        .sorting = chosen<SortingTraits>("sorting", descriptors),
-        .sort_key = chosen<SortKeyTraits>("sort_key", descriptors),
-        .first_bounce = chosen<FirstBounceTraits>("first_bounce", descriptors),
-        .direct_light = chosen<DirectLightTraits>("direct_light", descriptors),
-        .russian_roulette = chosen<RouletteTraits>("russian_roulette", descriptors),
-        .sampler = chosen<SamplerTraits>("sampler", descriptors),
-        .layout = chosen<LayoutTraits>("layout", descriptors),
-        .specialisation = chosen<SpecialisationTraits>("specialisation", descriptors),
-        .launch = chosen<LaunchTraits>("launch", descriptors),
-        .arithmetic = chosen<ArithmeticTraits>("arithmetic", descriptors),
-        .precision = chosen<PrecisionTraits>("precision", descriptors),
-        .robustness = chosen<RobustnessTraits>("robustness", descriptors),
-        .accelerator = chosen<AcceleratorTraits>("accelerator", descriptors),
-        .builder = chosen<BuilderTraits>("builder", descriptors),
-        .traversal = chosen<TraversalTraits>("traversal", descriptors),
-        .traversal_stack = chosen<TraversalStackTraits>("traversal_stack", descriptors),
-        .levels = chosen<LevelsTraits>("levels", descriptors),
-        .light_sampling = chosen<LightSamplingTraits>("light_sampling", descriptors),
-        .devices = chosen<DevicesTraits>("devices", descriptors),
-        .partition = chosen<PartitionTraits>("partition", descriptors),
-        .light_selection = chosen<LightSelectionTraits>("light_selection", descriptors),
-        .subsurface_sampling = chosen<SubsurfaceSamplingTraits>("subsurface_sampling", descriptors),
-        .tuning = variant.tuning,
+#define PT_CHOSEN(name) .name = chosen<name::Traits>(#name, descriptors),
+        PT_AXES(PT_CHOSEN)
+#undef PT_CHOSEN
+            .tuning = variant.tuning,
     };
 }
 
@@ -293,12 +272,12 @@ Variant variant_of_mean(const Variant& variant, Backend backend) {
 }
 
 Variant with_every_feature(const Variant& variant, Backend backend) {
-    const bool keeps_bits = descriptor_at("specialisation", variant, backend).claim == Claim::bitwise &&
+    const bool keeps_bits = descriptor_at(axes::specialisation, variant, backend).claim == Claim::bitwise &&
                             !depends_on_order(variant, backend);
     Variant complete = variant;
-    for (const Choice* choice : Registry::instance().choices("specialisation", backend)) {
+    for (const Choice* choice : Registry::instance().choices(axes::specialisation, backend)) {
         if (keeps_bits && traits_in<SpecialisationTraits>(choice->descriptor).is_generic) {
-            complete.set("specialisation", std::string(choice->descriptor.name));
+            complete.set(axes::specialisation, std::string(choice->descriptor.name));
         }
     }
     return complete == variant ? variant : without_foreign_tunables(complete, backend);
@@ -346,9 +325,9 @@ FeatureSet features_asked(const Variant& variant, Backend backend) {
 }
 
 Tunable tunable_in(const Variant& variant, Tunable tunable, Backend backend) {
-    const Choice* const choice = tunable.generic_value
-                                     ? Registry::instance().find("specialisation", variant["specialisation"], backend)
-                                     : nullptr;
+    const Choice* const choice =
+        tunable.generic_value ? Registry::instance().find(axes::specialisation, variant[axes::specialisation], backend)
+                              : nullptr;
     const SpecialisationTraits* const traits =
         choice == nullptr ? nullptr : std::get_if<SpecialisationTraits>(&choice->descriptor.traits);
     if (traits != nullptr && traits->is_generic) {

@@ -8,8 +8,8 @@
 #include <memory>
 #include <vector>
 
-#include "variants/acceleration/hooks.h"
-#include "variants/cuda/hooks.h"
+#include "variants/bvh/hooks.h"
+#include "variants/cuda_hooks.h"
 #include "variants/descriptor.h"
 #include "variants/render_job.h"
 

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "variants/fnv1a.h"
 #include "variants/registry.h"
 
 namespace pt {
@@ -19,7 +20,7 @@ Pairs differences(const Variant& variant, Backend backend) {
     const Variant baseline = Registry::instance().baseline(backend);
     Pairs differing;
     for (const std::string_view axis : axis_names) {
-        if (axis != integrator_axis && variant[axis] != baseline[axis]) {
+        if (axis != axes::integrator && variant[axis] != baseline[axis]) {
             differing.emplace_back(axis, variant[axis]);
         }
     }
@@ -30,7 +31,7 @@ Pairs differences(const Variant& variant, Backend backend) {
 }
 
 std::string joined(const Variant& variant, Backend backend, char between, char is) {
-    std::string text = variant[integrator_axis];
+    std::string text = variant[axes::integrator];
     for (const auto& [name, value] : differences(variant, backend)) {
         text += between + name + is + value;
     }
@@ -68,11 +69,9 @@ std::string variant_id(const Variant& variant, Backend backend) {
         }
     }
     std::sort(parts.begin(), parts.end());
-    std::uint64_t hash = 0xcbf29ce484222325ull;  // FNV-1a, 64 bits
+    std::uint64_t hash = fnv1a_start;
     for (const auto& [name, value] : parts) {
-        for (const char c : name + "=" + value + "\n") {
-            hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
-        }
+        hash = fnv1a(name + "=" + value + "\n", hash);
     }
     return fmt::format("{:016x}", hash);
 }

@@ -7,7 +7,7 @@
 #include <regex>
 #include <string_view>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 
 namespace pt {
 

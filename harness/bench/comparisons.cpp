@@ -24,7 +24,7 @@ bool is_axis(const std::string& name) {
 
 // The axis of figures that are named for what lies along them.
 std::string axis_of_figure(const std::string& figure) {
-    for (const char* axis : {"sorting", "first_bounce"}) {
+    for (const char* axis : {axes::sorting, axes::first_bounce}) {
         if (figure == std::string(axis) + "_by_depth") {
             return axis;
         }
@@ -78,7 +78,7 @@ std::string value_of(const Cell& cell, const Question& question) {
 
 // A sort key says how a sort works: against a variant without a sort it may be any.
 bool says_nothing(std::string_view axis, const Question& question) {
-    return axis == "sort_key" && question.axis == "sorting" && question.baseline == "none";
+    return axis == axes::sort_key && question.axis == axes::sorting && question.baseline == "none";
 }
 
 bool is_same_setting(const Cell& cell, const Cell& other, const Question& question) {
@@ -150,7 +150,8 @@ const Cell* baseline_of(const Cell& cell, const Cells& cells, const Question& qu
         if (!is_baseline(*other, question) || !is_same_setting(cell, *other, question) || !tuning.is_comparable) {
             continue;
         }
-        const int keys = says_nothing("sort_key", question) && cell.variant["sort_key"] != other->variant["sort_key"];
+        const int keys =
+            says_nothing(axes::sort_key, question) && cell.variant[axes::sort_key] != other->variant[axes::sort_key];
         const std::tuple unlikeness{keys, tuning.differences, other->spp != cell.spp, tuning.others_alone};
         if (best == nullptr || unlikeness < least) {
             best = other;

@@ -18,7 +18,7 @@
 #include "harness/bench/progress.h"
 #include "harness/counted.h"
 #include "harness/cuda/backend.h"
-#include "harness/error.h"
+#include "harness/failure.h"
 
 namespace pt {
 

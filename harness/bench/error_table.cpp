@@ -18,10 +18,6 @@ namespace pt {
 
 namespace {
 
-// What decides the error curve; the other axes shift it in time.
-constexpr std::string_view estimator_axes[] = {"first_bounce", "direct_light",        "russian_roulette",
-                                               "sampler",      "subsurface_sampling", "precision"};
-
 double mean_of(const std::vector<double>& values) {
     return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
@@ -184,12 +180,10 @@ const LastErrors* baseline_of(const std::vector<LastErrors>& group, const Journa
         const bool is_plain = facts.at("independent_samples").get<bool>() && facts.at("biases").empty();
         const Variant usual = Registry::instance().baseline(cell.backend);
         int unusual = 0, unusual_estimators = 0;
-        for (const std::string_view axis : axis_names) {
-            const bool differs = cell.variant[axis] != usual[axis];
-            const bool decides =
-                std::find(std::begin(estimator_axes), std::end(estimator_axes), axis) != std::end(estimator_axes);
+        for (const Axis& axis : axis_table) {
+            const bool differs = cell.variant[axis.key] != usual[axis.key];
             unusual += differs ? 1 : 0;
-            unusual_estimators += differs && decides ? 1 : 0;
+            unusual_estimators += differs && axis.decides_error ? 1 : 0;
         }
         std::size_t to_others = 0;
         for (const LastErrors& other : group) {

@@ -29,19 +29,19 @@ bool any_applies(const AxisChoices& axes, const TunableValues& tunables, const S
 }  // namespace
 
 AxisChoices with_tree(const AxisChoices& axes, const TunableValues& tunables, const Scene& scene, Backend backend) {
-    if (axes.contains("accelerator") || triangles_of(scene) < fewest_for_a_tree) {
+    if (axes.contains(axes::accelerator) || triangles_of(scene) < fewest_for_a_tree) {
         return axes;
     }
     for (const std::string& accelerator : accelerators_by_speed(backend)) {
         AxisChoices tried = axes;
-        tried["accelerator"] = {accelerator};
+        tried[axes::accelerator] = {accelerator};
         if (!any_applies(tried, tunables, scene, backend)) {
             continue;
         }
         AxisChoices over_objects = tried;
         const bool has_many = objects_with_meshes(scene) > most_objects_in_turn;
         const bool adds_levels =
-            has_many && over_objects.try_emplace("levels", std::vector<std::string>{"two_level"}).second;
+            has_many && over_objects.try_emplace(axes::levels, std::vector<std::string>{"two_level"}).second;
         return adds_levels && any_applies(over_objects, tunables, scene, backend) ? over_objects : tried;
     }
     return axes;
@@ -60,7 +60,7 @@ std::string tree_in_words(const AxisChoices& axes, const TunableValues& tunables
 Variant fastest_variant(const AxisChoices& axes, const TunableValues& tunables, FeatureSet scene, Backend backend) {
     for (const std::string& integrator : integrators_by_speed(backend)) {
         AxisChoices tried = axes;
-        tried[std::string(integrator_axis)] = {integrator};
+        tried[axes::integrator] = {integrator};
         const Variant variant = expand(tried, backend, tunables).front();
         if (why_not_applicable(variant, scene, backend).empty()) {
             return variant;

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "harness/scene/scene.h"
-
 namespace pt {
 
 namespace {
@@ -13,7 +11,7 @@ std::string ending_of(std::uint64_t check) { return fmt::format(R"(,"check":"{:0
 }  // namespace
 
 std::string LineSeal::seal(std::string_view object) {
-    before_ = fnv1a(object.data(), object.size(), before_);
+    before_ = fnv1a(object, before_);
     return std::string(object.substr(0, object.size() - 1)) + ending_of(before_);
 }
 
@@ -23,7 +21,7 @@ std::string LineSeal::fault(std::string_view line) {
         return "no checksum at its end: it was changed, or an older ptbench wrote it";
     }
     const std::string text = std::string(line.substr(0, line.size() - ending)) + "}";
-    before_ = fnv1a(text.data(), text.size(), before_);
+    before_ = fnv1a(text, before_);
     return line.ends_with(ending_of(before_)) ? ""
                                               : "another text than its checksum's: it was changed, or a line before it "
                                                 "was lost, moved or doubled";

@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "variants/fnv1a.h"
+
 namespace pt {
 
 class LineSeal {
@@ -17,7 +19,7 @@ public:
     std::string fault(std::string_view line);
 
 private:
-    std::uint64_t before_ = 0xcbf29ce484222325ull;  // the checksum of the line before
+    std::uint64_t before_ = fnv1a_start;  // the checksum of the line before
 };
 
 }  // namespace pt

@@ -11,13 +11,13 @@
 
 #include "harness/bench/convergence_study.h"
 #include "harness/bench/film_ledger.h"
-#include "harness/bench/machine.h"
 #include "harness/bench/result_check.h"
 #include "harness/bench/retakes.h"
 #include "harness/counted.h"
-#include "harness/cuda/backend.h"
-#include "harness/places.h"
+#include "harness/machine/machine.h"
+#include "harness/ranks/machine_json.h"
 #include "harness/ranks/ranks.h"
+#include "harness/scene/places.h"
 #include "harness/variant_json.h"
 #include "variants/variant_name.h"
 
@@ -252,25 +252,6 @@ OrderedJson studies_json(const Suite& suite) {
 }
 
 }  // namespace
-
-nlohmann::ordered_json machine_json(Backend backend) {
-    OrderedJson json;
-    for (const auto& [key, value] : machine_context()) {
-        json[key] = value;
-    }
-    if (backend == Backend::cuda) {
-        for (const auto& [key, value] : cuda::context()) {
-            json[key] = value;
-        }
-        json["ptbench.machine"] = cuda::machine_name();
-        json["ptbench.clock"] = "a kernel that reads the multiprocessor's cycles and nanoseconds";
-    }
-    if (ranks().count > 1) {
-        json["ptbench.ranks"] = std::to_string(ranks().count);
-        json["ptbench.machine"] = on_ranks(json["ptbench.machine"]);
-    }
-    return json;
-}
 
 // Judged over the whole run: a sample's clock against the highest that was seen, its foreign load against its own time.
 void mark_low_clocks(OrderedJson& rows) {

@@ -25,9 +25,6 @@ struct Aggregates {
 // Precondition: at least one value.
 Aggregates aggregate(std::vector<double> values);
 
-// What a result says of machine, build and backend.
-nlohmann::ordered_json machine_json(Backend backend);
-
 // A document of rows as text: each member of an object and each element of an array begins a line, and an element is
 // on that line whole. Indented, a result is a third larger.
 std::string rows_on_lines(const nlohmann::ordered_json& value);

@@ -8,12 +8,12 @@
 #include "harness/bench/comparisons.h"
 #include "harness/bench/decide.h"
 #include "harness/bench/error_book.h"
-#include "harness/bench/machine.h"
 #include "harness/bench/result_check.h"
 #include "harness/bench/retakes.h"
 #include "harness/counted.h"
 #include "harness/files_read.h"
 #include "harness/interrupt.h"
+#include "harness/machine/machine.h"
 #include "harness/say.h"
 #include "harness/write_file.h"
 

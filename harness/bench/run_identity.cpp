@@ -3,7 +3,8 @@
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
-#include "harness/bench/result_file.h"
+#include "harness/ranks/machine_json.h"
+#include "variants/fnv1a.h"
 
 namespace pt {
 
@@ -11,7 +12,7 @@ namespace {
 
 std::string hash_of(const Json& json) {
     const std::string text = json.dump();
-    return fmt::format("{:016x}", fnv1a(text.data(), text.size()));
+    return fmt::format("{:016x}", fnv1a(text));
 }
 
 }  // namespace

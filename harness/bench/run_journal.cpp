@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "harness/bench/machine.h"
 #include "harness/bench/progress.h"
+#include "harness/machine/machine.h"
 
 namespace pt {
 

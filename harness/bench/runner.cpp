@@ -9,7 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "harness/bench/cpu_quota.h"
 #include "harness/bench/error_book.h"
 #include "harness/bench/film_ledger.h"
 #include "harness/bench/kept_result.h"
@@ -24,6 +23,7 @@
 #include "harness/cuda/backend.h"
 #include "harness/files_read.h"
 #include "harness/interrupt.h"
+#include "harness/machine/cpu_quota.h"
 #include "harness/ranks/ranks.h"
 #include "harness/ranks/render_on_ranks.h"
 #include "harness/say.h"

@@ -14,7 +14,7 @@
 #include "harness/bench/fastest.h"
 #include "harness/json_reader.h"
 #include "harness/nearest_name.h"
-#include "harness/places.h"
+#include "harness/scene/places.h"
 #include "variants/variant_name.h"
 
 namespace pt {
@@ -202,7 +202,7 @@ AxisChoices parse_axis_arguments(const std::vector<std::string>& arguments, cons
                                  Backend backend) {
     AxisChoices axes = parse_axis_arguments(arguments, backend);
     if (!devices.empty()) {
-        add_choices(axes, "devices", devices, "--devices", backend);
+        add_choices(axes, axes::devices, devices, "--devices", backend);
     }
     return axes;
 }

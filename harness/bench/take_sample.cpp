@@ -7,12 +7,12 @@
 
 #include <fmt/format.h>
 
-#include "harness/bench/cpu_clock.h"
-#include "harness/bench/cpu_quota.h"
-#include "harness/bench/machine.h"
 #include "harness/bench/progress.h"
 #include "harness/crash.h"
 #include "harness/cuda/backend.h"
+#include "harness/machine/cpu_clock.h"
+#include "harness/machine/cpu_quota.h"
+#include "harness/machine/machine.h"
 #include "harness/ranks/ranks.h"
 #include "harness/ranks/render_on_ranks.h"
 

@@ -6,11 +6,11 @@
 
 #include <fmt/format.h>
 
-#include "harness/bench/machine.h"
 #include "harness/bench/suite.h"
 #include "harness/cuda/backend.h"
 #include "harness/json_reader.h"
-#include "harness/places.h"
+#include "harness/machine/machine.h"
+#include "harness/scene/places.h"
 #include "harness/text_file.h"
 #include "harness/write_file.h"
 #include "variants/variant_name.h"

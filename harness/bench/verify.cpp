@@ -167,7 +167,7 @@ const Verifier::CpuCheck& Verifier::against_cpu(const Variant& reference_variant
     }
     CpuCheck& check = against_cpu_[reference_variant];
     Variant plain = reference_variant;
-    for (const std::string_view axis : {"integrator", "layout", "launch"}) {
+    for (const std::string_view axis : {axes::integrator, axes::layout, axes::launch}) {
         plain.set(axis, expand({}, Backend::cpu).front()[axis]);
     }
     for (const std::string_view axis : axis_names) {

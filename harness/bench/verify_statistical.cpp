@@ -12,15 +12,10 @@ namespace pt {
 
 namespace {
 
-// Axes whose choices decide how often a pixel stays black: how often a sample is, and whether samples are independent.
-// On the others samples are drawn in the same way.
-constexpr std::string_view sampling_axes[] = {"direct_light", "russian_roulette", "sampler", "first_bounce"};
-
+// Whether both draw their samples in one way, so that a pixel stays black as often.
 bool samples_alike(const Variant& a, const Variant& b) {
-    return std::all_of(std::begin(axis_names), std::end(axis_names), [&](std::string_view axis) {
-        return a[axis] == b[axis] ||
-               std::find(std::begin(sampling_axes), std::end(sampling_axes), axis) == std::end(sampling_axes);
-    });
+    return std::all_of(std::begin(axis_table), std::end(axis_table),
+                       [&](const Axis& axis) { return a[axis.key] == b[axis.key] || !axis.decides_samples; });
 }
 
 const Descriptor& descriptor_at(std::string_view axis, const Variant& variant, Backend backend) {

@@ -3,9 +3,9 @@
 
 #include "harness/cli/commands.h"
 #include "harness/cuda/backend.h"
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/json_reader.h"
-#include "harness/places.h"
+#include "harness/scene/places.h"
 #include "variants/registry.h"
 
 namespace pt {
@@ -103,7 +103,7 @@ Backend parse_backend(const std::string& text) {
     }
     for (const Backend backend : all_backends) {
         if (text == to_string(backend)) {
-            if (Registry::instance().choices("integrator", backend).empty()) {
+            if (Registry::instance().choices(axes::integrator, backend).empty()) {
                 require_backend(backend);  // built without it: there are no variants to speak of
             }
             return backend;

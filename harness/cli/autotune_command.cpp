@@ -4,16 +4,16 @@
 
 #include <fmt/format.h>
 
-#include "harness/bench/cpu_quota.h"
 #include "harness/bench/fastest.h"
 #include "harness/bench/kept_result.h"
-#include "harness/bench/machine.h"
 #include "harness/bench/suite.h"
 #include "harness/bench/tuning.h"
 #include "harness/bench/verify.h"
 #include "harness/cli/commands.h"
 #include "harness/cuda/backend.h"
-#include "harness/places.h"
+#include "harness/machine/cpu_quota.h"
+#include "harness/machine/machine.h"
+#include "harness/scene/places.h"
 #include "harness/write_file.h"
 #include "variants/variant_name.h"
 

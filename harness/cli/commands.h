@@ -7,7 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "variants/descriptor.h"
 
 namespace pt {

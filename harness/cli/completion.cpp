@@ -7,7 +7,7 @@
 #include "harness/cli/commands.h"
 #include "harness/cli/known_names.h"
 #include "harness/cli/render_aovs.h"
-#include "harness/places.h"
+#include "harness/scene/places.h"
 
 namespace pt {
 

@@ -6,12 +6,12 @@
 #include "harness/bench/kept_result.h"
 #include "harness/cli/commands.h"
 #include "harness/counted.h"
+#include "harness/interchange/export_mitsuba.h"
+#include "harness/interchange/import_findings.h"
+#include "harness/interchange/mitsuba_limits.h"
 #include "harness/json_reader.h"
-#include "harness/places.h"
 #include "harness/say.h"
-#include "harness/scene/export_mitsuba.h"
-#include "harness/scene/import_findings.h"
-#include "harness/scene/mitsuba_limits.h"
+#include "harness/scene/places.h"
 #include "harness/write_file.h"
 
 namespace pt {

@@ -6,9 +6,9 @@
 #include "harness/bench/kept_result.h"
 #include "harness/cli/commands.h"
 #include "harness/counted.h"
+#include "harness/interchange/import_scene.h"
 #include "harness/json_reader.h"
 #include "harness/say.h"
-#include "harness/scene/import_scene.h"
 #include "harness/write_file.h"
 
 namespace pt {

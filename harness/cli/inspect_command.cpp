@@ -7,8 +7,8 @@
 #include "harness/cli/commands.h"
 #include "harness/cuda/backend.h"
 #include "harness/files_read.h"
-#include "harness/places.h"
 #include "harness/say.h"
+#include "harness/scene/places.h"
 #include "harness/write_file.h"
 #include "variants/variant_name.h"
 

@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/nearest_name.h"
-#include "harness/places.h"
+#include "harness/scene/places.h"
 #include "variants/registry.h"
 
 namespace pt {

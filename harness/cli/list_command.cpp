@@ -8,7 +8,7 @@
 #include "harness/cli/list_json.h"
 #include "harness/cli/list_text.h"
 #include "harness/nearest_name.h"
-#include "harness/places.h"
+#include "harness/scene/places.h"
 
 namespace pt {
 
@@ -53,9 +53,12 @@ OrderedJson everything(const ListArguments& arguments) {
             {"backends", list_backends()}};
 }
 
-// One axis, the scenes or the suites.
+// The axes, one axis, the scenes or the suites.
 std::string topic_text(const ListArguments& arguments) {
     const std::string& topic = arguments.topic;
+    if (topic == "axes") {
+        return arguments.json ? list_axis_facts().dump(1) + "\n" : axes_text();
+    }
     if (topic == "scenes") {
         const OrderedJson scenes = scenes_of(arguments);
         return arguments.json ? scenes.dump(1) + "\n" : scenes_text(scenes);
@@ -68,9 +71,9 @@ std::string topic_text(const ListArguments& arguments) {
         const OrderedJson axis = list_axis(topic);
         return arguments.json ? axis.dump(1) + "\n" : axis_text(axis);
     }
-    allowed.insert(allowed.end(), {"scenes", "suites"});
+    allowed.insert(allowed.end(), {"axes", "scenes", "suites"});
     throw InputError("list", "argument", "\"" + topic + "\"",
-                     fmt::format("an axis ({}), scenes or suites{}", fmt::join(names_of_axes(), ", "),
+                     fmt::format("an axis ({}), axes, scenes or suites{}", fmt::join(names_of_axes(), ", "),
                                  did_you_mean(topic, allowed)));
 }
 
@@ -95,7 +98,7 @@ Command add_list_command(CLI::App& app) {
     CLI::App* command =
         app.add_subcommand("list", "Axes, choices, scenes, suites and backends, and what applies where");
     command->add_option("WHAT", arguments->topic,
-                        "An axis: its choices with claims, origins and tunables; or \"scenes\", \"suites\"");
+                        "An axis: its choices with claims, origins and tunables; or \"axes\", \"scenes\", \"suites\"");
     command->add_option("--scene", arguments->scene, "These scenes, comma-separated: what they need, what applies");
     command->add_option("--arch", arguments->architecture,
                         "Also compile the scenes' kernels for this GPU, e.g. sm_90, and say what leaving out saves");

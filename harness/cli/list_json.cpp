@@ -9,7 +9,7 @@
 #include "harness/cli/commands.h"
 #include "harness/cli/known_names.h"
 #include "harness/cuda/backend.h"
-#include "harness/places.h"
+#include "harness/scene/places.h"
 #include "harness/variant_json.h"
 
 namespace pt {
@@ -94,6 +94,21 @@ std::string cuda_status() {
 
 }  // namespace
 
+OrderedJson list_axis_facts() {
+    OrderedJson axes = OrderedJson::array();
+    for (const Axis& axis : axis_table) {
+        OrderedJson facts{{"name", axis.key}, {"what", axis.what}};
+        if (!axis.since.empty()) {
+            facts["since"] = axis.since;
+            facts["as_before"] = axis.as_before;
+        }
+        facts["decides_error"] = axis.decides_error;
+        facts["decides_samples"] = axis.decides_samples;
+        axes.push_back(facts);
+    }
+    return axes;
+}
+
 OrderedJson list_axis(std::string_view axis) {
     OrderedJson choices = OrderedJson::array();
     for (const std::string& name : names_of_choices(axis)) {
@@ -134,10 +149,10 @@ OrderedJson list_scene(const std::string& name) {
 OrderedJson list_kernels(const std::string& name, const std::string& architecture) {
     const Scene scene = find_scene(name);
     OrderedJson kernels = OrderedJson::array();
-    for (const Choice* choice : Registry::instance().choices("specialisation", Backend::cuda)) {
+    for (const Choice* choice : Registry::instance().choices(axes::specialisation, Backend::cuda)) {
         Variant variant = Registry::instance().baseline(Backend::cuda);
-        variant.set("integrator", "megakernel");
-        variant.set("specialisation", std::string(choice->descriptor.name));
+        variant.set(axes::integrator, "megakernel");
+        variant.set(axes::specialisation, std::string(choice->descriptor.name));
         const OrderedJson report = cuda::inspect_kernels(scene, variant, architecture);
         OrderedJson entry{{"specialisation", choice->descriptor.name},
                           {"architecture", report["architecture"]},

@@ -8,6 +8,8 @@
 
 namespace pt {
 
+// What each axis.h says: analysis/ptbench/io/axes.json is this, for Python and the schemas.
+nlohmann::ordered_json list_axis_facts();
 nlohmann::ordered_json list_axis(std::string_view axis);
 nlohmann::ordered_json list_axes();
 // Throws InputError for a scene that is not there.

@@ -6,7 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "harness/cli/known_names.h"
-#include "harness/places.h"
+#include "harness/scene/places.h"
 #include "variants/registry.h"
 
 namespace pt {
@@ -87,6 +87,14 @@ std::string overview_text() {
            "More: ptbench list AXIS (claims, origins, tunables), list scenes, list suites; list --scene S: what "
            "applies "
            "there\n";
+}
+
+std::string axes_text() {
+    std::string text = "Axes\n";
+    for (const Axis& axis : axis_table) {
+        text += fmt::format("  {:<20} {}\n", axis.key, axis.what);
+    }
+    return text;
 }
 
 std::string axis_text(const OrderedJson& axis) {

@@ -9,6 +9,8 @@ namespace pt {
 
 // A line an axis with its choices, the names of scenes and suites, and the backends.
 std::string overview_text();
+// The axes, a line each.
+std::string axes_text();
 // The choices of an axis, with origins, claims and tunables.
 std::string axis_text(const nlohmann::ordered_json& axis);
 std::string scenes_text(const nlohmann::ordered_json& scenes);

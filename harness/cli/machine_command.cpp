@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
-#include "harness/bench/machine.h"
 #include "harness/cli/commands.h"
 #include "harness/cuda/backend.h"
-#include "harness/error.h"
+#include "harness/failure.h"
+#include "harness/machine/machine.h"
 
 namespace pt {
 

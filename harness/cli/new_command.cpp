@@ -11,7 +11,7 @@
 
 #include "harness/cli/commands.h"
 #include "harness/json_reader.h"
-#include "harness/places.h"
+#include "harness/scene/places.h"
 #include "harness/write_file.h"
 #include "kernels/scene_arrays.h"
 #include "variants/registry.h"
@@ -34,16 +34,12 @@ constexpr std::string_view type_placeholder = "@TYPE@";
 
 constexpr TemplateFile compaction_files[] = {
     {"choice.cpp.in", "variants/compaction/@NAME@.cpp", "the CPU's side"},
-    {"choice.cuh.in", "variants/compaction/@NAME@.cuh", "CUDA's side: the kernel"},
-    {"choice_parameters.cuh.in", "variants/compaction/@NAME@_parameters.cuh", "its parameters"},
-    {"choice.cuda.cpp.in", "variants/compaction/@NAME@.cuda.cpp", "what launches it"},
+    {"choice.cuh.in", "variants/compaction/@NAME@.cuh", "CUDA's side: the kernel and what launches it"},
     {"test.cpp.in", "tests/unit/@NAME@_compaction_test.cpp", "its test"},
 };
 constexpr TemplateFile integrator_files[] = {
     {"choice.h.in", "variants/integrator/@NAME@.h", "the CPU's side"},
-    {"choice.cuh.in", "variants/integrator/@NAME@.cuh", "CUDA's side: the kernel"},
-    {"choice_parameters.cuh.in", "variants/integrator/@NAME@_parameters.cuh", "its parameters"},
-    {"choice.cuda.cpp.in", "variants/integrator/@NAME@.cuda.cpp", "what launches it"},
+    {"choice.cuh.in", "variants/integrator/@NAME@.cuh", "CUDA's side: the kernel and what launches it"},
     {"test.cpp.in", "tests/unit/@NAME@_integrator_test.cpp", "its test"},
 };
 constexpr TemplateFile shape_files[] = {

@@ -5,13 +5,13 @@
 #include <fmt/ranges.h>
 #include <omp.h>
 
-#include "harness/bench/machine.h"
 #include "harness/cli/commands.h"
 #include "harness/cli/known_names.h"
 #include "harness/counted.h"
 #include "harness/cuda/backend.h"
 #include "harness/files_read.h"
 #include "harness/json_reader.h"
+#include "harness/machine/machine.h"
 #include "harness/mesh/write_mesh.h"
 #include "harness/nearest_name.h"
 #include "harness/rays/gpu_batch.h"
@@ -54,7 +54,7 @@ std::vector<std::string> accelerators_on(Backend backend) {
     std::vector<std::string> names;
     const std::vector<std::string> compiled =
         backend == Backend::cuda ? rays::gpu_accelerators() : std::vector<std::string>();
-    for (const Choice* choice : Registry::instance().choices("accelerator", backend)) {
+    for (const Choice* choice : Registry::instance().choices(axes::accelerator, backend)) {
         const std::string name(choice->descriptor.name);
         if (backend == Backend::cpu || std::find(compiled.begin(), compiled.end(), name) != compiled.end()) {
             names.push_back(name);
@@ -65,7 +65,7 @@ std::vector<std::string> accelerators_on(Backend backend) {
 
 std::vector<std::string> builders_on(Backend backend) {
     std::vector<std::string> names;
-    for (const Choice* choice : Registry::instance().choices("builder", backend)) {
+    for (const Choice* choice : Registry::instance().choices(axes::builder, backend)) {
         names.emplace_back(choice->descriptor.name);
     }
     return names;

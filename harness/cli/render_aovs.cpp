@@ -23,7 +23,7 @@ constexpr std::array<std::string_view, 4> aovs_of_first_hits{"albedo", "normal",
 // A first-bounce cache of several camera rays shares them between samples, and low-discrepancy samples know of each
 // other: the variance that batches show is then not that of the mean.
 bool has_unbiased_variance(const RenderRequest& request) {
-    const auto& cache = Registry::instance().at("first_bounce", request.variant, request.backend).hook.first_bounce;
+    const auto& cache = Registry::instance().at(axes::first_bounce, request.variant, request.backend).hook.first_bounce;
     return has_independent_samples(request.variant, request.backend) && cache(request.variant, request.backend) <= 1;
 }
 

@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "harness/render/exr.h"
+#include "harness/exr.h"
 #include "harness/render/pixel_variance.h"
 #include "harness/render/renderer.h"
 

@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 
 #include "harness/bench/fastest.h"
-#include "harness/bench/machine.h"
 #include "harness/bench/phase_watch.h"
 #include "harness/bench/progress.h"
 #include "harness/bench/suite.h"
@@ -17,12 +16,13 @@
 #include "harness/cli/render_aovs.h"
 #include "harness/crash.h"
 #include "harness/files_read.h"
-#include "harness/places.h"
+#include "harness/machine/machine.h"
 #include "harness/ranks/ranks.h"
 #include "harness/ranks/render_on_ranks.h"
 #include "harness/render/checkpoints.h"
 #include "harness/render/image.h"
 #include "harness/say.h"
+#include "harness/scene/places.h"
 #include "harness/variant_json.h"
 #include "harness/write_file.h"
 #include "variants/variant_name.h"
@@ -195,7 +195,7 @@ Chosen choose_variant(const RenderArguments& arguments, const Scene& scene, Back
                          "one choice an axis and one value a tunable for render");
     }
     const FeatureSet features = features_of(scene);
-    const bool is_named = axes.contains(std::string(integrator_axis));
+    const bool is_named = axes.contains(axes::integrator);
     Variant variant = is_named ? named[0] : fastest_variant(axes, tunables, features, backend);
     const std::string reason = why_not_applicable(variant, features, backend);
     if (!reason.empty()) {

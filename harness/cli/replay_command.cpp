@@ -3,7 +3,7 @@
 
 #include "harness/bench/suite.h"
 #include "harness/cli/commands.h"
-#include "harness/places.h"
+#include "harness/scene/places.h"
 #include "harness/stability/replay.h"
 #include "variants/variant_name.h"
 

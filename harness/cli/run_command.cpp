@@ -5,17 +5,17 @@
 
 #include "harness/bench/benchmark_flags.h"
 #include "harness/bench/convergence_study.h"
-#include "harness/bench/machine.h"
 #include "harness/bench/prepare_cells.h"
 #include "harness/bench/runner.h"
 #include "harness/cli/commands.h"
 #include "harness/cli/run_preview.h"
 #include "harness/cuda/backend.h"
 #include "harness/error/reference.h"
+#include "harness/machine/machine.h"
 #include "harness/nearest_name.h"
-#include "harness/places.h"
 #include "harness/ranks/ranks.h"
 #include "harness/say.h"
+#include "harness/scene/places.h"
 
 namespace pt {
 
@@ -134,7 +134,7 @@ std::string compared_axis(const AxisChoices& axes) {
             return choices->first;
         }
     }
-    return "integrator";
+    return axes::integrator;
 }
 
 // Two values for one of Google Benchmark's flags: the last would win without a word.

@@ -7,7 +7,7 @@
 
 #include "harness/cli/known_names.h"
 #include "harness/json_reader.h"
-#include "harness/places.h"
+#include "harness/scene/places.h"
 #include "variants/variant_name.h"
 
 namespace pt {

@@ -53,8 +53,8 @@ std::map<std::string, double> parse_values(const std::vector<std::string>& argum
 std::vector<Variant> standard_variants(Backend backend, bool quick) {
     const Registry& registry = Registry::instance();
     const Variant plainest = stability::plainest_variant(backend);
-    AxisChoices axes{{"robustness", {"robust", "naive"}}};
-    for (const char* axis : {"precision", "arithmetic"}) {
+    AxisChoices axes{{axes::robustness, {"robust", "naive"}}};
+    for (const char* axis : {axes::precision, axes::arithmetic}) {
         for (const Choice* choice : registry.choices(axis, backend)) {
             axes[axis].emplace_back(choice->descriptor.name);
         }
@@ -70,9 +70,9 @@ std::vector<Variant> standard_variants(Backend backend, bool quick) {
         const auto is_changed = [&](const auto& axis) { return variant[axis.first] != plainest[axis.first]; };
         return quick && std::count_if(axes.begin(), axes.end(), is_changed) > 1;
     });
-    for (const Choice* integrator : registry.choices("integrator", backend)) {
+    for (const Choice* integrator : registry.choices(axes::integrator, backend)) {
         Variant variant = plainest;
-        variant.set("integrator", std::string(integrator->descriptor.name));
+        variant.set(axes::integrator, std::string(integrator->descriptor.name));
         if (std::find(variants.begin(), variants.end(), variant) == variants.end()) {
             variants.push_back(variant);
         }
@@ -92,19 +92,19 @@ std::vector<Variant> accelerated_variants(const Variant& plain, Backend backend)
     std::vector<Variant> variants;
     const auto add = [&](const std::string& accelerator, const std::string& builder) {
         Variant variant = plain;
-        variant.set("accelerator", accelerator);
-        variant.set("builder", builder);
+        variant.set(axes::accelerator, accelerator);
+        variant.set(axes::builder, builder);
         if (variant != plain && std::find(variants.begin(), variants.end(), variant) == variants.end()) {
             variants.push_back(variant);
         }
     };
     std::string with_tree;
-    for (const Choice* accelerator : registry.choices("accelerator", backend)) {
+    for (const Choice* accelerator : registry.choices(axes::accelerator, backend)) {
         const std::string name(accelerator->descriptor.name);
-        add(name, plain["builder"]);
+        add(name, plain[axes::builder]);
         with_tree = accelerator->hook.accelerator.encode != nullptr ? name : with_tree;
     }
-    for (const Choice* builder : registry.choices("builder", backend)) {
+    for (const Choice* builder : registry.choices(axes::builder, backend)) {
         add(with_tree, std::string(builder->descriptor.name));
     }
     return variants;
@@ -113,11 +113,11 @@ std::vector<Variant> accelerated_variants(const Variant& plain, Backend backend)
 // Each accelerator with one after the other of the kernels that are timed, of which there are some, in either
 // arithmetic.
 void add_accelerators(std::vector<Variant>& all, const std::vector<Variant>& timed, std::size_t turn, Backend backend) {
-    const std::vector<const Choice*> accelerators = Registry::instance().choices("accelerator", backend);
+    const std::vector<const Choice*> accelerators = Registry::instance().choices(axes::accelerator, backend);
     for (std::size_t i = 0; i < accelerators.size(); ++i) {
         for (const std::size_t half : {std::size_t{0}, timed.size() / 2}) {
             Variant variant = timed[(i + turn + half) % timed.size()];
-            variant.set("accelerator", std::string(accelerators[i]->descriptor.name));
+            variant.set(axes::accelerator, std::string(accelerators[i]->descriptor.name));
             all.push_back(variant);
         }
     }
@@ -250,7 +250,7 @@ std::vector<Variant> asked_variants(const StabilityRequest& request, Backend bac
 std::vector<Variant> variants_of_case(const std::vector<Variant>& variants, const Case& stiff_case,
                                       const StabilityRequest& request, Backend backend) {
     std::vector<Variant> all = variants;
-    if (stiff_case.over_accelerators && !is_named("accelerator", request) && !is_named("builder", request)) {
+    if (stiff_case.over_accelerators && !is_named(axes::accelerator, request) && !is_named(axes::builder, request)) {
         for (const Variant& variant : accelerated_variants(stability::plainest_variant(backend), backend)) {
             all.push_back(variant);
         }

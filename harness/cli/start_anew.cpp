@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "harness/bench/benchmark_flags.h"
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/ranks/launch.h"
 #include "harness/say.h"
 

@@ -13,7 +13,7 @@
 #include "harness/bench/verify_statistical.h"
 #include "harness/cli/commands.h"
 #include "harness/counted.h"
-#include "harness/places.h"
+#include "harness/scene/places.h"
 #include "variants/variant_name.h"
 
 namespace pt {
@@ -311,8 +311,8 @@ std::vector<Variant> single_steps(Backend backend) {
 
 // Every triangle in turn is the reference, and too slow for every other choice.
 std::string plain_accelerator(const Scene& scene, Backend backend) {
-    std::string name = Registry::instance().baseline(backend)["accelerator"];
-    for (const Choice* choice : Registry::instance().choices("accelerator", backend)) {
+    std::string name = Registry::instance().baseline(backend)[axes::accelerator];
+    for (const Choice* choice : Registry::instance().choices(axes::accelerator, backend)) {
         if (!scene.meshes.empty() && traits_in<AcceleratorTraits>(choice->descriptor).has_tree) {
             name = choice->descriptor.name;
         }
@@ -324,23 +324,23 @@ std::string plain_accelerator(const Scene& scene, Backend backend) {
 // and by the general one: what pairs of choices leave out. On a CPU with every integrator.
 std::vector<Variant> lit_variants(Backend backend, const Scene& scene) {
     const Registry& registry = Registry::instance();
-    AxisChoices axes{{"accelerator", {plain_accelerator(scene, backend)}}};
+    AxisChoices axes{{axes::accelerator, {plain_accelerator(scene, backend)}}};
     const AxisChoices all = all_choices(backend);
-    for (const Choice* choice : registry.choices("direct_light", backend)) {
+    for (const Choice* choice : registry.choices(axes::direct_light, backend)) {
         if (traits_in<DirectLightTraits>(choice->descriptor).connects) {
-            axes["direct_light"].emplace_back(choice->descriptor.name);
+            axes[axes::direct_light].emplace_back(choice->descriptor.name);
         }
     }
-    for (const Choice* choice : registry.choices("specialisation", backend)) {
+    for (const Choice* choice : registry.choices(axes::specialisation, backend)) {
         if (!traits_in<SpecialisationTraits>(choice->descriptor).by_matrix) {
-            axes["specialisation"].emplace_back(choice->descriptor.name);
+            axes[axes::specialisation].emplace_back(choice->descriptor.name);
         }
     }
     if (backend == Backend::cpu) {
-        axes["integrator"] = all.at("integrator");
+        axes[axes::integrator] = all.at(axes::integrator);
     }
     std::vector<Variant> variants;
-    for (const char* axis : {"light_sampling", "light_selection"}) {
+    for (const char* axis : {axes::light_sampling, axes::light_selection}) {
         AxisChoices with_axis = axes;
         with_axis[axis] = all.at(axis);
         for (const Variant& variant : expand(with_axis, backend)) {
@@ -378,15 +378,12 @@ std::vector<Variant> variants_to_verify(const VerifyArguments& arguments, Backen
     AxisChoices axes;
     if (backend == Backend::cpu) {
         axes = all_choices(backend);
-        axes.erase("russian_roulette");
-        axes.erase("sampler");
-        axes.erase("robustness");
-        axes.erase("builder");
-        axes.erase("levels");
-        axes.erase("light_sampling");
-        axes.erase("light_selection");
-        axes.erase("subsurface_sampling");
-        axes["accelerator"] = {plain_accelerator(scene, backend)};
+        for (const Axis& axis : axis_table) {
+            if (axis.by_pairs) {
+                axes.erase(std::string(axis.key));
+            }
+        }
+        axes[axes::accelerator] = {plain_accelerator(scene, backend)};
     }
     for (const auto& [axis, choices] : parse_axis_arguments(arguments.axes, arguments.devices, backend)) {
         axes[axis] = choices;

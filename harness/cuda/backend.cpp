@@ -13,12 +13,12 @@
 #include "harness/cuda/kernel_request.h"
 #include "harness/cuda/profile.h"
 #include "harness/cuda/several_devices.h"
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/render/renderer.h"
-#include "variants/cuda/check.h"
-#include "variants/cuda/device.h"
-#include "variants/cuda/nccl.h"
-#include "variants/cuda/nvrtc.h"
+#include "variants/cuda/runtime/check.h"
+#include "variants/cuda/runtime/device.h"
+#include "variants/cuda/runtime/nccl.h"
+#include "variants/cuda/runtime/nvrtc.h"
 #include "variants/variant_name.h"
 
 namespace pt::cuda {
@@ -51,6 +51,8 @@ std::string not_available() {
     }();
     return reason;
 }
+
+[[maybe_unused]] const bool is_told = set_cuda_render(&render);
 
 RenderResult render(const Scene& scene, const RenderRequest& request) {
     if (!not_available().empty()) {

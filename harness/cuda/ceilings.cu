@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "variants/cuda/check.h"
+#include "variants/cuda/runtime/check.h"
 
 namespace pt::cuda {
 

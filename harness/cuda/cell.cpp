@@ -13,7 +13,7 @@
 #include "harness/render/process_clock.h"
 #include "harness/scene/scene_mesh.h"
 #include "kernels/path_tree.h"
-#include "variants/cuda/device.h"
+#include "variants/cuda/runtime/device.h"
 
 namespace pt::cuda {
 
@@ -68,13 +68,13 @@ RenderCell<Real>::RenderCell(const Scene& scene, const RenderRequest& request, c
     : scene_(scene),
       request_(request),
       traits_(traits_of(request.variant, Backend::cuda)),
-      integrator_hook_(hooks("integrator", request.variant).integrator),
+      integrator_hook_(hooks(axes::integrator, request.variant).integrator),
       features_(kernel.compiled),
-      layout_(hooks("layout", request.variant).layout),
+      layout_(hooks(axes::layout, request.variant).layout),
       buffers_(scene, settings, Acceleration::of(request.variant, Backend::cuda)),
       learned_(learned_adjoint<Real>(scene, settings)),
       device_scene_(buffers_.view(), buffers_.meshes(), buffers_.tree(), kernel.compiled,
-                    hooks("specialisation", request.variant).bakes_scene),
+                    hooks(axes::specialisation, request.variant).bakes_scene),
       host_film_(film),
       rows_(rows) {
     buffers_.set_adjoint(learned_.cache());
@@ -161,7 +161,7 @@ template <class Real>
 CellContext RenderCell<Real>::context(const Choice& stage) {
     CellContext context;
     context.layout = &layout_;
-    context.layout_name = request_.variant["layout"];
+    context.layout_name = request_.variant[axes::layout];
     context.real_bytes = sizeof(Real);
     context.materials = job_.materials;
     context.multiprocessors = job_.multiprocessors;

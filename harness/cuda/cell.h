@@ -11,8 +11,8 @@
 #include "harness/render/checkpoints.h"
 #include "harness/render/device_shares.h"
 #include "harness/scene/scene_buffers.h"
-#include "variants/cuda/handles.h"
 #include "variants/cuda/integrator.h"
+#include "variants/cuda/runtime/handles.h"
 
 namespace pt::cuda {
 

@@ -21,7 +21,9 @@ inline std::uint32_t tuned(const Variant& variant, std::string_view name, std::u
 
 // Camera rays of a pixel that the first-bounce cache keeps; 0: there is none.
 inline std::uint32_t kept_rays(const Variant& variant) {
-    return Registry::instance().at("first_bounce", variant, Backend::cuda).hook.first_bounce(variant, Backend::cuda);
+    return Registry::instance()
+        .at(axes::first_bounce, variant, Backend::cuda)
+        .hook.first_bounce(variant, Backend::cuda);
 }
 
 }  // namespace pt::cuda

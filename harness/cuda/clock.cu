@@ -1,6 +1,6 @@
 // The clock of the multiprocessors, measured: cycles against the GPU's nanosecond timer over a chain of additions.
 #include "harness/cuda/clock.h"
-#include "variants/cuda/check.h"
+#include "variants/cuda/runtime/check.h"
 
 namespace pt::cuda {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "variants/cuda/check.h"
+#include "variants/cuda/runtime/check.h"
 
 namespace pt::cuda {
 

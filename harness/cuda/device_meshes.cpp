@@ -3,7 +3,7 @@
 #include <map>
 
 #include "harness/cuda/kept_copies.h"
-#include "variants/cuda/on_device.h"
+#include "variants/cuda/runtime/on_device.h"
 
 namespace pt::cuda {
 

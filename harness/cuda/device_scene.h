@@ -6,8 +6,8 @@
 #include "kernels/adjoint.h"
 #include "kernels/environment_map.h"
 #include "kernels/scene_arrays.h"
-#include "variants/cuda/arena.h"
-#include "variants/cuda/module.h"
+#include "variants/cuda/runtime/arena.h"
+#include "variants/cuda/runtime/module.h"
 
 namespace pt::cuda {
 

@@ -7,10 +7,10 @@
 #include "harness/cuda/backend.h"
 #include "harness/cuda/kernel_request.h"
 #include "harness/cuda/sass.h"
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/render/renderer.h"
 #include "harness/variant_json.h"
-#include "variants/cuda/compiler_report.h"
+#include "variants/cuda/runtime/compiler_report.h"
 #include "variants/cuda/stages.h"
 #include "variants/variant_name.h"
 
@@ -72,12 +72,13 @@ std::string of_choice(const Descriptor& choice) { return fmt::format("{}={}", ch
 
 // The integrator's kernel may do a compaction's work, whose own are loaded all the same.
 bool is_done_by_integrator(const Choice& stage, const VariantTraits& traits) {
-    return stage.descriptor.axis == "compaction" && traits.integrator.appends_in_kernel &&
+    return stage.descriptor.axis == axes::compaction && traits.integrator.appends_in_kernel &&
            traits.compaction.can_append_in_kernel();
 }
 
 std::vector<Program> programs_of(const Scene& scene, const Variant& variant, const std::string& architecture) {
-    std::vector<Program> programs{{"integrator=" + variant["integrator"], module_request(scene, variant, architecture),
+    std::vector<Program> programs{{"integrator=" + variant[axes::integrator],
+                                   module_request(scene, variant, architecture),
                                    tunable(variant, "block", Backend::cuda)}};
     for (const Choice* const stage : stages_of(variant)) {
         if (!stage->hook.cuda.kernels.empty()) {

@@ -6,7 +6,7 @@
 #include "harness/cuda/device_scene.h"
 #include "harness/render/renderer.h"
 #include "harness/scene/scene_buffers.h"
-#include "variants/cuda/parameters.h"
+#include "variants/cuda/device/parameters.h"
 #include "variants/cuda/stages.h"
 
 namespace pt::cuda {
@@ -17,14 +17,14 @@ ModuleRequest request_for(const Variant& variant, const std::string& source, con
     ModuleRequest request;
     request.name = source;
     request.includes = {source};
-    request.real = hooks("precision", variant).real;
-    request.layout = variant["layout"];
-    request.sort_key = variant["sort_key"];
-    request.accelerator = variant["accelerator"];
+    request.real = hooks(axes::precision, variant).real;
+    request.layout = variant[axes::layout];
+    request.sort_key = variant[axes::sort_key];
+    request.accelerator = variant[axes::accelerator];
     const VariantTraits traits = traits_of(variant, Backend::cuda);
     if (!traits.traversal.is_accelerators_own || !traits.traversal_stack.is_in_thread) {
-        request.traversal = variant["traversal"];
-        request.traversal_stack = variant["traversal_stack"];
+        request.traversal = variant[axes::traversal];
+        request.traversal_stack = variant[axes::traversal_stack];
     }
     request.architecture = architecture;
     return request;
@@ -53,16 +53,16 @@ std::vector<KernelSignature> kernels_of(const IntegratorHook& integrator, const 
 }  // namespace
 
 std::string integrator_source(const Variant& variant) {
-    const char* const own = hooks("integrator", variant).integrator.source;
-    return own != nullptr ? own : "variants/integrator/" + variant["integrator"] + ".cuh";
+    const char* const own = hooks(axes::integrator, variant).integrator.source;
+    return own != nullptr ? own : "variants/integrator/" + variant[axes::integrator] + ".cuh";
 }
 
 ModuleRequest module_request(const Scene& scene, const Variant& variant, const std::string& architecture) {
     ModuleRequest request = request_for(variant, integrator_source(variant), architecture);
-    const IntegratorHook& integrator = hooks("integrator", variant).integrator;
+    const IntegratorHook& integrator = hooks(axes::integrator, variant).integrator;
     const VariantTraits traits = traits_of(variant, Backend::cuda);
     const bool is_double = traits.precision.is_double();
-    request.options = hooks("arithmetic", variant).options;
+    request.options = hooks(axes::arithmetic, variant).options;
     request.pixels = traits.partition.is_by_rows ? "by_row" : "all";
     request.config = {.features = choose_kernel(scene, variant, Backend::cuda).compiled,
                       .block = tunable(variant, "block", Backend::cuda),
@@ -71,7 +71,7 @@ ModuleRequest module_request(const Scene& scene, const Variant& variant, const s
                       .shading_fmas = tuned(variant, "shading_fmas", 0)};
     request.kernels =
         is_double ? kernels_of<double>(integrator, request.config) : kernels_of<float>(integrator, request.config);
-    const bool bakes = hooks("specialisation", variant).bakes_scene;
+    const bool bakes = hooks(axes::specialisation, variant).bakes_scene;
     if (is_double) {
         describe_scene<double>(scene, bakes, request);
     } else {
@@ -80,7 +80,7 @@ ModuleRequest module_request(const Scene& scene, const Variant& variant, const s
     if (integrator.constants != nullptr) {
         request.constants = integrator.constants(variant);
     }
-    for (const char* axis : {"traversal", "traversal_stack"}) {
+    for (const char* axis : {axes::traversal, axes::traversal_stack}) {
         for (const Tunable& of : Registry::instance().at(axis, variant, Backend::cuda).descriptor.tunables) {
             request.constants.push_back({std::string(of.name), tunable(variant, of.name, Backend::cuda)});
         }
@@ -108,7 +108,7 @@ ModuleRequest stage_request(const Variant& variant, const Choice& stage, const s
 
 std::vector<const Choice*> stages_of(const Variant& variant) {
     std::vector<const Choice*> stages;
-    for (const char* axis : {"compaction", "sorting"}) {
+    for (const char* axis : {axes::compaction, axes::sorting}) {
         const Choice& choice = Registry::instance().at(axis, variant, Backend::cuda);
         const bool is_made = choice.hook.cuda.compaction != nullptr || choice.hook.cuda.sorting != nullptr;
         if (is_made && traits_of(variant, Backend::cuda).integrator.has_queue) {

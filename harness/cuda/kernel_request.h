@@ -3,7 +3,7 @@
 #pragma once
 
 #include "harness/scene/scene.h"
-#include "variants/cuda/module.h"
+#include "variants/cuda/runtime/module.h"
 #include "variants/descriptor.h"
 #include "variants/registry.h"
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "harness/render/renderer.h"
-#include "variants/cuda/module.h"
+#include "variants/cuda/runtime/module.h"
 
 namespace pt::cuda {
 

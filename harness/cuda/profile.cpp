@@ -13,7 +13,7 @@
 #include <unistd.h>
 
 #include "harness/cuda/is_program.h"
-#include "harness/error.h"
+#include "harness/failure.h"
 
 namespace pt::cuda {
 

@@ -13,8 +13,8 @@
 #include <unistd.h>
 
 #include "harness/cuda/is_program.h"
-#include "harness/error.h"
-#include "harness/places.h"
+#include "harness/failure.h"
+#include "harness/scene/places.h"
 
 namespace pt::cuda {
 

@@ -10,8 +10,8 @@
 #include "harness/cuda/accounting.h"
 #include "harness/cuda/cell.h"
 #include "harness/render/process_clock.h"
-#include "variants/cuda/nccl.h"
-#include "variants/cuda/on_device.h"
+#include "variants/cuda/runtime/nccl.h"
+#include "variants/cuda/runtime/on_device.h"
 
 namespace pt::cuda {
 

@@ -2,8 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "harness/cuda/backend.h"
-#include "harness/error.h"
-#include "harness/rays/gpu_batch.h"
+#include "harness/failure.h"
 
 namespace pt::cuda {
 
@@ -13,6 +12,7 @@ constexpr const char* reason = "this ptbench was built without a CUDA toolkit";
 
 std::string not_available() { return reason; }
 RenderResult render(const Scene&, const RenderRequest&) { throw MachineError(reason); }
+[[maybe_unused]] const bool is_told = set_cuda_render(&render);
 std::size_t compile(const Scene&, const Variant&, const std::string&) { throw MachineError(reason); }
 nlohmann::ordered_json inspect_kernels(const Scene&, const Variant&, const std::string&) { throw MachineError(reason); }
 nlohmann::ordered_json kernel_counters(const std::vector<std::string>&, const std::vector<std::string>&, double) {
@@ -36,17 +36,3 @@ std::vector<std::pair<std::string, std::string>> context() { return {}; }
 double measure_clock_mhz() { return 0; }
 
 }  // namespace pt::cuda
-
-namespace pt::rays {
-
-std::vector<std::string> gpu_accelerators() { return {}; }
-std::unique_ptr<BatchTracer> make_gpu_tracer(const MeshView&, const std::string&) {
-    throw MachineError(cuda::not_available());
-}
-std::vector<Hit> brute_force_on_gpu(std::span<const Triangle<float>>, const std::vector<Ray>&) {
-    throw MachineError(cuda::not_available());
-}
-bool has_encoder_on_gpu(const std::string&) { return false; }
-DeviceBuild time_device_build(const std::string&, std::span<const Triangle<float>>, int) { return {}; }
-
-}  // namespace pt::rays

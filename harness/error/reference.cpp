@@ -8,10 +8,11 @@
 
 #include <fmt/format.h>
 
-#include "harness/bench/machine.h"
 #include "harness/error/closed_form.h"
 #include "harness/error/reference_cache.h"
+#include "harness/machine/machine.h"
 #include "harness/render/renderer.h"
+#include "variants/fnv1a.h"
 #include "variants/variant_name.h"
 
 namespace pt {
@@ -21,8 +22,8 @@ namespace {
 constexpr std::uint64_t first_spp = 64;  // a half
 
 std::string hash_of(const Image& first, const Image& second) {
-    const std::uint64_t half = fnv1a(first.data(), first.size() * sizeof(double));
-    return fmt::format("{:016x}", fnv1a(second.data(), second.size() * sizeof(double), half));
+    const std::uint64_t half = fnv1a_of_bytes(first.data(), first.size() * sizeof(double));
+    return fmt::format("{:016x}", fnv1a_of_bytes(second.data(), second.size() * sizeof(double), half));
 }
 
 void finish(Reference& reference) {
@@ -140,11 +141,11 @@ Image Reference::mean() const {
 Variant reference_variant(const ReferenceTask& task) {
     const Backend backend = task.backend;
     Variant variant = fast_reference_on(*task.scene, Registry::instance().baseline(backend), backend);
-    static constexpr std::pair<std::string_view, std::string_view> wishes[] = {{"integrator", "depth_first"},
-                                                                               {"integrator", "megakernel"},
-                                                                               {"sampler", "philox"},
-                                                                               {"arithmetic", "exact"},
-                                                                               {"precision", "double"}};
+    static constexpr std::pair<std::string_view, std::string_view> wishes[] = {{axes::integrator, "depth_first"},
+                                                                               {axes::integrator, "megakernel"},
+                                                                               {axes::sampler, "philox"},
+                                                                               {axes::arithmetic, "exact"},
+                                                                               {axes::precision, "double"}};
     for (const auto& [axis, choice] : wishes) {
         Variant wished = variant;
         wished.set(axis, std::string(choice));

@@ -7,9 +7,10 @@
 
 #include <fmt/format.h>
 
-#include "harness/bench/machine.h"
-#include "harness/error.h"
+#include "harness/failure.h"
+#include "harness/machine/machine.h"
 #include "harness/write_file.h"
+#include "variants/fnv1a.h"
 
 namespace pt {
 
@@ -35,7 +36,7 @@ std::string bytes_of(const Image& first, const Image& second) {
     return bytes.append(reinterpret_cast<const char*>(second.data()), second.size() * sizeof(double));
 }
 
-std::string hash_of(const std::string& bytes) { return fmt::format("{:016x}", fnv1a(bytes.data(), bytes.size())); }
+std::string hash_of(const std::string& bytes) { return fmt::format("{:016x}", fnv1a(bytes)); }
 
 // Throws std::runtime_error that says what is wrong.
 void read_into(Reference& reference, const std::string& stem) {
@@ -66,8 +67,7 @@ void read_into(Reference& reference, const std::string& stem) {
 std::string ReferenceCache::stem(const Reference& reference) const {
     const std::string key = identity_of(reference).dump();
     return (std::filesystem::path(folder_) / fmt::format("{}_{}x{}_{}_{:016x}", reference.scene, reference.width,
-                                                         reference.height, reference.depth,
-                                                         fnv1a(key.data(), key.size())))
+                                                         reference.height, reference.depth, fnv1a(key)))
         .string();
 }
 

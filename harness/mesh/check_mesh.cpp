@@ -9,7 +9,7 @@
 #include <glm/vec3.hpp>
 
 #include "harness/counted.h"
-#include "harness/error.h"
+#include "harness/failure.h"
 
 namespace pt {
 

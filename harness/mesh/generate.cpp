@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/mesh/generators.h"
 #include "harness/nearest_name.h"
 

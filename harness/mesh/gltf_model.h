@@ -18,7 +18,7 @@
 #define TINYGLTF_NO_FS
 #include <tiny_gltf.h>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/mesh/mesh.h"
 #include "harness/mesh/resolution.h"
 

@@ -5,23 +5,21 @@
 
 #include <fmt/format.h>
 
+#include "variants/fnv1a.h"
+
 namespace pt {
 
 namespace {
 
-void add_word(std::uint64_t& hash, std::uint64_t word) {
-    hash = (hash ^ word) * 0x100000001b3ull;
-    hash ^= hash >> 32;
-}
-
 template <class T>
-void add_triples(std::uint64_t& hash, const std::vector<std::array<T, 3>>& triples) {
-    add_word(hash, triples.size());
+std::uint64_t with_triples(std::uint64_t hash, const std::vector<std::array<T, 3>>& triples) {
+    hash = fnv1a_word(hash, triples.size());
     for (const std::array<T, 3>& triple : triples) {
         const std::uint64_t first = std::bit_cast<std::uint32_t>(triple[0]);
-        add_word(hash, first << 32 | std::bit_cast<std::uint32_t>(triple[1]));
-        add_word(hash, std::bit_cast<std::uint32_t>(triple[2]));
+        hash = fnv1a_word(hash, first << 32 | std::bit_cast<std::uint32_t>(triple[1]));
+        hash = fnv1a_word(hash, std::bit_cast<std::uint32_t>(triple[2]));
     }
+    return hash;
 }
 
 }  // namespace
@@ -40,11 +38,8 @@ std::vector<std::array<std::array<float, 2>, 3>> places_of_corners(
 }
 
 std::string content_hash(const Mesh& mesh) {
-    std::uint64_t hash = 0xcbf29ce484222325ull;
-    add_triples(hash, mesh.vertices);
-    add_triples(hash, mesh.triangles);
-    add_triples(hash, mesh.normals);
-    return fmt::format("{:016x}", hash);
+    const std::uint64_t hash = with_triples(with_triples(fnv1a_start, mesh.vertices), mesh.triangles);
+    return fmt::format("{:016x}", with_triples(hash, mesh.normals));
 }
 
 }  // namespace pt

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 
 namespace pt {
 

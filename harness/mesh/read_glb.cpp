@@ -118,7 +118,7 @@ bool reads_glb() { return true; }
 
 #else
 
-#include "harness/error.h"
+#include "harness/failure.h"
 
 namespace pt {
 

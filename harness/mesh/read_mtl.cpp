@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/mesh/obj_materials.h"
 #include "harness/mesh/text_numbers.h"
 

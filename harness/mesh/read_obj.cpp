@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/mesh/check_mesh.h"
 #include "harness/mesh/obj_keywords.h"
 #include "harness/mesh/obj_materials.h"

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/mesh/check_mesh.h"
 #include "harness/mesh/ply_header.h"
 #include "harness/mesh/read_mesh.h"

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/write_file.h"
 
 namespace pt {

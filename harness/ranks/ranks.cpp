@@ -9,10 +9,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "harness/bench/machine.h"
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/interrupt.h"
 #include "harness/json_reader.h"
+#include "harness/machine/machine.h"
 #include "harness/ranks/launch.h"
 #include "harness/ranks/mpi.h"
 #include "harness/ranks/render_on_ranks.h"

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "harness/bench/result_file.h"
+#include "harness/ranks/machine_json.h"
 #include "harness/ranks/mpi.h"
 #include "harness/ranks/ranks.h"
 #include "harness/ranks/task.h"

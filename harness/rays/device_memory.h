@@ -7,7 +7,7 @@
 
 #include <cuda_runtime.h>
 
-#include "variants/cuda/check.h"
+#include "variants/cuda/runtime/check.h"
 
 namespace pt::rays {
 

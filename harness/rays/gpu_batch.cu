@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "harness/rays/cwbvh_batch.cuh"
+#include "harness/rays/cwbvh_encoder.h"
 #include "harness/rays/device_memory.h"
 #include "harness/rays/leak_batch.cuh"
 #include "harness/rays/plain_batch.cuh"
@@ -14,7 +15,6 @@
 #include "variants/accelerator/bvh4.h"
 #include "variants/accelerator/bvh8.h"
 #include "variants/builder/hploc.h"
-#include "variants/cuda/cwbvh_encoder.h"
 
 namespace pt::rays {
 namespace {

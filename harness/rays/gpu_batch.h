@@ -1,5 +1,5 @@
 // Ray batches on a GPU as the harness sees them; kernels in gpu_batch.cu. A build without a CUDA toolkit has these
-// functions too (harness/cuda/without_cuda.cpp).
+// functions too (gpu_batch_without_cuda.cpp).
 #pragma once
 
 #include <memory>

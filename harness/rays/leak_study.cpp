@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/mesh/exact_math.h"
 #include "harness/mesh/generate.h"
 #include "harness/scene/scene_mesh.h"

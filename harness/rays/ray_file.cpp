@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/json_reader.h"
 #include "harness/write_file.h"
 

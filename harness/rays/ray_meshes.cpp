@@ -8,12 +8,12 @@
 #include <fmt/ranges.h>
 
 #include "harness/counted.h"
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/mesh/generate.h"
 #include "harness/mesh/read_mesh.h"
 #include "harness/nearest_name.h"
-#include "harness/places.h"
 #include "harness/rays/probe_meshes.h"
+#include "harness/scene/places.h"
 #include "harness/scene/scene_mesh.h"
 
 namespace pt::rays {

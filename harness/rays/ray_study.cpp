@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 
 #include "harness/bench/bootstrap.h"
-#include "harness/bench/cpu_clock.h"
 #include "harness/crash.h"
 #include "harness/cuda/backend.h"
+#include "harness/machine/cpu_clock.h"
 #include "harness/rays/cpu_batch.h"
 #include "harness/rays/gpu_batch.h"
 #include "harness/rays/ray_sets.h"
@@ -166,13 +166,14 @@ Tree make_tree(const std::shared_ptr<const SceneMesh>& mesh, const std::string& 
                Backend backend) {
     Acceleration acceleration = Acceleration::none();
     acceleration.accelerator = accelerator;
-    acceleration.accelerator_hook = Registry::instance().find("accelerator", accelerator, backend)->hook.accelerator;
+    acceleration.accelerator_hook =
+        Registry::instance().find(axes::accelerator, accelerator, backend)->hook.accelerator;
     if (backend != Backend::cpu) {
         acceleration.accelerator_hook.prepare = nullptr;
     }
     if (!builder.empty()) {
         acceleration.builder = builder;
-        acceleration.builder_hook = Registry::instance().find("builder", builder, backend)->hook.builder;
+        acceleration.builder_hook = Registry::instance().find(axes::builder, builder, backend)->hook.builder;
     }
     Tree tree{accelerator, builder, geometry_of(mesh, nullptr, acceleration), {}, nullptr};
     tree.view = tree.geometry.view();
@@ -188,7 +189,7 @@ std::unique_ptr<BatchTracer> make_tracer(const Tree& tree, Backend backend) {
 std::vector<std::pair<std::string, std::string>> trees_of(const RayStudy& study) {
     std::vector<std::pair<std::string, std::string>> trees;
     for (const std::string& accelerator : study.accelerators) {
-        const Choice* choice = Registry::instance().find("accelerator", accelerator, study.backend);
+        const Choice* choice = Registry::instance().find(axes::accelerator, accelerator, study.backend);
         if (choice->hook.accelerator.encode == nullptr) {
             trees.emplace_back(accelerator, "");
             continue;

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "variants/fnv1a.h"
+
 namespace pt {
 
 std::string faults_text(const FilmFaults& faults) {
@@ -67,12 +69,10 @@ Vec3d Film::mean() const {
     return total / static_cast<double>(pixels);
 }
 
-// By words rather than bytes: a film may have hundreds of megabytes.
 std::string Film::hash() const {
-    std::uint64_t hash = 0xcbf29ce484222325ull;
+    std::uint64_t hash = fnv1a_start;
     for (const std::int64_t sum : sums_) {
-        hash = (hash ^ static_cast<std::uint64_t>(sum)) * 0x100000001b3ull;
-        hash ^= hash >> 32;
+        hash = fnv1a_word(hash, static_cast<std::uint64_t>(sum));
     }
     return fmt::format("{:016x}", hash);
 }

@@ -51,7 +51,7 @@ void fill_first_hits(FirstHits& hits, const Scene& scene, const RenderRequest& r
         albedo.push_back(first_hit_albedo(*materials.back()));
     }
     const std::uint32_t kept = Registry::instance()
-                                   .at("first_bounce", request.variant, request.backend)
+                                   .at(axes::first_bounce, request.variant, request.backend)
                                    .hook.first_bounce(request.variant, request.backend);
     parallel_for(view.pixel_count(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t pixel = begin; pixel < end; ++pixel) {

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "harness/error.h"
-#include "harness/render/exr.h"
+#include "harness/exr.h"
+#include "harness/failure.h"
 #include "harness/write_file.h"
 
 #define STB_IMAGE_WRITE_IMPLEMENTATION

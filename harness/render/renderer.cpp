@@ -6,8 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "harness/crash.h"
-#include "harness/cuda/backend.h"
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/render/adjoint_table.h"
 #include "harness/render/checkpoints.h"
 #include "harness/render/process_clock.h"
@@ -21,9 +20,9 @@ namespace {
 // One queue a layout for the whole process: a timed render finds its memory in place.
 PathQueue& queue_for(const Variant& variant) {
     static std::map<std::string, PathQueue> queues;
-    const auto [position, inserted] = queues.try_emplace(variant["layout"]);
+    const auto [position, inserted] = queues.try_emplace(variant[axes::layout]);
     if (inserted) {
-        position->second.paths = Registry::instance().at("layout", variant).hook.layout();
+        position->second.paths = Registry::instance().at(axes::layout, variant).hook.layout();
     }
     return position->second;
 }
@@ -48,8 +47,8 @@ RenderResult render_in(const Scene& scene, const RenderRequest& request, const K
                         .compiled = kernel.compiled,
                         .wall_ms = learned.wall_ms,
                         .cpu_ms = learned.cpu_ms};
-    const auto compaction = registry.at("compaction", request.variant).hook.compaction();
-    const auto sorting = registry.at("sorting", request.variant).hook.sorting();
+    const auto compaction = registry.at(axes::compaction, request.variant).hook.compaction();
+    const auto sorting = registry.at(axes::sorting, request.variant).hook.sorting();
     PathQueue& queue = queue_for(request.variant);
 
     RenderJobIn<Real> job;
@@ -63,7 +62,7 @@ RenderResult render_in(const Scene& scene, const RenderRequest& request, const K
     job.health.counters = &result.health;
 
     FirstBounceCache<Real> cache;
-    cache.rays = registry.at("first_bounce", request.variant).hook.first_bounce(request.variant, Backend::cpu);
+    cache.rays = registry.at(axes::first_bounce, request.variant).hook.first_bounce(request.variant, Backend::cpu);
     for (const RenderPart& part : parts) {
         wake_threads();
         const double cpu_start = process_cpu_ms();
@@ -120,16 +119,16 @@ std::ptrdiff_t objects_with_meshes(const Scene& scene) {
 Variant fast_reference_on(const Scene& scene, const Variant& variant, Backend backend) {
     const Registry& registry = Registry::instance();
     Variant reference = registry.reference(variant, backend);
-    if (scene.meshes.empty() || registry.at("accelerator", reference, backend).descriptor.claim != Claim::bitwise) {
+    if (scene.meshes.empty() || registry.at(axes::accelerator, reference, backend).descriptor.claim != Claim::bitwise) {
         return reference;
     }
-    for (const Choice* choice : registry.choices("accelerator", backend)) {
+    for (const Choice* choice : registry.choices(axes::accelerator, backend)) {
         if (traits_in<AcceleratorTraits>(choice->descriptor).checks_large_scenes) {
-            reference.set("accelerator", std::string(choice->descriptor.name));
+            reference.set(axes::accelerator, std::string(choice->descriptor.name));
         }
     }
     if (objects_with_meshes(scene) > most_objects_in_turn) {
-        reference.set("levels", "two_level");
+        reference.set(axes::levels, "two_level");
     }
     return reference;
 }
@@ -213,14 +212,14 @@ KernelChoice choose_kernel(const Scene& scene, const Variant& variant, Backend b
                       shortcuts_here,
                       {needed, needed | shortcuts_here,
                        all_features | (needed & (samplings | formulas | traversals | mesh_levels | path_trees))}};
-    const Hook& integrator = registry.at("integrator", variant, backend).hook;
+    const Hook& integrator = registry.at(axes::integrator, variant, backend).hook;
     const bool in_double = traits_of(variant, backend).precision.is_double();
     if (backend == Backend::cpu) {
         offer.compiled =
             in_double ? feature_sets_of(integrator.integrator_in_double) : feature_sets_of(integrator.integrator);
     }
     const FeatureSet chosen =
-        registry.at("specialisation", variant, backend).hook.specialisation(offer, variant, backend);
+        registry.at(axes::specialisation, variant, backend).hook.specialisation(offer, variant, backend);
     if (!is_superset(chosen, needed)) {
         throw std::logic_error("a kernel was chosen that lacks a feature of the scene");
     }
@@ -233,10 +232,24 @@ KernelChoice choose_kernel(const Scene& scene, const Variant& variant, Backend b
     return {needed, chosen, integrator.integrator.at(chosen)};
 }
 
+namespace {
+
+RenderRequested& cuda_render() {
+    static RenderRequested render = nullptr;
+    return render;
+}
+
+}  // namespace
+
+bool set_cuda_render(RenderRequested render) {
+    cuda_render() = render;
+    return true;
+}
+
 RenderResult render(const Scene& scene, const RenderRequest& request) {
     (void)parts_of(request);  // refuses checkpoints before anything is made
     if (request.backend == Backend::cuda) {
-        return cuda::render(scene, request);
+        return cuda_render()(scene, request);
     }
     try {
         return render_unguarded(scene, request);

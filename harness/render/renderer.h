@@ -123,6 +123,11 @@ HealthRequest health_request(const Scene& scene, const std::vector<std::uint32_t
 // Precondition: why_not_applicable(variant, features) is empty. Throws MachineError if memory runs out, and
 // std::logic_error if the checkpoints are not as they must be.
 RenderResult render(const Scene& scene, const RenderRequest& request);
+
+// What renders requests for the CUDA backend. harness/cuda/ names it before main(), so that this room need not know
+// that one. Returns true.
+using RenderRequested = RenderResult (*)(const Scene& scene, const RenderRequest& request);
+bool set_cuda_render(RenderRequested render);
 // "wavefront on cornell_open, cpu, 64x64, 4 spp, seed 1"
 std::string description_of(const Scene& scene, const RenderRequest& request);
 // `render`, and a crash says which (harness/crash.h). To put the description together takes microseconds, which are no

@@ -6,12 +6,12 @@ namespace pt {
 
 Acceleration Acceleration::of(const Variant& variant, Backend backend) {
     const Registry& registry = Registry::instance();
-    Acceleration acceleration{variant["accelerator"],
-                              variant["builder"],
-                              registry.at("accelerator", variant, backend).hook.accelerator,
-                              registry.at("builder", variant, backend).hook.builder,
-                              variant["levels"],
-                              registry.at("levels", variant, backend).hook.levels};
+    Acceleration acceleration{variant[axes::accelerator],
+                              variant[axes::builder],
+                              registry.at(axes::accelerator, variant, backend).hook.accelerator,
+                              registry.at(axes::builder, variant, backend).hook.builder,
+                              variant[axes::levels],
+                              registry.at(axes::levels, variant, backend).hook.levels};
     if (backend != Backend::cpu) {
         acceleration.accelerator_hook.prepare = nullptr;
     }

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "harness/exr.h"
 #include "harness/json_reader.h"
-#include "harness/render/exr.h"
 
 namespace pt {
 

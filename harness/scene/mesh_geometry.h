@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "harness/scene/scene_mesh.h"
-#include "variants/acceleration/hooks.h"
+#include "variants/bvh/hooks.h"
 #include "variants/descriptor.h"
 
 namespace pt {

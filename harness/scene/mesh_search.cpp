@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/scene/instance_boxes.h"
 #include "harness/scene/keeper.h"
 

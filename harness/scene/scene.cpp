@@ -267,13 +267,4 @@ FeatureSet features_of(const Scene& scene) {
     return features;
 }
 
-std::uint64_t fnv1a(const void* data, std::size_t bytes, std::uint64_t start) {
-    const auto* byte = static_cast<const unsigned char*>(data);
-    std::uint64_t hash = start;
-    for (std::size_t i = 0; i < bytes; ++i) {
-        hash = (hash ^ byte[i]) * 0x100000001b3ull;
-    }
-    return hash;
-}
-
 }  // namespace pt

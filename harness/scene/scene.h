@@ -11,7 +11,7 @@
 #include "harness/scene/texture_image.h"
 #include "kernels/material.h"
 #include "kernels/shapes.h"
-#include "variants/acceleration/binary_tree.h"
+#include "variants/bvh/binary_tree.h"
 
 namespace pt {
 
@@ -163,8 +163,5 @@ struct Rotation {
     Vec3d column[3];
 };
 Rotation rotation_of(const Vec3d& degrees);
-
-// FNV-1a, 64 bit, of a byte range; for hashes of scenes and films.
-std::uint64_t fnv1a(const void* data, std::size_t bytes, std::uint64_t start = 0xcbf29ce484222325ull);
 
 }  // namespace pt

@@ -15,6 +15,7 @@
 #include "harness/scene/scene_mesh.h"
 #include "harness/scene/scene_texture.h"
 #include "harness/text_file.h"
+#include "variants/fnv1a.h"
 
 namespace pt {
 
@@ -489,9 +490,10 @@ std::shared_ptr<const SceneEnvironment> environment_of(EnvironmentImage image, d
     }
     // An image that is not twice as wide as high (or one texel) says so: the same texels in another shape are another
     // scene.
-    std::uint64_t hash = fnv1a(image.texels.data(), image.texels.size() * sizeof(Vec3<float>));
-    hash = image.texels.size() == 1 || image.width == 2 * image.height ? hash
-                                                                       : fnv1a(&image.width, sizeof image.width, hash);
+    std::uint64_t hash = fnv1a_of_bytes(image.texels.data(), image.texels.size() * sizeof(Vec3<float>));
+    hash = image.texels.size() == 1 || image.width == 2 * image.height
+               ? hash
+               : fnv1a_of_bytes(&image.width, sizeof image.width, hash);
     environment->hash = fmt::format("{:016x}", hash);
     environment->image = std::move(image);
     return environment;
@@ -567,7 +569,7 @@ Scene parse_scene(const std::string& text, const std::string& file) {
     }
     canonical += of_rules + (scene.environment_map != nullptr ? scene.environment_map->hash : "");
     canonical += text_of_textures(scene);
-    scene.hash = fmt::format("{:016x}", fnv1a(canonical.data(), canonical.size()));
+    scene.hash = fmt::format("{:016x}", fnv1a_of_bytes(canonical.data(), canonical.size()));
     return scene;
 }
 

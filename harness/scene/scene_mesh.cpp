@@ -10,10 +10,11 @@
 
 #include <fmt/format.h>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/mesh/generate.h"
 #include "harness/mesh/read_mesh.h"
 #include "harness/mesh/vertex_normals.h"
+#include "variants/fnv1a.h"
 
 namespace pt {
 
@@ -69,7 +70,7 @@ std::vector<T> in_order(const std::vector<T>& values, const std::vector<std::uin
 
 template <class T>
 std::string hash_of(const std::vector<T>& values) {
-    return values.empty() ? "" : fmt::format("{:016x}", fnv1a(values.data(), values.size() * sizeof(T)));
+    return values.empty() ? "" : fmt::format("{:016x}", fnv1a_of_bytes(values.data(), values.size() * sizeof(T)));
 }
 
 // The triangles in the order of those of a mesh that has no more of its corners; triangles in one place by what theirs
@@ -209,8 +210,8 @@ std::shared_ptr<const SceneMesh> make_scene_mesh(const Mesh& mesh, const std::st
             made->bounds.high[axis] = std::max(made->bounds.high[axis], box.high[axis]);
         }
     }
-    made->hash =
-        fmt::format("{:016x}", fnv1a(made->triangles.data(), made->triangles.size() * sizeof(Triangle<float>)));
+    made->hash = fmt::format("{:016x}",
+                             fnv1a_of_bytes(made->triangles.data(), made->triangles.size() * sizeof(Triangle<float>)));
     return made;
 }
 

@@ -8,7 +8,7 @@
 
 #include "harness/mesh/mesh.h"
 #include "harness/scene/scene.h"
-#include "variants/acceleration/binary_tree.h"
+#include "variants/bvh/binary_tree.h"
 
 namespace pt {
 

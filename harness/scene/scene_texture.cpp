@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "harness/scene/json_lines.h"
+#include "variants/fnv1a.h"
 
 namespace pt {
 
@@ -29,8 +30,8 @@ std::shared_ptr<const SceneTexture> read_texture(const JsonValue& value, TexelMe
         named, [&](const std::filesystem::path& file) { return read_texture_image(file.string(), meaning); });
     texture->file = named.text();
     const std::vector<Vec3<float>>& texels = texture->image.texels;
-    texture->hash = fmt::format(
-        "{:016x}", fnv1a(texels.data(), texels.size() * sizeof(Vec3<float>), fnv1a(&texture->image.width, 4)));
+    texture->hash = fmt::format("{:016x}", fnv1a_of_bytes(texels.data(), texels.size() * sizeof(Vec3<float>),
+                                                          fnv1a_of_bytes(&texture->image.width, 4)));
     return texture;
 }
 

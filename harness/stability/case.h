@@ -1,5 +1,5 @@
 // A stiff or extreme case with an exact answer: what is stiff about it, its parameters, what is rendered or computed,
-// and what must come out, from its formula. A case is a few lines in a file of its family (harness/stability/cases/)
+// and what must come out, from its formula. A case is a few lines in a file of its family (stability/cases/)
 // that registers itself; the catalogue's numbers (S1 to S48) are those of docs/numerics.md section 2.
 #pragma once
 

@@ -151,7 +151,7 @@ std::optional<Row> compared_with_reference(const Task& task, const Scene& scene,
     count_work(row, result);
     row.film_hash = result.film.hash();
     row.seconds += 1e-3 * reference.wall_ms;
-    row.measurement.quantity = "pixels that differ from " + request.variant["integrator"] + " in fewer samples";
+    row.measurement.quantity = "pixels that differ from " + request.variant[axes::integrator] + " in fewer samples";
     row.measurement.measured = differing_pixels(result.film.sums(), reference.film.sums());
     row.measurement.tolerance.origin = "bit for bit";
     judge(row, task);
@@ -355,7 +355,7 @@ std::vector<Row> evaluate_unguarded(const Task& task) {
 // A check of functions has nothing to do with how paths are scheduled, and is run on the host whatever the backend.
 std::string direct_not_applicable(const Task& task) {
     const VariantTraits traits = traits_of(task.variant, task.backend);
-    const bool is_plainest = task.variant["integrator"] == plainest_variant(task.backend)["integrator"];
+    const bool is_plainest = task.variant[axes::integrator] == plainest_variant(task.backend)[axes::integrator];
     if (!is_plainest || fp_relaxed(task.variant, task.backend)) {
         return "checks functions, not images: on the host, once";
     }
@@ -373,7 +373,7 @@ std::string direct_not_applicable(const Task& task) {
 Variant plainest_variant(Backend backend) {
     const Registry& registry = Registry::instance();
     Variant variant = with_every_feature(registry.reference(registry.baseline(backend), backend), backend);
-    variant.set("arithmetic", "exact");
+    variant.set(axes::arithmetic, "exact");
     return variant;
 }
 
@@ -394,7 +394,7 @@ std::string_view to_string(Status status) {
 
 bool must_pass(const Variant& variant, Backend backend) {
     const VariantTraits traits = traits_of(variant, backend);
-    const Choice* accelerator = Registry::instance().find("accelerator", variant["accelerator"], backend);
+    const Choice* accelerator = Registry::instance().find(axes::accelerator, variant[axes::accelerator], backend);
     const bool is_our_test = accelerator == nullptr || accelerator->descriptor.claim == Claim::bitwise;
     return !traits.robustness.is_naive && !traits.arithmetic.is_approximate && is_our_test;
 }

@@ -7,9 +7,10 @@
 
 #include "harness/bench/journal.h"
 #include "harness/bench/kept_result.h"
-#include "harness/bench/machine.h"
 #include "harness/bench/result_file.h"
 #include "harness/json_reader.h"
+#include "harness/machine/machine.h"
+#include "harness/ranks/machine_json.h"
 #include "harness/variant_json.h"
 #include "harness/write_file.h"
 #include "variants/variant_name.h"

@@ -8,7 +8,7 @@ namespace {
 
 std::vector<std::string> timed_integrators(Backend backend, std::size_t turn) {
     std::vector<std::string> integrators, queues;
-    for (const Choice* choice : Registry::instance().choices("integrator", backend)) {
+    for (const Choice* choice : Registry::instance().choices(axes::integrator, backend)) {
         const auto traits = traits_in<IntegratorTraits>(choice->descriptor);
         if (!traits.inspects) {
             (traits.has_queue ? queues : integrators).emplace_back(choice->descriptor.name);
@@ -20,7 +20,7 @@ std::vector<std::string> timed_integrators(Backend backend, std::size_t turn) {
 
 std::vector<std::string> bounded_arithmetics(Backend backend) {
     std::vector<std::string> names;
-    for (const Choice* choice : Registry::instance().choices("arithmetic", backend)) {
+    for (const Choice* choice : Registry::instance().choices(axes::arithmetic, backend)) {
         if (!traits_in<ArithmeticTraits>(choice->descriptor).is_approximate) {
             names.emplace_back(choice->descriptor.name);
         }
@@ -37,7 +37,7 @@ std::vector<Variant> timed_variants(Backend backend, std::size_t turn, bool quic
     const std::vector<std::string> integrators = timed_integrators(backend, turn);
     const std::vector<std::string> arithmetics = bounded_arithmetics(backend);
     Variant of_scene = plainest_variant(backend);
-    of_scene.set("specialisation", Registry::instance().baseline(backend)["specialisation"]);
+    of_scene.set(axes::specialisation, Registry::instance().baseline(backend)[axes::specialisation]);
     std::vector<Variant> variants;
     for (std::size_t i = 0; i < integrators.size(); ++i) {
         for (std::size_t a = 0; a < arithmetics.size(); ++a) {
@@ -45,8 +45,8 @@ std::vector<Variant> timed_variants(Backend backend, std::size_t turn, bool quic
                 continue;
             }
             Variant variant = of_scene;
-            variant.set("integrator", integrators[i]);
-            variant.set("arithmetic", arithmetics[a]);
+            variant.set(axes::integrator, integrators[i]);
+            variant.set(axes::arithmetic, arithmetics[a]);
             // Two integrators after another have one arithmetic with and without: the room turns half as fast.
             if ((i + a + turn / 2) % 2 != 0) {
                 variant.tuning["room"] = 0;

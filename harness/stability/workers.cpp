@@ -12,7 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/say.h"
 
 namespace pt::stability {

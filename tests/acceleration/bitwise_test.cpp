@@ -7,11 +7,11 @@
 #include "tests/acceleration/builders.h"
 #include "tests/acceleration/closest.h"
 #include "tests/acceleration/triangle_scenes.h"
-#include "variants/acceleration/box_ray.h"
 #include "variants/accelerator/bvh2.h"
 #include "variants/accelerator/bvh4.h"
 #include "variants/accelerator/bvh8.h"
 #include "variants/accelerator/cwbvh.h"
+#include "variants/bvh/box_ray.h"
 
 namespace pt::test {
 namespace {

@@ -5,11 +5,11 @@
 #include <omp.h>
 
 #include "tests/acceleration/builders.h"
-#include "variants/acceleration/box.h"
-#include "variants/acceleration/collapse.h"
-#include "variants/acceleration/depth.h"
 #include "variants/builder/pairing.h"
 #include "variants/builder/spatial_split.h"
+#include "variants/bvh/box.h"
+#include "variants/bvh/collapse.h"
+#include "variants/bvh/depth.h"
 
 namespace pt::test {
 namespace {
@@ -49,9 +49,9 @@ TEST_P(BuilderTest, TreesAreWhole) {
 
 TEST_P(BuilderTest, DepthIsBoundedWhereNoSplitHelps) {
     const BinaryTree equal = checked(equal_triangles(65536), 1);
-    EXPECT_LE(builder::tree_depth(equal), max_tree_depth);
+    EXPECT_LE(tree_depth(equal), max_tree_depth);
     if (GetParam().name != "lbvh") {  // which parts equal codes by the primitives' numbers: as deep, here
-        EXPECT_EQ(builder::tree_depth(equal), 16u);
+        EXPECT_EQ(tree_depth(equal), 16u);
     }
     checked(geometric_progression(3000), 1);
 }
@@ -139,7 +139,7 @@ TEST(WithinDepthTest, ATreeThatIsTooDeepIsAssembledAnew) {
         const std::uint32_t child = 2 * i + 1;
         chain.nodes[2 * i] = {joined(chain.nodes[child].box, chain.nodes[child + 1].box), child, 0};
     }
-    ASSERT_EQ(builder::tree_depth(chain), triangles.size() - 1);
+    ASSERT_EQ(tree_depth(chain), triangles.size() - 1);
     EXPECT_NO_THROW(builder::check(builder::within_depth(chain, boxes), boxes));
     const BinaryTree good = builder::sah_binned::build(boxes, 2);
     EXPECT_EQ(builder::within_depth(good, boxes).references, good.references);
@@ -188,7 +188,7 @@ TEST(CollapseTest, WideNodesHoldEachSubtreeOnce) {
 TEST(CollapseTest, TakesHighestSubtreesWhereTheStackIsShort) {
     const Triangles triangles = geometric_progression(3000);
     const BinaryTree tree = builder::sah_binned::build(boxes_of(triangles), 1);
-    const std::uint32_t depth = builder::tree_depth(tree);
+    const std::uint32_t depth = tree_depth(tree);
     const std::uint32_t bound4 = 1 + 3 * ((depth + 1) / 2), bound8 = 1 + 7 * ((depth + 2) / 3);
     EXPECT_LE(stack_need(collapse(tree, 4, bound4), 4), bound4);
     EXPECT_LE(stack_need(collapse(tree, 8, bound8), 8), bound8);

@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "tests/acceleration/triangle_scenes.h"
-#include "variants/acceleration/primitive_boxes.h"
 #include "variants/builder/lbvh.h"
 #include "variants/builder/ploc.h"
 #include "variants/builder/sah_binned.h"
 #include "variants/builder/sah_sweep.h"
 #include "variants/builder/sbvh.h"
+#include "variants/bvh/primitive_boxes.h"
 
 namespace pt::test {
 

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "tests/acceleration/triangle_scenes.h"
-#include "variants/acceleration/encoded_tree.h"
+#include "variants/bvh/encoded_tree.h"
 
 namespace pt::test {
 

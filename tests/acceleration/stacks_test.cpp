@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "variants/acceleration/stacks.h"
+#include "variants/bvh/stacks.h"
 #include "variants/traversal/while_while.cuh"
 
 namespace pt::test {

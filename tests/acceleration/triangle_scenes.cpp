@@ -5,8 +5,8 @@
 
 #include "tests/support/random_vectors.h"
 #include "tests/support/statistics.h"
-#include "variants/acceleration/box.h"
-#include "variants/acceleration/primitive_boxes.h"
+#include "variants/bvh/box.h"
+#include "variants/bvh/primitive_boxes.h"
 
 namespace pt::test {
 

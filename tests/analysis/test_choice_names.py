@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from conftest import ROOT
 
-FOLDERS = ("variants", "harness", "kernels")
+FOLDERS = ("variants", "harness", "stability", "kernels")
 SUFFIXES = {".cpp", ".h", ".cu", ".cuh", ".in"}
 AXES = re.findall(r'^    \{"([a-z_]+)", "', (ROOT / "variants" / "axes.h").read_text(encoding="utf-8"), re.MULTILINE)
 # Words that are names of choices and other things too: there only what is plainly a variant's choice counts.

@@ -82,7 +82,7 @@ print(json.dumps([glass, metal]))
 
 
 def test_names_of_indices_are_mitsubas(mitsuba):
-    source = (ROOT / "harness/scene/mitsuba_indices.cpp").read_text(encoding="utf-8")
+    source = (ROOT / "harness/interchange/mitsuba_indices.cpp").read_text(encoding="utf-8")
     number = r"([0-9.]+)"
     here = {name: float(value) for name, value in re.findall(rf'\{{"([a-z0-9 ]+)", {number}\}}', source)}
     three = ", ".join([number] * 3)

@@ -10,7 +10,7 @@ import subprocess
 import pytest
 from conftest import ROOT, committed
 
-FOLDERS = ("analysis", "docs", "harness", "kernels", "packaging", "scenes", "tests", "variants")
+FOLDERS = ("analysis", "docs", "harness", "kernels", "packaging", "scenes", "stability", "tests", "variants")
 SUFFIXES = {".json", ".h", ".cuh", ".cpp", ".cu", ".py", ".md", ".in", ".txt"}
 HERE = {"test_project_names.py", "run_command_test.cpp"}  # they name the old name
 # The scene's hash is that of its whole file: another description would tear it from the results that are there.

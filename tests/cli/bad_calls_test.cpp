@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
-#include "harness/render/exr.h"
+#include "harness/exr.h"
 #include "tests/support/backends.h"
 #include "tests/support/command.h"
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "harness/bench/machine.h"
+#include "harness/machine/machine.h"
 #include "harness/render/renderer.h"
 #include "tests/support/command.h"
 #include "tests/support/places.h"

@@ -1,10 +1,10 @@
 // export as a user calls it: the XML of a scene with one of everything, every refusal at once, and what is written.
 #include <gtest/gtest.h>
 
+#include "harness/interchange/export_mitsuba.h"
+#include "harness/interchange/mitsuba_limits.h"
+#include "harness/interchange/xml_text.h"
 #include "harness/mesh/read_mesh.h"
-#include "harness/scene/export_mitsuba.h"
-#include "harness/scene/mitsuba_limits.h"
-#include "harness/scene/xml_text.h"
 #include "tests/support/command.h"
 #include "tests/support/places.h"
 #include "tests/support/scenes.h"

@@ -1,5 +1,6 @@
 // `list` as a user calls it: what there is, what applies where, and what a kernel leaves out.
 #include <algorithm>
+#include <fstream>
 #include <set>
 #include <sstream>
 
@@ -8,6 +9,7 @@
 
 #include "tests/support/backends.h"
 #include "tests/support/command.h"
+#include "tests/support/places.h"
 
 namespace pt::test {
 namespace {
@@ -31,6 +33,19 @@ void expect_same_backends(const std::string& axis, const json& choice) {
     }
     EXPECT_EQ(choice.at("backends"), expected) << axis << "=" << choice.at("name");
     EXPECT_FALSE(expected.empty());
+}
+
+// Python and the schemas read the facts of axes from this file.
+TEST(ListTest, AxesAreThoseOfTheFileThatPythonReads) {
+    const CommandResult result = ptbench({"list", "axes", "--json"});
+    EXPECT_EQ(result.exit_code, 0);
+    std::ifstream file(in_source("analysis/ptbench/io/axes.json"));
+    const std::string written{std::istreambuf_iterator<char>(file), {}};
+    EXPECT_EQ(result.out, written) << "build/ptbench list axes --json > analysis/ptbench/io/axes.json";
+    const std::string text = ptbench({"list", "axes"}).out;
+    for (const std::string_view axis : axis_names) {
+        EXPECT_NE(text.find("\n  " + std::string(axis) + " "), std::string::npos) << axis;
+    }
 }
 
 TEST(ListTest, JsonHasAxesScenesSuitesAndBackends) {

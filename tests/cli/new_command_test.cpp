@@ -22,8 +22,7 @@ protected:
                                    "tests/image", axis_folder, integrator_folder}) {
             fs::create_directories(home.path() / folder);
         }
-        for (const char* file :
-             {"choice.cpp.in", "choice.cuh.in", "choice_parameters.cuh.in", "choice.cuda.cpp.in", "test.cpp.in"}) {
+        for (const char* file : {"choice.cpp.in", "choice.cuh.in", "test.cpp.in"}) {
             fs::copy_file(fs::path(test::source_folder()) / axis_folder / file, home.path() / axis_folder / file);
         }
         for (const auto& entry : fs::directory_iterator(fs::path(test::source_folder()) / integrator_folder)) {
@@ -65,12 +64,9 @@ TEST_F(NewCommandTest, WritesTheTemplatesUnderTheName) {
     ASSERT_EQ(result.exit_code, 0) << result.err;
     EXPECT_EQ(result.err, "");
     std::vector<std::string> expected = before;
-    for (const auto& [file, source] :
-         {std::pair{"variants/compaction/my_scan2.cpp", "choice.cpp.in"},
-          std::pair{"variants/compaction/my_scan2.cuh", "choice.cuh.in"},
-          std::pair{"variants/compaction/my_scan2_parameters.cuh", "choice_parameters.cuh.in"},
-          std::pair{"variants/compaction/my_scan2.cuda.cpp", "choice.cuda.cpp.in"},
-          std::pair{"tests/unit/my_scan2_compaction_test.cpp", "test.cpp.in"}}) {
+    for (const auto& [file, source] : {std::pair{"variants/compaction/my_scan2.cpp", "choice.cpp.in"},
+                                       std::pair{"variants/compaction/my_scan2.cuh", "choice.cuh.in"},
+                                       std::pair{"tests/unit/my_scan2_compaction_test.cpp", "test.cpp.in"}}) {
         // As CMake fills them in for the test that compiles them.
         EXPECT_EQ(content_of(home.file(file)), filled(source, "my_scan2"));
         EXPECT_NE(content_of(home.file(file)).find("my_scan2"), std::string::npos);
@@ -96,7 +92,6 @@ TEST_F(NewCommandTest, WritesAnIntegratorUnderItsName) {
     const CommandResult result = call({"integrator", "my_tiles"});
     ASSERT_EQ(result.exit_code, 0) << result.err;
     for (const char* file : {"variants/integrator/my_tiles.h", "variants/integrator/my_tiles.cuh",
-                             "variants/integrator/my_tiles_parameters.cuh", "variants/integrator/my_tiles.cuda.cpp",
                              "tests/unit/my_tiles_integrator_test.cpp"}) {
         EXPECT_NE(content_of(home.file(file)).find("my_tiles"), std::string::npos) << file;
         EXPECT_EQ(content_of(home.file(file)).find('@'), std::string::npos) << file;

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "harness/render/exr.h"
+#include "harness/exr.h"
 #include "tests/support/command.h"
 #if defined(PTBENCH_HAS_OPENEXR)
 #include "tests/support/read_exr.h"

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "harness/bench/cpu_quota.h"
+#include "harness/machine/cpu_quota.h"
 #include "tests/support/backends.h"
 #include "tests/support/command.h"
 #include "tests/support/places.h"

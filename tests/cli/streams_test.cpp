@@ -63,7 +63,7 @@ TEST_P(StderrTest, ARunGoesOnWithoutItsProgress) {
 // What else prints there ends the program where nobody takes it (fmt::print throws).
 TEST(StderrLinesTest, AllGoThroughSay) {
     const std::regex other_way("std::cerr|std::clog|perror\\(|(print|printf|puts|putc|flush)\\([^;]*\\bstderr\\b");
-    for (const char* const folder : {"harness", "variants", "kernels"}) {
+    for (const char* const folder : {"harness", "stability", "variants", "kernels"}) {
         for (const auto& entry : std::filesystem::recursive_directory_iterator(source_folder() + "/" + folder)) {
             if (entry.is_regular_file()) {
                 EXPECT_FALSE(std::regex_search(content_of(entry.path()), other_way)) << entry.path();

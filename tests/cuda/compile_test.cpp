@@ -30,12 +30,12 @@
 #include "harness/bench/suite.h"
 #include "harness/cuda/backend.h"
 #include "harness/cuda/kernel_request.h"
-#include "harness/places.h"
+#include "harness/scene/places.h"
 #include "harness/write_file.h"
 #include "supported_architectures.h"
 #include "tests/support/places.h"
-#include "variants/cuda/nvrtc.h"
-#include "variants/cuda/sources.h"
+#include "variants/cuda/runtime/nvrtc.h"
+#include "variants/cuda/runtime/sources.h"
 
 namespace pt {
 namespace {

@@ -14,13 +14,13 @@
 
 #include "harness/cli/commands.h"
 #include "harness/cuda/sass.h"
-#include "harness/error.h"
-#include "harness/places.h"
+#include "harness/failure.h"
+#include "harness/scene/places.h"
 #include "tests/support/command.h"
 #include "tests/support/places.h"
 #include "variants/cuda/append_compaction.h"
-#include "variants/cuda/compiler_report.h"
-#include "variants/cuda/nvrtc.h"
+#include "variants/cuda/runtime/compiler_report.h"
+#include "variants/cuda/runtime/nvrtc.h"
 #include "variants/registry.h"
 
 namespace pt {
@@ -296,12 +296,12 @@ protected:
                                            "variants/compaction/test_written.cuh";
         std::filesystem::create_directories(file.parent_path());
         test::write_text(file.string(),
-                         "#pragma once\n#include \"variants/cuda/append.cuh\"\n"
+                         "#pragma once\n#include \"variants/cuda/device/append.cuh\"\n"
                          "__device__ inline std::uint32_t append(std::uint32_t* count, bool keep) {\n"
                          "    return " +
                              append +
                              "(count, keep);\n"
-                             "}\n#include \"variants/cuda/append_kernels.cuh\"\n");
+                             "}\n#include \"variants/cuda/device/append_kernels.cuh\"\n");
     }
     static Variant variant(const std::string& integrator, const std::string& compaction, const std::string& sorting) {
         Variant variant = Registry::instance().baseline(Backend::cuda);

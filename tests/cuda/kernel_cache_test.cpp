@@ -1,6 +1,6 @@
 // Compiled kernels on disk: what is there is used, what is damaged is made again, two processes do not disturb each
 // other, and what does not compile says why. No GPU is needed.
-#include "variants/cuda/module.h"
+#include "variants/cuda/runtime/module.h"
 
 #include <regex>
 #include <set>
@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "harness/cuda/kernel_request.h"
-#include "harness/places.h"
+#include "harness/scene/places.h"
 #include "tests/support/command.h"
 #include "tests/support/places.h"
 #include "variants/registry.h"

@@ -6,10 +6,10 @@
 #include <gtest/gtest.h>
 
 #include "harness/cuda/kernel_request.h"
-#include "harness/places.h"
 #include "harness/render/renderer.h"
+#include "harness/scene/places.h"
 #include "tests/support/places.h"
-#include "variants/cuda/nvrtc.h"
+#include "variants/cuda/runtime/nvrtc.h"
 #include "variants/registry.h"
 
 namespace pt {

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "tests/support/command.h"
 
 namespace pt {

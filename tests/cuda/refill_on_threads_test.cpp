@@ -9,12 +9,11 @@
 
 #include <gtest/gtest.h>
 
-#include "harness/places.h"
+#include "harness/scene/places.h"
 #include "harness/scene/scene_buffers.h"
 #include "tests/support/one_by_one.h"
 #include "variants/accelerator/brute_force.h"
-#include "variants/cuda/kernel_config.h"
-#include "variants/integrator/wavefront_refill_parameters.cuh"
+#include "variants/cuda/device/kernel_config.h"
 #include "variants/layout/aos.cuh"
 
 using std::max;
@@ -37,9 +36,9 @@ std::uint32_t rest(const Ray&, const Hit&, const Bounds&) {
     return 0;
 }
 }  // namespace sort_key
-#include "variants/cuda/scene_in_global.cuh"
+#include "variants/cuda/device/scene_in_global.cuh"
 // After it: they need no more than its names.
-#include "variants/cuda/pixels_all.cuh"
+#include "variants/cuda/device/pixels_all.cuh"
 #include "variants/integrator/wavefront_refill.cuh"
 
 namespace pt::test {

@@ -8,12 +8,11 @@
 
 #include <gtest/gtest.h>
 
-#include "harness/places.h"
+#include "harness/scene/places.h"
 #include "harness/scene/scene_buffers.h"
 #include "tests/support/one_by_one.h"
 #include "variants/accelerator/brute_force.h"
-#include "variants/cuda/kernel_config.h"
-#include "variants/integrator/regroup_parameters.cuh"
+#include "variants/cuda/device/kernel_config.h"
 #include "variants/layout/aos.cuh"
 
 using std::max;
@@ -30,9 +29,9 @@ inline constexpr unsigned regroup = sizeof(pt::cuda::RegroupParameters<float>);
 }
 using Paths = pt::layout::aos::DevicePaths<Real>;
 using Accelerator = pt::accelerator::brute_force::Traversal;
-#include "variants/cuda/scene_in_global.cuh"
+#include "variants/cuda/device/scene_in_global.cuh"
 // After it: they need no more than its names.
-#include "variants/cuda/pixels_all.cuh"
+#include "variants/cuda/device/pixels_all.cuh"
 #include "variants/integrator/regroup.cuh"
 
 namespace pt::test {

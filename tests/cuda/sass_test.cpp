@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "variants/cuda/compiler_report.h"
+#include "variants/cuda/runtime/compiler_report.h"
 
 namespace pt {
 namespace {

@@ -11,14 +11,14 @@
 #include "harness/cuda/backend.h"
 #include "harness/cuda/device_scene.h"
 #include "harness/cuda/kernel_request.h"
-#include "harness/error.h"
 #include "harness/error/reference.h"
-#include "harness/places.h"
+#include "harness/failure.h"
+#include "harness/scene/places.h"
 #include "harness/stability/evaluate.h"
 #include "tests/support/command.h"
 #include "tests/support/places.h"
-#include "variants/cuda/arena.h"
-#include "variants/cuda/sources.h"
+#include "variants/cuda/runtime/arena.h"
+#include "variants/cuda/runtime/sources.h"
 #include "variants/variant_name.h"
 
 namespace pt {
@@ -174,7 +174,7 @@ TEST(ModuleRequestTest, EveryIntegratorsSourceIsEmbedded) {
         EXPECT_TRUE(is_embedded(cuda::integrator_source(variant))) << cuda::integrator_source(variant);
     }
     for (const char* header :
-         {"kernels/shade.h", "variants/cuda/device.cuh", "variants/layout/soa.cuh", "glm/vec3.hpp"}) {
+         {"kernels/shade.h", "variants/cuda/device/device.cuh", "variants/layout/soa.cuh", "glm/vec3.hpp"}) {
         EXPECT_TRUE(is_embedded(header)) << header;
     }
 }

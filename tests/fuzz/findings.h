@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 
 // Under libFuzzer the name that its main calls; in fuzz_corpus_test one name a target (tests/fuzz/CMakeLists.txt).
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);

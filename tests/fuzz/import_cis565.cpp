@@ -1,5 +1,5 @@
 // Scenes in the CIS 565 text format.
-#include "harness/scene/import_cis565.h"
+#include "harness/interchange/import_cis565.h"
 
 #include "tests/fuzz/imports.h"
 

@@ -1,5 +1,5 @@
 // Scenes in the JSON format of CIS 565.
-#include "harness/scene/import_course_json.h"
+#include "harness/interchange/import_course_json.h"
 
 #include "tests/fuzz/imports.h"
 

@@ -1,5 +1,5 @@
 // glTF scenes, binary or JSON.
-#include "harness/scene/import_gltf.h"
+#include "harness/interchange/import_gltf.h"
 
 #include "harness/scene/scene_mesh.h"
 #include "harness/scene/texture_image.h"

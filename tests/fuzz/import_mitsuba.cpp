@@ -1,5 +1,5 @@
 // Scenes in Mitsuba's XML.
-#include "harness/scene/import_mitsuba.h"
+#include "harness/interchange/import_mitsuba.h"
 
 #include "tests/fuzz/imports.h"
 

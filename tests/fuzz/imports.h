@@ -1,7 +1,7 @@
 // What every importer keeps to: what it accepts is a scene file, and all that it says is in lines.
 #pragma once
 
-#include "harness/scene/import_result.h"
+#include "harness/interchange/import_result.h"
 #include "harness/scene/scene.h"
 #include "tests/fuzz/findings.h"
 

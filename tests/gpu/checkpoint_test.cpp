@@ -8,8 +8,8 @@
 
 #include "harness/bench/suite.h"
 #include "harness/cuda/backend.h"
-#include "harness/places.h"
 #include "harness/render/renderer.h"
+#include "harness/scene/places.h"
 
 namespace pt {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "tests/gpu/choices.h"
 #include "tests/support/statistics.h"
-#include "variants/cuda/payload_iterator.h"
+#include "variants/layout/payload_iterator.cuh"
 
 namespace pt::test {
 

@@ -7,12 +7,12 @@
 
 #include "harness/cuda/backend.h"
 #include "harness/cuda/cell.h"
-#include "harness/places.h"
 #include "harness/render/device_shares.h"
-#include "variants/cuda/arena.h"
-#include "variants/cuda/handles.h"
-#include "variants/cuda/nccl.h"
-#include "variants/cuda/on_device.h"
+#include "harness/scene/places.h"
+#include "variants/cuda/runtime/arena.h"
+#include "variants/cuda/runtime/handles.h"
+#include "variants/cuda/runtime/nccl.h"
+#include "variants/cuda/runtime/on_device.h"
 #include "variants/devices/here.h"
 
 namespace pt {

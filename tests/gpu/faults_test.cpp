@@ -7,9 +7,9 @@
 
 #include "harness/bench/journal.h"
 #include "harness/cuda/backend.h"
-#include "harness/error.h"
-#include "harness/places.h"
+#include "harness/failure.h"
 #include "harness/render/renderer.h"
+#include "harness/scene/places.h"
 #include "tests/support/command.h"
 
 // gpu/faulty_kernel.cu: launches a kernel that ends in a trap, and waits for it.

@@ -5,10 +5,11 @@
 #include "harness/bench/suite.h"
 #include "harness/bench/verify.h"
 #include "harness/cuda/backend.h"
-#include "harness/error.h"
-#include "harness/places.h"
+#include "harness/failure.h"
+#include "harness/scene/places.h"
 #include "variants/cuda/megakernels.h"
-#include "variants/integrator/megakernel_parameters.cuh"
+#define PT_PARAMETERS  // of its kernel alone
+#include "variants/integrator/megakernel.cuh"
 
 namespace pt {
 namespace {
@@ -121,7 +122,7 @@ TEST_F(Gate, PassesASoundIntegrator) {
 }
 
 // Warps whose lanes take waiting paths at the first and at the last moment, and those of blocks so large that no paths
-// can wait in their shared memory (variants/cuda/warp_items.cuh).
+// can wait in their shared memory (variants/cuda/device/warp_items.cuh).
 TEST_F(Gate, PassesWarpsWhateverTheirPathsWaitFor) {
     const Scene scene = find_scene("cornell_open_five");
     Verifier verifier(scene, settings_of(scene, 40, 33), 3, Backend::cuda);  // pixels: no whole number of strips

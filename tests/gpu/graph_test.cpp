@@ -4,9 +4,9 @@
 
 #include "harness/bench/suite.h"
 #include "harness/cuda/backend.h"
-#include "harness/places.h"
 #include "harness/render/renderer.h"
-#include "variants/cuda/graph.h"
+#include "harness/scene/places.h"
+#include "variants/cuda/runtime/graph.h"
 
 namespace pt {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "kernels/in_range.h"
 #include "kernels/rng.h"
-#include "variants/cuda/check.h"
+#include "variants/cuda/runtime/check.h"
 
 namespace pt::test {
 namespace {

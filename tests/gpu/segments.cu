@@ -5,7 +5,7 @@
 #include "kernels/intersect.h"
 #include "kernels/rng.h"
 #include "kernels/sampling.h"
-#include "variants/cuda/check.h"
+#include "variants/cuda/runtime/check.h"
 
 namespace pt::test {
 namespace {

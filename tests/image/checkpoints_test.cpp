@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/render/checkpoints.h"
 #include "tests/support/scenes.h"
 

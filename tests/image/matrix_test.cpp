@@ -2,8 +2,8 @@
 // meet, but for the few that graze an edge (the issue allows one in 1e5).
 #include <gtest/gtest.h>
 
-#include "harness/places.h"
 #include "harness/render/renderer.h"
+#include "harness/scene/places.h"
 
 namespace pt {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "harness/places.h"
+#include "harness/scene/places.h"
 #include "tests/support/stage.h"
 #include "variants/integrator/packet.h"
 

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "harness/places.h"
 #include "harness/render/renderer.h"
+#include "harness/scene/places.h"
 
 namespace pt {
 namespace {

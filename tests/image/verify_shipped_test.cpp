@@ -6,7 +6,7 @@
 
 #include "harness/bench/suite.h"
 #include "harness/bench/verify.h"
-#include "harness/places.h"
+#include "harness/scene/places.h"
 #include "tests/support/places.h"
 
 namespace pt {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/mesh/check_mesh.h"
 #include "harness/mesh/exact_math.h"
 #include "tests/mesh/edges.h"

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/mesh/obj_materials.h"
 #include "harness/mesh/read_mesh.h"
 

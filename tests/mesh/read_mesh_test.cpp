@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "tests/support/command.h"
 
 namespace pt {

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/mesh/generate.h"
 #include "harness/mesh/read_mesh.h"
 #include "tests/support/command.h"

@@ -1,7 +1,7 @@
 // What takes a ray to a triangle and decides whether it is hit, alone, as nvcc compiles it where it may fuse a
 // multiplication with an addition: nvcc_test.cpp looks at the PTX.
 #include "kernels/intersect.h"
-#include "variants/acceleration/box_ray.h"
+#include "variants/bvh/box_ray.h"
 
 namespace pt {
 

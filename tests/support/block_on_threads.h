@@ -2,7 +2,7 @@
 // system a lane, shared memory is static memory, and the lanes of a warp meet at a barrier wherever they exchange
 // something. Slow, and without a GPU's ways of going wrong, but every race between two lanes is one between two
 // threads, which a thread sanitizer finds. Before the kernel's text a program says what NVRTC's would (program_text in
-// variants/cuda/module.cpp).
+// variants/cuda/runtime/module.cpp).
 #pragma once
 
 #include <atomic>

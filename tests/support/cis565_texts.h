@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "harness/scene/import_cis565.h"
+#include "harness/interchange/import_cis565.h"
 
 namespace pt::test {
 

@@ -1,5 +1,5 @@
 // Affine maps: what they do, and that taking one apart gives its numbers back to the last bit.
-#include "harness/scene/affine.h"
+#include "harness/interchange/affine.h"
 
 #include <random>
 

@@ -4,7 +4,7 @@
 #include "harness/bench/suite.h"
 #include "harness/cli/commands.h"
 #include "harness/cuda/backend.h"
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "tests/support/backends.h"
 
 namespace pt {

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "harness/places.h"
 #include "harness/scene/find_enclosure.h"
+#include "harness/scene/places.h"
 #include "harness/scene/scene_buffers.h"
 #include "kernels/shade.h"
 #include "tests/support/scenes.h"

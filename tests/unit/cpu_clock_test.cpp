@@ -1,5 +1,5 @@
 // The clock of a core: what contradicts itself is no clock.
-#include "harness/bench/cpu_clock.h"
+#include "harness/machine/cpu_clock.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Quotas of CPU time, read from made folders of control groups.
-#include "harness/bench/cpu_quota.h"
+#include "harness/machine/cpu_quota.h"
 
 #include <filesystem>
 

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "tests/support/command.h"
 
 namespace pt {

@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "harness/places.h"
 #include "harness/render/renderer.h"
+#include "harness/scene/places.h"
 #include "tests/support/scenes.h"
 
 namespace pt {

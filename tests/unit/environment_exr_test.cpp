@@ -2,7 +2,7 @@
 // own.
 #include <gtest/gtest.h>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/scene/environment_image.h"
 #include "tests/support/command.h"
 

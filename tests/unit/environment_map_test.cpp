@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "harness/error.h"
-#include "harness/render/exr.h"
+#include "harness/exr.h"
+#include "harness/failure.h"
 #include "harness/scene/environment_table.h"
 #include "tests/support/scenes.h"
 #include "tests/support/statistics.h"

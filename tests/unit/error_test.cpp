@@ -1,5 +1,5 @@
 // Messages are one line, and a terminal does nothing but show them.
-#include "harness/error.h"
+#include "harness/failure.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/files_read.h"
 #include "harness/json_reader.h"
 #include "tests/support/command.h"

@@ -1,6 +1,6 @@
 // The importer of the CIS 565 text format: the two scenes of cis565, every reading that its header states. What it says
 // of a text is tested in import_findings_test.cpp.
-#include "harness/scene/import_cis565.h"
+#include "harness/interchange/import_cis565.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "harness/scene/import_course_json.h"
+#include "harness/interchange/import_course_json.h"
 #include "harness/scene/scene_buffers.h"
 #include "kernels/camera.h"
 #include "tests/support/cis565_texts.h"

@@ -1,11 +1,11 @@
 // The JSON format of CIS 565: what is its own, and that the rest is read as the text format's lines are.
-#include "harness/scene/import_course_json.h"
+#include "harness/interchange/import_course_json.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "harness/scene/import_cis565.h"
-#include "harness/scene/import_scene.h"
+#include "harness/interchange/import_cis565.h"
+#include "harness/interchange/import_scene.h"
 #include "harness/scene/json_lines.h"
 #include "harness/scene/scene.h"
 #include "tests/support/cis565_texts.h"

@@ -1,5 +1,5 @@
 // What the importer says of a text: every problem at once, each reading that loses something, and what it leaves out.
-#include "harness/scene/import_findings.h"
+#include "harness/interchange/import_findings.h"
 
 #include <sstream>
 

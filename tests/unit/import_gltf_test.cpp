@@ -1,5 +1,5 @@
 // glTF scenes of a few bytes: where every vertex stands, what each material is read as, and what is told.
-#include "harness/scene/import_gltf.h"
+#include "harness/interchange/import_gltf.h"
 
 #include <cmath>
 #include <cstring>
@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "harness/interchange/import_scene.h"
 #include "harness/mesh/read_mesh.h"
-#include "harness/scene/import_scene.h"
 #include "harness/scene/scene_mesh.h"
 #include "harness/scene/texture_image.h"
 #include "tests/support/command.h"

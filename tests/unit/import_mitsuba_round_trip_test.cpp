@@ -5,13 +5,13 @@
 
 #include <gtest/gtest.h>
 
+#include "harness/exr.h"
+#include "harness/interchange/export_mitsuba.h"
+#include "harness/interchange/import_mitsuba.h"
+#include "harness/interchange/mitsuba_limits.h"
+#include "harness/interchange/xml_document.h"
 #include "harness/mesh/write_mesh.h"
-#include "harness/render/exr.h"
-#include "harness/scene/export_mitsuba.h"
-#include "harness/scene/import_mitsuba.h"
-#include "harness/scene/mitsuba_limits.h"
 #include "harness/scene/scene_mesh.h"
-#include "harness/scene/xml_document.h"
 #include "tests/support/command.h"
 #include "tests/support/places.h"
 #include "tests/support/render.h"

@@ -1,5 +1,5 @@
 // Mitsuba's XML: what each part is read as, by formulas of that program's documentation and source, and what is told.
-#include "harness/scene/import_mitsuba.h"
+#include "harness/interchange/import_mitsuba.h"
 
 #include <cmath>
 #include <filesystem>
@@ -7,12 +7,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "harness/interchange/affine.h"
+#include "harness/interchange/import_scene.h"
+#include "harness/interchange/mitsuba_indices.h"
+#include "harness/interchange/mitsuba_object.h"
+#include "harness/interchange/xml_document.h"
 #include "harness/mesh/write_mesh.h"
-#include "harness/scene/affine.h"
-#include "harness/scene/import_scene.h"
-#include "harness/scene/mitsuba_indices.h"
-#include "harness/scene/mitsuba_object.h"
-#include "harness/scene/xml_document.h"
 #include "tests/support/command.h"
 #include "tests/support/places.h"
 

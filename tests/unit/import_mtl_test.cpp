@@ -1,10 +1,10 @@
 // Meshes with the materials of their own files: .obj and .mtl, in the text and the JSON format of CIS 565.
-#include "harness/scene/import_mtl.h"
+#include "harness/interchange/import_mtl.h"
 
 #include <gtest/gtest.h>
 
+#include "harness/interchange/import_course_json.h"
 #include "harness/mesh/read_mesh.h"
-#include "harness/scene/import_course_json.h"
 #include "tests/support/cis565_texts.h"
 #include "tests/support/command.h"
 #include "tests/support/places.h"

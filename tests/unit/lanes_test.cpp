@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "harness/places.h"
+#include "harness/scene/places.h"
 #include "harness/scene/scene_buffers.h"
 #include "tests/support/places.h"
 #include "tests/support/statistics.h"

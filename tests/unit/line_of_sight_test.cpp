@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "harness/places.h"
+#include "harness/scene/places.h"
 #include "harness/scene/scene_buffers.h"
 #include "kernels/next_event.h"
 #include "tests/support/scenes.h"

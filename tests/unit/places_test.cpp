@@ -1,11 +1,11 @@
 // Where scenes and suites are looked for.
-#include "harness/places.h"
+#include "harness/scene/places.h"
 
 #include <cstdlib>
 
 #include <gtest/gtest.h>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "tests/support/command.h"
 #include "tests/support/places.h"
 

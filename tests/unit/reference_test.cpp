@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "harness/places.h"
+#include "harness/scene/places.h"
 #include "tests/support/command.h"
 #include "tests/support/scenes.h"
 #include "variants/variant_name.h"

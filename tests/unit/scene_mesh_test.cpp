@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/scene/scene.h"
 #include "tests/support/command.h"
 

@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/json_reader.h"
-#include "harness/places.h"
+#include "harness/scene/places.h"
 #include "harness/stability/report.h"
 #include "harness/write_file.h"
 

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "harness/error.h"
-#include "harness/places.h"
+#include "harness/failure.h"
+#include "harness/scene/places.h"
 #include "tests/support/backends.h"
 #include "tests/support/command.h"
 #include "tests/support/places.h"

@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 
 #include "harness/bench/suite.h"
-#include "harness/error.h"
+#include "harness/failure.h"
+#include "harness/interchange/import_scene.h"
 #include "harness/mesh/read_mesh.h"
-#include "harness/scene/import_scene.h"
 #include "harness/scene/scene.h"
 #include "tests/support/cis565_texts.h"
 #include "tests/support/command.h"

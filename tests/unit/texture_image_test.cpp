@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/scene/scene.h"
 #include "tests/support/command.h"
 #include "tests/support/places.h"

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "harness/bench/suite.h"
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "tests/support/command.h"
 #include "tests/support/places.h"
 #include "variants/variant_name.h"

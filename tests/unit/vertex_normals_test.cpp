@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/mesh/generate.h"
 #include "harness/mesh/generators.h"
 #include "harness/mesh/vertex_normals.h"

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "harness/error.h"
+#include "harness/failure.h"
 #include "harness/stability/workers.h"
 
 namespace pt::stability {

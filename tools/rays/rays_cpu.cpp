@@ -10,11 +10,11 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "harness/bench/machine.h"
+#include "harness/machine/machine.h"
 #include "harness/rays/cpu_batch.h"
 #include "harness/rays/probe_meshes.h"
 #include "harness/rays/ray_sets.h"
-#include "variants/acceleration/primitive_boxes.h"
+#include "variants/bvh/primitive_boxes.h"
 #include "variants/registry.h"
 
 #if defined(PTBENCH_HAS_EMBREE)

@@ -1,8 +1,8 @@
 #include "variants/accelerator/bvh2.h"
 
-#include "variants/acceleration/binary_nodes.h"
-#include "variants/acceleration/encoding.h"
-#include "variants/acceleration/reasons.h"
+#include "variants/bvh/binary_nodes.h"
+#include "variants/bvh/encoding.h"
+#include "variants/mesh_reasons.h"
 #include "variants/registry.h"
 
 namespace pt::accelerator::bvh2 {

@@ -3,15 +3,15 @@
 #pragma once
 
 #include "kernels/math.h"
-#include "variants/acceleration/box_ray.h"
-#include "variants/acceleration/encoded_tree.h"
-#include "variants/acceleration/walk.h"
+#include "variants/bvh/box_ray.h"
+#include "variants/bvh/encoded_tree.h"
+#include "variants/bvh/walk.h"
 
 namespace pt::accelerator::bvh2 {
 
 struct alignas(16) Node {
     float low_x[2], high_x[2], low_y[2], high_y[2], low_z[2], high_z[2];  // of the children
-    std::uint32_t link[2];                                                // variants/acceleration/link.h
+    std::uint32_t link[2];                                                // variants/bvh/link.h
     std::uint32_t padding[2];
 };
 static_assert(sizeof(Node) == 64);

@@ -1,7 +1,7 @@
 #include "variants/accelerator/bvh4.h"
 
-#include "variants/acceleration/reasons.h"
-#include "variants/acceleration/wide_lanes.h"
+#include "variants/bvh/wide_lanes.h"
+#include "variants/mesh_reasons.h"
 #include "variants/registry.h"
 
 namespace pt::accelerator::bvh4 {

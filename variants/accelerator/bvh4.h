@@ -2,7 +2,7 @@
 // Boulos, "Getting Rid of Packets", RT 2008; Ernst and Greiner, "Multi Bounding Volume Hierarchies", RT 2008.
 #pragma once
 
-#include "variants/acceleration/wide_nodes.h"
+#include "variants/bvh/wide_nodes.h"
 
 namespace pt::accelerator::bvh4 {
 

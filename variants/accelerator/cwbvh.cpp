@@ -8,10 +8,10 @@
 #include <type_traits>
 #include <vector>
 
-#include "variants/acceleration/encoding.h"
-#include "variants/acceleration/parents_first.h"
-#include "variants/acceleration/reasons.h"
 #include "variants/accelerator/cwbvh_encode.h"
+#include "variants/bvh/encoding.h"
+#include "variants/bvh/parents_first.h"
+#include "variants/mesh_reasons.h"
 #include "variants/registry.h"
 
 namespace pt::accelerator::cwbvh {

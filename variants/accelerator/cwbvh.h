@@ -4,7 +4,7 @@
 #pragma once
 
 #include "kernels/in_range.h"
-#include "variants/acceleration/encoded_tree.h"
+#include "variants/bvh/encoded_tree.h"
 
 #if defined(__CUDA_ARCH__)
 #define PT_UNROLL _Pragma("unroll")
@@ -300,7 +300,7 @@ struct SlotGroup {
     }
 };
 
-// The traversal in steps (variants/acceleration/walk.h). A group of nodes is empty only where none is left.
+// The traversal in steps (variants/bvh/walk.h). A group of nodes is empty only where none is left.
 template <class Real>
 class Walk {
 public:

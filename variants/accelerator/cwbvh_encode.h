@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "variants/acceleration/binary_tree.h"
 #include "variants/accelerator/cwbvh.h"
+#include "variants/bvh/binary_tree.h"
 
 namespace pt::accelerator::cwbvh {
 

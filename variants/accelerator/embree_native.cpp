@@ -4,8 +4,8 @@
 #include <cstring>
 
 #include "kernels/intersect.h"
-#include "variants/acceleration/reasons.h"
 #include "variants/accelerator/embree_scene.h"
+#include "variants/mesh_reasons.h"
 #include "variants/registry.h"
 
 namespace pt::accelerator::embree_native {

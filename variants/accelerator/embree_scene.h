@@ -7,7 +7,7 @@
 
 #include <embree3/rtcore.h>
 
-#include "variants/acceleration/reasons.h"
+#include "variants/mesh_reasons.h"
 
 namespace pt::accelerator::embree {
 

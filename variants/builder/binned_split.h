@@ -7,7 +7,7 @@
 #include <limits>
 #include <span>
 
-#include "variants/acceleration/box.h"
+#include "variants/bvh/box.h"
 
 namespace pt::builder {
 

@@ -3,7 +3,7 @@
 
 #include "variants/builder/hploc.h"
 #include "variants/builder/pairing.h"
-#include "variants/cuda/check.h"
+#include "variants/cuda/runtime/check.h"
 
 namespace pt::builder {
 

@@ -9,7 +9,7 @@
 #include <cuda_runtime.h>
 #include <cub/device/device_radix_sort.cuh>
 
-#include "variants/cuda/warp_reduce.cuh"
+#include "variants/cuda/device/warp_reduce.cuh"
 
 namespace pt::builder {
 namespace {

@@ -1,5 +1,5 @@
-#include "variants/acceleration/reasons.h"
 #include "variants/builder/gpu_build.h"
+#include "variants/mesh_reasons.h"
 #include "variants/registry.h"
 
 namespace pt::builder::hploc {

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <memory>
 
-#include "variants/acceleration/binary_tree.h"
-#include "variants/acceleration/gpu_node.h"
+#include "variants/bvh/binary_tree.h"
+#include "variants/bvh/gpu_node.h"
 
 namespace pt::builder {
 

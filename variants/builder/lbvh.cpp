@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <bit>
 
-#include "variants/acceleration/reasons.h"
 #include "variants/builder/morton_order.h"
 #include "variants/builder/pairing.h"
 #include "variants/builder/primitive_count.h"
+#include "variants/mesh_reasons.h"
 #include "variants/registry.h"
 
 namespace pt::builder::lbvh {

@@ -1,7 +1,7 @@
 // Kernels in hploc.cu. Cells are cubes of 63 bits, where those of `lbvh` on the host have 30, and leaves hold one
 // primitive: another tree over the same kind of codes.
-#include "variants/acceleration/reasons.h"
 #include "variants/builder/gpu_build.h"
+#include "variants/mesh_reasons.h"
 #include "variants/registry.h"
 
 namespace pt::builder::lbvh_gpu {

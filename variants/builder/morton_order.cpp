@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "variants/acceleration/box.h"
-#include "variants/acceleration/morton.h"
+#include "variants/bvh/box.h"
+#include "variants/bvh/morton.h"
 
 namespace pt::builder {
 

@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "variants/acceleration/binary_tree.h"
+#include "variants/bvh/binary_tree.h"
 
 namespace pt::builder {
 
-// Sorted keys (variants/acceleration/morton.h); a key's low half is its primitive.
+// Sorted keys (variants/bvh/morton.h); a key's low half is its primitive.
 std::vector<std::uint64_t> morton_keys(const PrimitiveBoxes& boxes);
 
 inline std::uint32_t primitive_of(std::uint64_t key) { return static_cast<std::uint32_t>(key); }

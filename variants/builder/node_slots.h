@@ -2,7 +2,7 @@
 // have the slots 2m - 1 and 2m, which no others have. `pack` then leaves the tree in depth-first order, without gaps.
 #pragma once
 
-#include "variants/acceleration/binary_tree.h"
+#include "variants/bvh/binary_tree.h"
 
 #include <utility>
 #include <vector>

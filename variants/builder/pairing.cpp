@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "variants/acceleration/box.h"
-#include "variants/acceleration/depth.h"
-#include "variants/acceleration/parents_first.h"
+#include "variants/bvh/box.h"
+#include "variants/bvh/depth.h"
+#include "variants/bvh/parents_first.h"
 
 namespace pt::builder {
 

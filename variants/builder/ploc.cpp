@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
-#include "variants/acceleration/box.h"
-#include "variants/acceleration/reasons.h"
 #include "variants/builder/morton_order.h"
 #include "variants/builder/pairing.h"
 #include "variants/builder/primitive_count.h"
+#include "variants/bvh/box.h"
+#include "variants/mesh_reasons.h"
 #include "variants/registry.h"
 
 namespace pt::builder::ploc {

@@ -1,11 +1,11 @@
-// How many primitives one tree may hold: references are numbered in 27 bits of a link (variants/acceleration/link.h).
+// How many primitives one tree may hold: references are numbered in 27 bits of a link (variants/bvh/link.h).
 #pragma once
 
 #include <cstddef>
 #include <stdexcept>
 #include <string>
 
-#include "variants/acceleration/link.h"
+#include "variants/bvh/link.h"
 
 namespace pt::builder {
 

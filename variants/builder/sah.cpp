@@ -4,8 +4,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "variants/acceleration/box.h"
-#include "variants/acceleration/depth.h"
+#include "variants/bvh/box.h"
+#include "variants/bvh/depth.h"
 
 namespace pt::builder {
 
@@ -20,24 +20,6 @@ double tree_cost(const BinaryTree& tree, const SahCosts& costs) {
         cost += share * (node.is_leaf() ? costs.intersection * node.count : costs.traversal);
     }
     return cost;
-}
-
-std::uint32_t tree_depth(const BinaryTree& tree) {
-    std::uint32_t deepest = 0;
-    std::vector<std::uint32_t> depth(tree.nodes.size(), 0);
-    std::vector<std::uint32_t> open(tree.nodes.empty() ? 0 : 1, 0u);
-    while (!open.empty()) {
-        const std::uint32_t at = open.back();
-        open.pop_back();
-        deepest = std::max(deepest, depth[at]);
-        if (const BinaryTree::Node& node = tree.nodes[at]; !node.is_leaf()) {
-            for (const std::uint32_t child : {node.first, node.first + 1}) {
-                depth[child] = depth[at] + 1;
-                open.push_back(child);
-            }
-        }
-    }
-    return deepest;
 }
 
 namespace {

@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-#include "variants/acceleration/binary_tree.h"
+#include "variants/bvh/binary_tree.h"
 
 namespace pt::builder {
 
@@ -23,9 +23,6 @@ inline bool split_pays(const SahCosts& costs, double area, std::size_t count, do
 // Expected cost of a line through the root's box: sum of area / root's area x cost over nodes. 0 for an empty tree;
 // where the root has no area, each node counts in full.
 double tree_cost(const BinaryTree& tree, const SahCosts& costs = {});
-
-// Edges from the root to the deepest leaf.
-std::uint32_t tree_depth(const BinaryTree& tree);
 
 // Throws std::logic_error that says what is wrong with a tree over `boxes`: a primitive no leaf refers to, a reference
 // out of range, a node reached twice or never, a child that leaves its parent's box, a leaf that does not meet its

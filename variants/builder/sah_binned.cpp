@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 
-#include "variants/acceleration/depth.h"
-#include "variants/acceleration/reasons.h"
 #include "variants/builder/binned_split.h"
 #include "variants/builder/node_slots.h"
 #include "variants/builder/primitive_count.h"
+#include "variants/bvh/depth.h"
+#include "variants/mesh_reasons.h"
 #include "variants/registry.h"
 
 namespace pt::builder::sah_binned {

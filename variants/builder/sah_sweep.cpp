@@ -4,11 +4,11 @@
 #include <array>
 #include <numeric>
 
-#include "variants/acceleration/box.h"
-#include "variants/acceleration/depth.h"
-#include "variants/acceleration/reasons.h"
 #include "variants/builder/node_slots.h"
 #include "variants/builder/primitive_count.h"
+#include "variants/bvh/box.h"
+#include "variants/bvh/depth.h"
+#include "variants/mesh_reasons.h"
 #include "variants/registry.h"
 
 namespace pt::builder::sah_sweep {

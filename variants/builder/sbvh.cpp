@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <memory>
 
-#include "variants/acceleration/depth.h"
-#include "variants/acceleration/primitive_boxes.h"
-#include "variants/acceleration/reasons.h"
 #include "variants/builder/primitive_count.h"
 #include "variants/builder/spatial_split.h"
+#include "variants/bvh/depth.h"
+#include "variants/bvh/primitive_boxes.h"
+#include "variants/mesh_reasons.h"
 #include "variants/registry.h"
 
 namespace pt::builder::sbvh {

@@ -1,7 +1,7 @@
 // The host's side of the compactions that append what is alive to another queue: slot numbers, or the payload.
 #pragma once
 
-#include "variants/cuda/append_parameters.h"
+#include "variants/cuda/device/append_parameters.h"
 #include "variants/cuda/stages.h"
 #include "variants/registry.h"
 #include "variants/work_checks.h"

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "variants/cuda/handles.h"
 #include "variants/cuda/queue_kernels.h"
+#include "variants/cuda/runtime/handles.h"
 
 namespace pt::cuda {
 

@@ -5,8 +5,8 @@
 #include <functional>
 #include <memory>
 
-#include "variants/cuda/graph.h"
 #include "variants/cuda/job.h"
+#include "variants/cuda/runtime/graph.h"
 
 namespace pt::cuda {
 

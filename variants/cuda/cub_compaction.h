@@ -4,8 +4,8 @@
 
 #include "variants/cuda/cub_storage.h"
 #include "variants/cuda/live_slots.h"
-#include "variants/cuda/payload_iterator.h"
 #include "variants/cuda/register.h"
+#include "variants/layout/payload_iterator.cuh"
 #include "variants/work_checks.h"
 
 namespace pt::cuda {

@@ -2,7 +2,7 @@
 // allocates nothing and waits for nothing.
 #pragma once
 
-#include "variants/cuda/arena.h"
+#include "variants/cuda/runtime/arena.h"
 
 namespace pt::cuda {
 

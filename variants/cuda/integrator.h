@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "variants/cuda/device/key_bounds.h"
 #include "variants/cuda/job.h"
-#include "variants/cuda/key_bounds.h"
 #include "variants/registry.h"
 
 namespace pt::cuda {

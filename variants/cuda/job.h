@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
-#include "variants/cuda/parameters.h"
-#include "variants/cuda/stage_events.h"
+#include "variants/cuda/device/parameters.h"
+#include "variants/cuda/device/totals.h"
+#include "variants/cuda/runtime/stage_events.h"
 #include "variants/cuda/stages.h"
-#include "variants/cuda/totals.h"
 #include "variants/descriptor.h"
 
 namespace pt::cuda {

@@ -5,7 +5,7 @@
 #include <thrust/iterator/counting_iterator.h>
 #include <thrust/iterator/transform_iterator.h>
 
-#include "variants/cuda/path_store.h"
+#include "variants/cuda/device/path_store.h"
 #include "variants/cuda/stages.h"
 
 namespace pt::cuda {

@@ -1,6 +1,6 @@
 // Tells the axis `devices` what the CUDA runtime and NCCL say of this machine.
-#include "variants/cuda/device.h"
-#include "variants/cuda/nccl.h"
+#include "variants/cuda/runtime/device.h"
+#include "variants/cuda/runtime/nccl.h"
 #include "variants/devices/here.h"
 
 namespace pt::cuda {

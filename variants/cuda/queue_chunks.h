@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "variants/sorting/bucket_parameters.cuh"
+#include "variants/cuda/device/counting_sort.h"
 
 namespace pt::cuda {
 

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "variants/cuda/graph.h"
+#include "variants/cuda/runtime/graph.h"
 
 namespace pt::cuda {
 

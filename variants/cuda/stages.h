@@ -5,9 +5,9 @@
 #include <functional>
 #include <string_view>
 
-#include "variants/cuda/arena.h"
-#include "variants/cuda/hooks.h"
-#include "variants/cuda/module.h"
+#include "variants/cuda/runtime/arena.h"
+#include "variants/cuda/runtime/module.h"
+#include "variants/cuda_hooks.h"
 
 namespace pt::cuda {
 

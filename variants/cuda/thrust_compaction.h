@@ -1,10 +1,10 @@
 // What the Thrust compactions that move the payload share.
 #pragma once
 
-#include "variants/cuda/payload_iterator.h"
 #include "variants/cuda/queue_kernels.h"
 #include "variants/cuda/register.h"
 #include "variants/cuda/thrust_policy.h"
+#include "variants/layout/payload_iterator.cuh"
 #include "variants/work_checks.h"
 
 namespace pt::cuda {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "variants/cuda/batches.h"
-#include "variants/cuda/handles.h"
 #include "variants/cuda/megakernels.h"
+#include "variants/cuda/runtime/handles.h"
 
 namespace pt::cuda {
 

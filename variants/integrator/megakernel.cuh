@@ -2,8 +2,29 @@
 // kernel in exact arithmetic is the reference that bitwise claims on the GPU are held against.
 #pragma once
 
-#include "variants/cuda/branches.cuh"
-#include "variants/integrator/megakernel_parameters.cuh"
+#include "kernels/film.h"
+#include "variants/cuda/device/parameters.h"
+
+namespace pt::cuda {
+
+template <class Real>
+struct MegakernelParameters {
+    static constexpr const char* kernel = "megakernel";
+    SceneView<Real> scene;
+    FilmView film;
+    std::uint32_t first_sample;
+    std::uint32_t samples;
+    std::uint32_t stride;  // threads a pixel
+    HitCache<Real> cache;
+    Totals* totals;
+    std::uint64_t* ended;  // paths by their number of segments, or null
+};
+
+}  // namespace pt::cuda
+
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code
+
+#include "variants/cuda/device/branches.cuh"
 
 // Thread t takes the samples t / pixels, t / pixels + stride, ... of pixel t mod pixels.
 // `ended`: paths by their number of segments, or null.
@@ -32,3 +53,46 @@ PT_KERNEL(megakernel, pt::cuda::MegakernelParameters<Real>,
     }
     pt::cuda::add_counters(totals, counters, kernel_config.keeps_first_hits ? counters.paths : 0);
 }
+
+#endif
+
+#if defined(PT_HOST)  // what launches them, and what the choice says of itself
+
+#include "variants/cuda/megakernels.h"
+
+namespace pt::cuda::integrator::megakernel {
+namespace {
+
+constexpr Descriptor descriptor{
+    .axis = "integrator",
+    .name = "megakernel",
+    .summary = "one kernel, a thread a pixel, a path at a time, state in registers",
+    .origin = "Aila and Laine 2009 for the shape",
+    .reference = on_cuda,
+    .traits = IntegratorTraits{.sums_in_order = true, .keeps_branches = true},
+    .backends = on_cuda,
+    .tunables = megakernel_tunables,
+    .unsupported_reason = megakernel_unsupported_reason,
+    .check_counters = megakernel_work_missing,
+};
+
+template <class Real>
+class PlainMegakernel final : public StridedMegakernel<Real> {
+public:
+    using StridedMegakernel<Real>::StridedMegakernel;
+    static std::vector<KernelSignature> kernels() { return {kernel_of<MegakernelParameters<Real>>()}; }
+
+private:
+    void launch_strided(std::uint32_t first_sample, std::uint32_t samples, std::uint32_t stride) override {
+        JobOf<Real>& job = this->job_;
+        job.launch(job.pixels * stride, MegakernelParameters<Real>{job.scene, job.film, first_sample, samples, stride,
+                                                                   job.cache, job.totals, job.lengths()});
+    }
+};
+
+const Registration registration(descriptor, {.cuda = {.integrator = integrator_hook<PlainMegakernel>()}});
+
+}  // namespace
+}  // namespace pt::cuda::integrator::megakernel
+
+#endif

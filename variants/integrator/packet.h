@@ -8,9 +8,9 @@
 #include <iterator>
 #include <numeric>
 
-#include "variants/acceleration/reasons.h"
 #include "variants/cpu/lanes_shade.h"
 #include "variants/integrator/depth_first.h"
+#include "variants/mesh_reasons.h"
 
 namespace pt::integrator::packet {
 

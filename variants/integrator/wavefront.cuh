@@ -2,12 +2,80 @@
 // cis565, and of Laine, Karras and Aila 2013, "Megakernels considered harmful".
 #pragma once
 
-#include "variants/cuda/advance.cuh"
-#include "variants/cuda/device.cuh"
-#include "variants/cuda/queue_slots.cuh"
-#include "variants/cuda/sort_keys.cuh"
+#include "kernels/film.h"
+#include "variants/cuda/device/key_bounds.h"
+#include "variants/cuda/device/parameters.h"
+#include "variants/cuda/device/path_store.h"
+
+namespace pt::cuda {
+
+// Path i: pixel i mod pixels, sample first_sample + i / pixels; with a cursor the first sample is there.
+template <class Real>
+struct GeneratePathsParameters {
+    static constexpr const char* kernel = "generate_paths";
+    SceneView<Real> scene;
+    PathStore store;
+    std::uint32_t* count;
+    std::uint32_t pool;
+    std::uint32_t first_sample;
+    const std::uint32_t* cursor;
+    HitCache<Real> cache;
+};
+
+// With `keys`, also writes the sort key of every position below `bound`: ended paths and positions beyond the count
+// have the last one.
+template <class Real>
+struct IntersectPathsParameters {
+    static constexpr const char* kernel = "intersect_paths";
+    SceneView<Real> scene;
+    PathStore store;
+    const std::uint32_t* order;  // null: slot i at position i
+    const std::uint32_t* count;
+    std::uint32_t bound;
+    StoredHit<Real>* hits;
+    HitCache<Real> cache;
+    SegmentNumber segment;
+    SegmentCounts segments;
+    std::uint32_t* keys;
+    std::uint32_t bits;
+    std::uint32_t chunk;  // slots; read by keys by chunk only
+    std::uint32_t last_key;
+    KeyBounds bounds;
+};
+
+// The key of a ray that is yet to be traced, by the same rules.
+struct WriteRayKeysParameters {
+    static constexpr const char* kernel = "write_ray_keys";
+    PathStore store;
+    const std::uint32_t* order;
+    const std::uint32_t* count;
+    std::uint32_t bound;
+    std::uint32_t* keys;
+    std::uint32_t last_key;
+    KeyBounds bounds;
+};
+
+template <class Real>
+struct ShadePathsParameters {
+    static constexpr const char* kernel = "shade_paths";
+    SceneView<Real> scene;
+    FilmView film;
+    PathStore store;
+    const std::uint32_t* order;
+    const std::uint32_t* count;
+    const StoredHit<Real>* hits;
+    Totals* totals;
+};
+
+}  // namespace pt::cuda
+
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code
+
+#include "variants/cuda/device/advance.cuh"
+#include "variants/cuda/device/device.cuh"
+#include "variants/cuda/device/queue_slots.cuh"
+#include "variants/cuda/device/sort_keys.cuh"
 #include "variants/integrator/wavefront_fetching.cuh"
-#include "variants/integrator/wavefront_parameters.cuh"
 
 // Path i into slot i; with a cursor the first sample is there.
 PT_KERNEL(generate_paths, pt::cuda::GeneratePathsParameters<Real>,
@@ -117,3 +185,117 @@ PT_KERNEL(shade_paths, pt::cuda::ShadePathsParameters<Real>,
     }
     pt::cuda::add_shade_counters(totals, counters);
 }
+
+#endif
+
+#if defined(PT_HOST)  // what launches them, and what the choice says of itself
+
+#include "variants/cuda/sort_stage.h"
+#include "variants/cuda/wavefronts.h"
+
+namespace pt::cuda::integrator::wavefront {
+namespace {
+
+constexpr Descriptor descriptor{
+    .axis = "integrator",
+    .name = "wavefront",
+    .summary = "a kernel a stage over a queue of paths: generate, intersect, shade",
+    .origin = "Laine, Karras and Aila 2013; cis565",
+    .baseline = on_cuda,
+    .traits =
+        IntegratorTraits{.has_queue = true, .can_loop = true, .seeds_by_position = true, .traces_in_own_kernel = true},
+    .backends = on_cuda,
+    .tunables = wavefront_tunables,
+    .check_counters = wavefront_work_missing,
+};
+
+template <class Real>
+class StagedWavefront final : public Wavefront {
+public:
+    StagedWavefront(JobOf<Real>& job, IntegratorNeeds&& needs)
+        : Wavefront(job, std::move(needs), sizeof(Real), sizeof(StoredHit<Real>)),
+          job_(job),
+          sort_stage_(job, this->needs()) {
+        if (this->needs().traits.traversal.needs_own_kernel) {
+            const int blocks = job.module->blocks_per_multiprocessor(IntersectPathsParameters<Real>::kernel, job.block);
+            most_intersecting_threads_ = static_cast<std::uint32_t>(blocks) * job.multiprocessors * job.block;
+        }
+    }
+
+    static std::vector<KernelSignature> kernels() {
+        return {kernel_of<GeneratePathsParameters<Real>>(), kernel_of<IntersectPathsParameters<Real>>(),
+                kernel_of<ShadePathsParameters<Real>>(), kernel_of<WriteRayKeysParameters>(false),
+                kernel_of<AdvanceParameters>(false)};
+    }
+
+private:
+    void fill_first_hits() override { fill_cache(job_); }
+
+    void begin(std::uint32_t first_sample) override {
+        {
+            const Stage stage(job_.stages, "generate", job_.stream);
+            job_.launch(queue_.bound,
+                        GeneratePathsParameters<Real>{job_.scene, queue_.paths, queue_.count, queue_.bound,
+                                                      first_sample, batches().cursor(), job_.cache});
+        }
+        trace(0);
+        end_segment(0);
+    }
+
+    void trace(std::uint32_t segment) override {
+        const bool sorts = sort_stage_.exists() && !is_last(segment);
+        const SortKeyTraits& key = sort_stage_.key();
+        const bool by_hit = key.has_material;
+        if (sorts && !by_hit) {
+            const Stage stage(job_.stages, "sort", job_.stream);
+            job_.launch(queue_.bound,
+                        WriteRayKeysParameters{queue_.paths, order(), queue_.count, queue_.bound, queue_.keys,
+                                               sort_stage_.last_key(queue_), needs().key_bounds});
+            sort_stage_.sort(queue_);
+        }
+        {
+            const Stage stage(job_.stages, "intersect", job_.stream);
+            std::uint32_t* const keys = sorts && by_hit ? queue_.keys : nullptr;
+            job_.launch(intersecting_threads(),
+                        IntersectPathsParameters<Real>{job_.scene, queue_.paths, order(), queue_.count, queue_.bound,
+                                                       hits(), job_.cache, batches().segment(segment), job_.segments,
+                                                       keys, key.bits, sort_stage_.chunk(queue_),
+                                                       sort_stage_.last_key(queue_), needs().key_bounds});
+        }
+        if (sorts && by_hit) {
+            const Stage stage(job_.stages, "sort", job_.stream);
+            sort_stage_.sort(queue_);
+        }
+        shade(sorts && by_hit);
+    }
+
+    // One a path, or as many as fit at once.
+    std::uint32_t intersecting_threads() const { return std::min(queue_.bound, most_intersecting_threads_); }
+
+    StoredHit<Real>* hits() const { return static_cast<StoredHit<Real>*>(queue_.hits); }
+
+    void shade(bool is_sorted) {
+        const Stage stage(job_.stages, "shade", job_.stream);
+        for (const ShadeRange& range : sort_stage_.shade_ranges(queue_, is_sorted)) {
+            job_.launch(queue_.bound, ShadePathsParameters<Real>{job_.scene, job_.film, queue_.paths, range.order,
+                                                                 range.count, hits(), job_.totals});
+        }
+    }
+
+    JobOf<Real>& job_;
+    SortStage sort_stage_;
+    std::uint32_t most_intersecting_threads_ = ~0u;
+};
+
+IntegratorHook hook() {
+    IntegratorHook made = integrator_hook<StagedWavefront>();
+    made.stores_hits = true;
+    return made;
+}
+
+const Registration registration(descriptor, {.cuda = {.integrator = hook()}});
+
+}  // namespace
+}  // namespace pt::cuda::integrator::wavefront
+
+#endif

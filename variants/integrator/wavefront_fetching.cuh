@@ -3,8 +3,8 @@
 // the stage with a thread a path leaves.
 #pragma once
 
-#include "variants/cuda/hit_keys.cuh"
-#include "variants/cuda/queue_slots.cuh"
+#include "variants/cuda/device/hit_keys.cuh"
+#include "variants/cuda/device/queue_slots.cuh"
 #include "variants/traversal/warp_queue.cuh"
 
 namespace pt::cuda {

@@ -1,7 +1,7 @@
 // Array of structures on the device: a path's fields lie together, as in cis565 (whose record is not padded).
 #pragma once
 
-#include "variants/cuda/path_store.h"
+#include "variants/cuda/device/path_store.h"
 
 namespace pt::layout::aos {
 
@@ -78,3 +78,27 @@ private:
 };
 
 }  // namespace pt::layout::aos
+
+#if defined(PT_HOST)  // what the choice says of itself
+
+#include "variants/registry.h"
+
+namespace pt::layout::aos {
+namespace {
+
+const Registration registration(
+    {
+        .axis = "layout",
+        .name = name,
+        .summary = "array of structures: the fields of a path lie together",
+        .origin = "cis565 (two CIS 565 path tracers)",
+        .baseline = on_cuda,
+        .traits = LayoutTraits{.keeps_paths_whole = true},
+        .backends = on_cuda,
+    },
+    {.cuda = {.layout = cuda::layout_hooks<DevicePaths>()}});
+
+}  // namespace
+}  // namespace pt::layout::aos
+
+#endif

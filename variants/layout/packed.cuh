@@ -2,7 +2,7 @@
 // instead of eighteen. A ray is in the first two. Single precision only.
 #pragma once
 
-#include "variants/cuda/path_store.h"
+#include "variants/cuda/device/path_store.h"
 
 namespace pt::layout::packed {
 
@@ -155,3 +155,32 @@ private:
 };
 
 }  // namespace pt::layout::packed
+
+#if defined(PT_HOST)  // what the choice says of itself
+
+#include "variants/registry.h"
+
+namespace pt::layout::packed {
+namespace {
+
+const Registration registration(
+    {
+        .axis = "layout",
+        .name = name,
+        .summary =
+            "columns of 16 bytes: origin and time, direction and surface, throughput and segment, radiance and medium",
+        .origin = "Laine, Karras and Aila 2013 (16-byte accesses)",
+        .backends = on_cuda,
+        .unsupported_reason = [](FeatureSet, const VariantTraits& variant) -> Reason {
+            if (variant.precision.is_single()) {
+                return {};
+            }
+            return {"needs_single_precision", "packs single-precision fields: needs precision=float"};
+        },
+    },
+    {.cuda = {.layout = cuda::layout_hooks<DevicePaths>()}});
+
+}  // namespace
+}  // namespace pt::layout::packed
+
+#endif

@@ -3,8 +3,7 @@
 #pragma once
 
 #include <type_traits>
-
-#include "variants/cuda/path_store.h"
+#include "variants/cuda/device/path_store.h"
 
 namespace pt::layout::soa {
 
@@ -187,3 +186,25 @@ private:
 };
 
 }  // namespace pt::layout::soa
+
+#if defined(PT_HOST)  // what the choice says of itself
+
+#include "variants/registry.h"
+
+namespace pt::layout::soa {
+namespace {
+
+const Registration registration(
+    {
+        .axis = "layout",
+        .name = name,
+        .summary = "structure of arrays: one array a scalar of the path state",
+        .origin = "pbrt-v4's soac; Laine, Karras and Aila 2013",
+        .backends = on_cuda,
+    },
+    {.cuda = {.layout = cuda::layout_hooks<DevicePaths>()}});
+
+}  // namespace
+}  // namespace pt::layout::soa
+
+#endif

@@ -1,9 +1,9 @@
 // A tree over the objects, whose leaves are the objects' own trees: instances share those, so memory grows with what is
 // different, and rays are transformed once an object. Built by sah_binned, whichever builder the objects' trees have.
-#include "variants/acceleration/binary_nodes.h"
-#include "variants/acceleration/encoding.h"
-#include "variants/acceleration/reasons.h"
 #include "variants/builder/sah_binned.h"
+#include "variants/bvh/binary_nodes.h"
+#include "variants/bvh/encoding.h"
+#include "variants/mesh_reasons.h"
 #include "variants/registry.h"
 
 namespace pt::levels::two_level {

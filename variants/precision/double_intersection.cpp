@@ -1,6 +1,6 @@
 // Single precision, but for intersection and the points that it gives (kernels/widen.h). On the CPU for the plainest
 // kernel only.
-#include "variants/acceleration/reasons.h"
+#include "variants/mesh_reasons.h"
 #include "variants/precision/kernels_in_double.h"
 
 namespace pt::precision::double_intersection {

@@ -7,7 +7,7 @@
 namespace pt {
 
 inline Reason needs_kernel_in_double(const VariantTraits& variant) {
-    const Choice* integrator = Registry::instance().find("integrator", variant.integrator.name, Backend::cpu);
+    const Choice* integrator = Registry::instance().find(axes::integrator, variant.integrator.name, Backend::cpu);
     if (integrator != nullptr && !integrator->hook.integrator_in_double.empty()) {
         return {};
     }

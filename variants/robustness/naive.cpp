@@ -1,6 +1,6 @@
 // The textbook's forms (kernels/naive.h), to measure what the robust ones cost and what they are worth. For the
 // plainest integrators: a film that sums single precision depends on the order of the samples, and these keep it.
-#include "variants/acceleration/reasons.h"
+#include "variants/mesh_reasons.h"
 #include "variants/registry.h"
 
 namespace pt::robustness::naive {

@@ -1,7 +1,7 @@
 // The key that cis565 sorts by: the material of the surface that was hit.
 #pragma once
 
-#include "variants/cuda/sort_keys.cuh"
+#include "variants/cuda/device/sort_keys.cuh"
 
 namespace pt::sort_key::material {
 

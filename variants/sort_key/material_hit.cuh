@@ -2,7 +2,9 @@
 // go on from nearby points.
 #pragma once
 
-#include "variants/cuda/sort_keys.cuh"
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code
+
+#include "variants/cuda/device/sort_keys.cuh"
 
 namespace pt::sort_key::material_hit {
 
@@ -14,3 +16,31 @@ __device__ inline std::uint32_t rest(const Ray<Real>& ray, const pt::Hit<Real>& 
 }
 
 }  // namespace pt::sort_key::material_hit
+
+#endif
+
+#if defined(PT_HOST)  // what the choice says of itself
+
+#include "variants/registry.h"
+
+namespace pt::sort_key::material_hit {
+namespace {
+
+const Registration registration(
+    {
+        .axis = "sort_key",
+        .name = "material_hit",
+        .summary = "the material that was hit, then the hit point's Morton code (15 bits)",
+        .origin = "Laine, Karras and Aila 2013; Morton 1966",
+        .traits = SortKeyTraits{.bits = 15, .has_material = true},
+        .backends = on_cuda,
+        .unsupported_reason = [](FeatureSet, const VariantTraits& variant) -> Reason {
+            return variant.sorting.sorts ? Reason{} : Reason{"needs_sorting", "needs a sort, not sorting=none"};
+        },
+    },
+    {});
+
+}  // namespace
+}  // namespace pt::sort_key::material_hit
+
+#endif

@@ -2,7 +2,9 @@
 // traced, so paths are sorted in front of the intersection stage and it gains as well.
 #pragma once
 
-#include "variants/cuda/sort_keys.cuh"
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code
+
+#include "variants/cuda/device/sort_keys.cuh"
 
 namespace pt::sort_key::ray {
 
@@ -16,3 +18,31 @@ __device__ inline std::uint32_t rest(const Ray<Real>& ray, const pt::Hit<Real>&,
 }
 
 }  // namespace pt::sort_key::ray
+
+#endif
+
+#if defined(PT_HOST)  // what the choice says of itself
+
+#include "variants/registry.h"
+
+namespace pt::sort_key::ray {
+namespace {
+
+const Registration registration(
+    {
+        .axis = "sort_key",
+        .name = "ray",
+        .summary = "the ray's octant, then its origin's Morton code (15 bits); sorted before the ray is traced",
+        .origin = "Aila and Karras 2010; Meister et al. 2020 (ray reordering)",
+        .traits = SortKeyTraits{.bits = 18, .has_material = false},
+        .backends = on_cuda,
+        .unsupported_reason = [](FeatureSet, const VariantTraits& variant) -> Reason {
+            return variant.sorting.sorts ? Reason{} : Reason{"needs_sorting", "needs a sort, not sorting=none"};
+        },
+    },
+    {});
+
+}  // namespace
+}  // namespace pt::sort_key::ray
+
+#endif

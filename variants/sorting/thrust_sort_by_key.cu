@@ -3,9 +3,9 @@
 
 #include <thrust/sort.h>
 
-#include "variants/cuda/payload_iterator.h"
 #include "variants/cuda/register.h"
 #include "variants/cuda/thrust_policy.h"
+#include "variants/layout/payload_iterator.cuh"
 #include "variants/sorting/contiguous_payload.h"
 #include "variants/work_checks.h"
 

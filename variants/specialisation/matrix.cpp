@@ -1,6 +1,6 @@
 // Every object by its 4x4 matrix, one loop over all of them, every branch compiled in: what cis565 does, and the price
 // that classifying objects at load saves.
-#include "variants/acceleration/reasons.h"
+#include "variants/mesh_reasons.h"
 #include "variants/registry.h"
 
 namespace pt::specialisation::matrix {

@@ -1,4 +1,4 @@
-// A traversal by a loop over an accelerator's steps (variants/acceleration/walk.h); what the loops share. Order says by
+// A traversal by a loop over an accelerator's steps (variants/bvh/walk.h); what the loops share. Order says by
 // run(walk, triangles, best_t, stack, leaf, counter) which step comes when, until the walk is over; `triangles`: in
 // hand, none at first.
 #pragma once

@@ -3,6 +3,8 @@
 // inner loop.
 #pragma once
 
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code
+
 #include "variants/traversal/by_steps.cuh"
 
 namespace pt::traversal::if_if {
@@ -36,3 +38,29 @@ template <class Accelerator, template <class Open, std::uint32_t most> class Sta
 using Traversal = BySteps<Order, Accelerator, Stack>;
 
 }  // namespace pt::traversal::if_if
+
+#endif
+
+#if defined(PT_HOST)  // what the choice says of itself
+
+#include "variants/mesh_reasons.h"
+#include "variants/registry.h"
+
+namespace pt::traversal::if_if {
+namespace {
+
+const Registration registration(
+    {
+        .axis = "traversal",
+        .name = "if_if",
+        .summary = "one loop, each turn a step through a node and a test of a triangle at most",
+        .origin = "Aila and Laine 2009",
+        .backends = on_cuda,
+        .unsupported_reason = needs_steps,
+    },
+    {});
+
+}  // namespace
+}  // namespace pt::traversal::if_if
+
+#endif

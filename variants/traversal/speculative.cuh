@@ -3,6 +3,8 @@
 // a postponed hit would have left out is visited in vain.
 #pragma once
 
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code
+
 #include "variants/traversal/by_steps.cuh"
 
 namespace pt::traversal::speculative {
@@ -48,3 +50,29 @@ template <class Accelerator, template <class Open, std::uint32_t most> class Sta
 using Traversal = BySteps<Order, Accelerator, Stack>;
 
 }  // namespace pt::traversal::speculative
+
+#endif
+
+#if defined(PT_HOST)  // what the choice says of itself
+
+#include "variants/mesh_reasons.h"
+#include "variants/registry.h"
+
+namespace pt::traversal::speculative {
+namespace {
+
+const Registration registration(
+    {
+        .axis = "traversal",
+        .name = "speculative",
+        .summary = "a leaf is put off while lanes of the warp have none yet",
+        .origin = "Aila and Laine 2009",
+        .backends = on_cuda,
+        .unsupported_reason = needs_steps,
+    },
+    {});
+
+}  // namespace
+}  // namespace pt::traversal::speculative
+
+#endif

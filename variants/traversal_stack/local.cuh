@@ -1,7 +1,7 @@
 // The whole stack in the thread's local memory.
 #pragma once
 
-#include "variants/acceleration/stacks.h"
+#include "variants/bvh/stacks.h"
 
 namespace pt::traversal_stack::local {
 

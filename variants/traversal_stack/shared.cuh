@@ -2,7 +2,9 @@
 // Ylitie, Karras, Laine, HPG 2017, section 4.
 #pragma once
 
-#include "variants/acceleration/stacks.h"
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code
+
+#include "variants/bvh/stacks.h"
 #include "variants/traversal_stack/shared_column.cuh"
 
 namespace pt::traversal_stack::shared {
@@ -28,3 +30,34 @@ template <class Open, std::uint32_t most>
 using Stack = FullStack<Open, Memory<Open, most>>;
 
 }  // namespace pt::traversal_stack::shared
+
+#endif
+
+#if defined(PT_HOST)  // what the choice says of itself
+
+#include "variants/mesh_reasons.h"
+#include "variants/registry.h"
+
+namespace pt::traversal_stack::shared {
+namespace {
+
+constexpr Tunable tunables[] = {
+    {"shared_entries", 8, 1, 32, 1, "entries of a thread's stack in shared memory, as far as 32 KiB a block hold them"},
+};
+
+const Registration registration(
+    {
+        .axis = "traversal_stack",
+        .name = "shared",
+        .summary = "the first entries in shared memory, the rest in local memory",
+        .origin = "Ylitie, Karras and Laine 2017",
+        .backends = on_cuda,
+        .tunables = tunables,
+        .unsupported_reason = needs_steps,
+    },
+    {});
+
+}  // namespace
+}  // namespace pt::traversal_stack::shared
+
+#endif

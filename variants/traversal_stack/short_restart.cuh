@@ -3,7 +3,9 @@
 // Benthin, "Wide BVH Traversal with a Short Stack", HPG 2019.
 #pragma once
 
-#include "variants/acceleration/stacks.h"
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code
+
+#include "variants/bvh/stacks.h"
 #include "variants/traversal_stack/shared_column.cuh"
 
 namespace pt::traversal_stack::short_restart {
@@ -15,3 +17,34 @@ template <class Open, std::uint32_t>
 using Stack = typename ShortStackFor<Open, SharedColumn<Open, entries<Open>>, entries<Open>>::Type;
 
 }  // namespace pt::traversal_stack::short_restart
+
+#endif
+
+#if defined(PT_HOST)  // what the choice says of itself
+
+#include "variants/mesh_reasons.h"
+#include "variants/registry.h"
+
+namespace pt::traversal_stack::short_restart {
+namespace {
+
+constexpr Tunable tunables[] = {
+    {"short_entries", 4, 1, 32, 1, "entries of a thread's stack, in shared memory, as far as 32 KiB a block hold them"},
+};
+
+const Registration registration(
+    {
+        .axis = "traversal_stack",
+        .name = "short_restart",
+        .summary = "a few entries, and a trail of bits to find the way from the root again",
+        .origin = "Laine 2010",
+        .backends = on_cuda,
+        .tunables = tunables,
+        .unsupported_reason = needs_steps,
+    },
+    {});
+
+}  // namespace
+}  // namespace pt::traversal_stack::short_restart
+
+#endif

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ptbench.convergence.assessment import PLATEAU, Assessment
+from ptbench.io.axes import known_axes
 from ptbench.io.cells import Cell, Result
 from ptbench.numbers import figures, interval
 from ptbench.stats.estimates import SEED, THRESHOLD, Estimate, interval_of_ratio, ratio_estimate, telling_digits
@@ -21,8 +22,6 @@ from ptbench.studies.disturbed import doubt_of
 from ptbench.studies.questions import usual_baseline
 
 COMPANION = "_without_checkpoints"
-# What decides the error curve; the other axes shift it in time.
-_ESTIMATOR_AXES = ("first_bounce", "direct_light", "russian_roulette", "sampler", "subsurface_sampling", "precision")
 # A plateau is in reach of no time from here on: e^2 - B^2 of less than this share of e^2 is noise of the fit.
 _NEAR_PLATEAU = 1e-3
 # Whose last squared error is so much of its plateau's has come to it.
@@ -90,7 +89,13 @@ def baseline_among(result: Result, group: Sequence[Assessment]) -> Assessment | 
         unusual = [axis for axis, choice in cell.axes.items() if usual_baseline(result, axis) != choice]
         is_plain = assessment.curve.independent and not cell.convergence.biases
         to_others = sum(len(_changes(cell, other.cell)) for other in fitted)
-        return not is_plain, len(set(unusual) & set(_ESTIMATOR_AXES)), to_others, len(unusual), len(cell.tuned)
+        return (
+            not is_plain,
+            sum(known_axes()[axis].decides_error for axis in unusual),
+            to_others,
+            len(unusual),
+            len(cell.tuned),
+        )
 
     return min(fitted, key=unlikeness, default=None)
 

@@ -7,34 +7,23 @@ thread instructions a ray, 1 / active lanes, 1 / issued of the ceiling.
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from ptbench.errors import bad_value
+from ptbench.io.axes import known_axes
 from ptbench.io.cells import Cell
 from ptbench.io.counters import MEASURED, ceilings_reached
 from ptbench.io.names import tuned_in
 from ptbench.io.nodes import Node, read_json, shown
-from ptbench.io.older import before, filled_in
+from ptbench.io.older import filled_in
 
-# What older files lack at the end of their choices, the last axis first.
+# What older files may lack at the end of their choices, the last axis first.
 _LAST = tuple(
-    before(axis)
-    for axis in (
-        "subsurface_sampling",
-        "light_selection",
-        "partition",
-        "devices",
-        "light_sampling",
-        "levels",
-        "traversal_stack",
-        "traversal",
-        "builder",
-        "accelerator",
-        "robustness",
-    )
+    axis.as_before for axis in itertools.takewhile(lambda axis: axis.as_before, reversed(known_axes().values()))
 )
 # A field that is so much a ray or the like: X_per_Y, in files of commit ede9627 and before X_a_Y.
 _RATE = re.compile(r"_(a|per)_(?:ray|block|multiprocessor|second)$")

@@ -7,50 +7,33 @@ not name; a file that names it is believed.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+
+from ptbench.io.axes import known_axes
 
 # The versions of result files that can be read, the newest last.
 SCHEMA_VERSIONS = ("1",)
 
 
-@dataclass(frozen=True)
-class OlderAxis:
-    """An axis as files of a version have it; an empty text: such a file always says it itself."""
-
-    baseline: str = ""  # of a file that names no baselines
-    before: str = ""  # what every variant was while there was no such axis
-    filled_after: str = ""  # cells without the axis get `before` when they are read, behind this axis
-
-
-# In the order in which a variant's name spells them.
-_AXES: dict[str, dict[str, OlderAxis]] = {
+# The baselines of a file that names none, in the order of its axes, by its schema's version.
+_BASELINES: dict[str, dict[str, str]] = {
     "1": {
-        "integrator": OlderAxis("wavefront"),
-        "compaction": OlderAxis("none"),
-        "sorting": OlderAxis("none"),
-        "sort_key": OlderAxis("material", before="material"),
-        "first_bounce": OlderAxis("off"),
-        "direct_light": OlderAxis("off"),
-        "russian_roulette": OlderAxis("off", before="off", filled_after="direct_light"),
-        "sampler": OlderAxis("pcg4d", before="pcg4d", filled_after="direct_light"),
-        "layout": OlderAxis("aos"),
-        "specialisation": OlderAxis("features"),
-        "launch": OlderAxis("stream", before="stream"),
-        "arithmetic": OlderAxis("precise", before="exact"),
-        "precision": OlderAxis("float", before="float"),
-        "robustness": OlderAxis(before="robust"),
-        "accelerator": OlderAxis(before="brute_force"),
-        "builder": OlderAxis(before="sah_binned"),
-        "traversal": OlderAxis(before="while_while"),
-        "traversal_stack": OlderAxis(before="local"),
-        "levels": OlderAxis(before="each_object"),
-        "light_sampling": OlderAxis(before="solid_angle"),
-        "devices": OlderAxis(before="1"),
-        "partition": OlderAxis(before="samples"),
-        "light_selection": OlderAxis(before="uniform"),
-        "subsurface_sampling": OlderAxis(before="classical"),
+        "integrator": "wavefront",
+        "compaction": "none",
+        "sorting": "none",
+        "sort_key": "material",
+        "first_bounce": "off",
+        "direct_light": "off",
+        "russian_roulette": "off",
+        "sampler": "pcg4d",
+        "layout": "aos",
+        "specialisation": "features",
+        "launch": "stream",
+        "arithmetic": "precise",
+        "precision": "float",
     },
 }
+# Axes that the first files of a version lack, by the axis behind which their cells get what every variant was then.
+_FILLED_AFTER: dict[str, dict[str, str]] = {"1": {"russian_roulette": "direct_light", "sampler": "direct_light"}}
 # The same for files of `ptbench stability`, which name no baselines: the plainest formulas, by their schema.
 _PLAINEST: dict[str, dict[str, str]] = {
     "ptbench-stability-1": {"precision": "float", "arithmetic": "exact", "robustness": "robust"},
@@ -59,19 +42,18 @@ _PLAINEST: dict[str, dict[str, str]] = {
 
 def usual_baselines(named: Mapping[str, str], version: str = SCHEMA_VERSIONS[0]) -> dict[str, str]:
     """Every axis's baseline, in the order of the axes: the ones `named` by the file, the version's for the others."""
-    known = {axis: of.baseline for axis, of in _AXES.get(version, {}).items() if of.baseline}
-    return known | dict(named)
+    return _BASELINES.get(version, {}) | dict(named)
 
 
 def before(axis: str, version: str = SCHEMA_VERSIONS[0]) -> str | None:
     """What every variant was before there was the axis; None: the version always had it, or does not know it."""
-    known = _AXES.get(version, {}).get(axis)
-    return known.before or None if known is not None else None
+    known = known_axes().get(axis) if version in SCHEMA_VERSIONS else None
+    return known.as_before or None if known is not None else None
 
 
 def filled_in(version: str = SCHEMA_VERSIONS[0]) -> dict[str, str]:
     """The axes that `with_later_axes` fills in, with what a cell gets."""
-    return {axis: of.before for axis, of in _AXES.get(version, {}).items() if of.filled_after}
+    return {axis: before(axis, version) or "" for axis in _FILLED_AFTER.get(version, {})}
 
 
 def with_later_axes(named: Mapping[str, str], version: str = SCHEMA_VERSIONS[0]) -> dict[str, str]:
@@ -79,9 +61,9 @@ def with_later_axes(named: Mapping[str, str], version: str = SCHEMA_VERSIONS[0])
     axes: dict[str, str] = {}
     for axis, choice in named.items():
         axes[axis] = choice
-        for later, of in _AXES.get(version, {}).items():
-            if of.filled_after == axis and later not in named:
-                axes[later] = of.before
+        for later, after in _FILLED_AFTER.get(version, {}).items():
+            if after == axis and later not in named:
+                axes[later] = before(later, version) or ""
     return axes
 
 

@@ -6,13 +6,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ptbench.io.axes import known_axes
 from ptbench.io.older import plainest_formulas
 from ptbench.io.stability import BROKEN, KNOWN_LIMIT, SCHEMA, Case, Row, Stability
 
 # How numbers are computed; a variant's other axes say who computes what when.
 FORMULA_AXES = ("precision", "arithmetic", "robustness")
-# What is estimated: a case has these for rows of their own, since each case is run with those that matter to it.
-ESTIMATOR_AXES = ("first_bounce", "direct_light", "russian_roulette", "sampler")
+# How samples are drawn: a case has these for rows of their own, since each case is run with those that matter to it.
+ESTIMATOR_AXES = tuple(name for name, axis in known_axes().items() if axis.decides_samples)
 
 
 def number(value: float) -> str:

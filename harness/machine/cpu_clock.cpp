@@ -1,0 +1,169 @@
+#include "harness/machine/cpu_clock.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#if defined(__x86_64__)
+#include <x86intrin.h>
+#endif
+
+namespace pt {
+
+namespace {
+
+constexpr double multiplication_latency = 3;
+// Chains that run one after the other see the clock move; a chain that is folded is wrong by a factor of 2 or more.
+constexpr double chain_tolerance = 0.1;
+// Turbo is up to 4.3 times the time stamp counter's rate (1.1 GHz parts that boost to 4.7), and cores idle at a tenth.
+constexpr double most_over_time_stamps = 5;
+constexpr double least_over_time_stamps = 0.05;
+// acpi-cpufreq names the clock without boost, which is up to twice as high.
+constexpr double most_over_cpufreq = 2.5;
+
+constexpr std::uint64_t steps_per_pass = 100000;
+constexpr std::uint64_t steps_per_turn = 8;  // as the assembler's .rept below has it
+
+// Calls `turn`, which makes steps_per_turn of them, as often as it takes. Each step waits for the one before it: that
+// of the turn before is in a register.
+template <class Turn>
+[[maybe_unused]] void chain(std::uint64_t steps, const Turn& turn) {
+    for (std::uint64_t i = 0; i < steps / steps_per_turn; ++i) {
+        turn();
+    }
+}
+
+// The instructions of a turn are opaque to the optimiser, which would fold them.
+#if defined(__x86_64__)
+
+void additions(std::uint64_t steps) {
+    std::uint64_t sum = 0;
+    const std::uint64_t one = 1;
+    chain(steps, [&] { asm volatile(".rept 8\n\tadd %1, %0\n\t.endr" : "+r"(sum) : "r"(one)); });
+}
+
+void multiplications(std::uint64_t steps) {
+    std::uint32_t product = 1;
+    const std::uint32_t factor = 3;
+    chain(steps, [&] { asm volatile(".rept 8\n\timul %1, %0\n\t.endr" : "+r"(product) : "r"(factor)); });
+}
+
+double time_stamp() { return static_cast<double>(__rdtsc()); }
+
+#elif defined(__aarch64__)
+
+void additions(std::uint64_t steps) {
+    std::uint64_t sum = 0;
+    const std::uint64_t one = 1;
+    chain(steps, [&] { asm volatile(".rept 8\n\tadd %0, %0, %1\n\t.endr" : "+r"(sum) : "r"(one)); });
+}
+
+// Latencies of multiplications differ between Arm's cores, and the counter's rate says nothing of the clock.
+void multiplications(std::uint64_t) {}
+double time_stamp() { return 0; }
+
+#else
+
+void additions(std::uint64_t) {}
+void multiplications(std::uint64_t) {}
+double time_stamp() { return 0; }
+
+#endif
+
+struct Pass {
+    double microseconds = 0;
+    double time_stamps = 0;
+};
+
+template <class Chain>
+Pass timed(const Chain& chain) {
+    const auto start = std::chrono::steady_clock::now();
+    const double first = time_stamp();
+    chain(steps_per_pass);
+    const double last = time_stamp();
+    return {std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count(), last - first};
+}
+
+double cpufreq_max_mhz() {
+    std::ifstream stream("/sys/devices/system/cpu/cpu0/cpufreq/cpuinfo_max_freq");
+    double kilohertz = 0;
+    return stream >> kilohertz ? 1e-3 * kilohertz : 0;
+}
+
+}  // namespace
+
+std::string clock_problem(const ClockEvidence& e) {
+    if (!(e.additions_per_us > 0)) {
+        return "no chain of instructions of known latency for this kind of processor";
+    }
+    if (e.multiplications_per_us > 0) {
+        const double latency = e.additions_per_us / e.multiplications_per_us;
+        if (std::abs(latency / multiplication_latency - 1) > chain_tolerance) {
+            return fmt::format("additions say {:.0f} MHz, multiplications {:.0f} MHz", e.additions_per_us,
+                               multiplication_latency * e.multiplications_per_us);
+        }
+    }
+    if (e.time_stamps_per_us > 0 && (e.additions_per_us > most_over_time_stamps * e.time_stamps_per_us ||
+                                     e.additions_per_us < least_over_time_stamps * e.time_stamps_per_us)) {
+        return fmt::format("additions say {:.0f} MHz, the time stamp counter runs at {:.0f} MHz", e.additions_per_us,
+                           e.time_stamps_per_us);
+    }
+    if (e.cpufreq_max_mhz > 0 && e.additions_per_us > most_over_cpufreq * e.cpufreq_max_mhz) {
+        return fmt::format("additions say {:.0f} MHz, the kernel's highest clock is {:.0f} MHz", e.additions_per_us,
+                           e.cpufreq_max_mhz);
+    }
+    return "";
+}
+
+std::optional<double> clock_of(const ClockEvidence& evidence) {
+    return clock_problem(evidence).empty() ? std::optional(evidence.additions_per_us) : std::nullopt;
+}
+
+namespace {
+
+ClockEvidence measure_once() {
+    static const double highest = cpufreq_max_mhz();
+    ClockEvidence evidence{.cpufreq_max_mhz = highest};
+    for (int attempt = 0; attempt < 4; ++attempt) {
+        const Pass added = timed(additions);
+        const Pass multiplied = timed(multiplications);
+        // A pass that was interrupted, or too short for the clock to see, is no evidence of a high rate.
+        const auto rate = [](double steps, const Pass& pass) {
+            return pass.microseconds > 1 ? steps / pass.microseconds : 0;
+        };
+        evidence.additions_per_us = std::max(evidence.additions_per_us, rate(steps_per_pass, added));
+        evidence.multiplications_per_us = std::max(evidence.multiplications_per_us, rate(steps_per_pass, multiplied));
+        evidence.time_stamps_per_us = std::max(evidence.time_stamps_per_us, rate(added.time_stamps, added));
+    }
+    return evidence;
+}
+
+}  // namespace
+
+// On a busy machine every pass of a chain may have been interrupted: that contradiction goes, that of a folded chain
+// stays.
+ClockEvidence measure_clock_evidence() {
+    constexpr int most_tries = 5;
+    ClockEvidence evidence = measure_once();
+    for (int tries = 1; tries < most_tries && !clock_problem(evidence).empty(); ++tries) {
+        evidence = measure_once();
+    }
+    return evidence;
+}
+
+std::string clock_method() {
+#if defined(__x86_64__)
+    return "a chain of register additions, held against one of multiplications, the time stamp counter and cpufreq";
+#elif defined(__aarch64__)
+    return "a chain of register additions, held against cpufreq";
+#else
+    return "unknown: no chain of instructions of known latency for this kind of processor";
+#endif
+}
+
+}  // namespace pt

@@ -1,0 +1,59 @@
+// What the cases with glass read off a film. Lamps before and behind a body have a colour each, so that one film tells
+// what came back, what went through and, by the channel that both have, whether anything was lost.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "harness/stability/case.h"
+#include "stability/oracles/fresnel.h"
+
+namespace pt::stability {
+
+inline constexpr std::uint32_t without_end = 1000000;
+inline const Vec3d lamp_behind(1, 0, 1), lamp_before(0, 1, 1);
+
+// Where fewer than some dozens of paths decide, batches do not tell their own spread: four standard errors from the
+// binomial law, of the quick run.
+inline double few_events(long double share, std::uint64_t paths) {
+    const long double odd = std::min(std::abs(share), std::abs(1 - share));
+    const bool is_few = odd * static_cast<long double>(paths) < 40;
+    return is_few ? static_cast<double>(4 * std::sqrt(std::max(odd, 1e-18L) / static_cast<long double>(paths))) : 0;
+}
+
+// Of an estimate whose paths take one of two ways at boundaries.
+inline Tolerance chance_tolerance(long double share, std::uint64_t paths, double more_single = 0) {
+    const double few = few_events(share, paths);
+    return {1e-6 + more_single + few, 1e-8 + few,
+            "numerics.md S24: 1e-6 in single precision, for a reflectance is met in steps of 2^-24 (2^-32 in double); "
+            "where few paths decide, 4 standard errors of the binomial law"};
+}
+
+inline Quantity nothing_lost(const std::string& name) {
+    return {.name = name,
+            .of = [](const RenderResult& result) { return mean_channel(result, 2); },
+            .exact = 1,
+            .tolerance = {0, 0, "every path ends in a lamp of radiance 1, with weight 1"},
+            .is_estimate = false};
+}
+
+inline std::vector<Quantity> shares(const Shares& exact, std::uint64_t paths, double more_single = 0) {
+    return {{.name = "transmitted",
+             .of = [](const RenderResult& result) { return mean_channel(result, 0); },
+             .exact = static_cast<double>(exact.transmitted),
+             .tolerance = chance_tolerance(exact.transmitted, paths, more_single)},
+            {.name = "reflected",
+             .of = [](const RenderResult& result) { return mean_channel(result, 1); },
+             .exact = static_cast<double>(exact.reflected),
+             .tolerance = chance_tolerance(exact.reflected, paths, more_single)}};
+}
+
+inline Quantity all_one(const std::string& name) {
+    return {.name = name,
+            .of = farthest_from(1),
+            .exact = 1,
+            .tolerance = {0, 0, "every path leaves in the end, with weight 1"},
+            .is_estimate = false};
+}
+
+}  // namespace pt::stability

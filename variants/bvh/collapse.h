@@ -1,0 +1,32 @@
+// A binary tree as a wide one: each wide node takes in the inner nodes below it, largest first, until it has `width`
+// children. Wald, Benthin, Boulos, "Getting Rid of Packets", RT 2008; by area: Dammertz, Hanika, Keller, EGSR 2008.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "variants/bvh/binary_tree.h"
+
+namespace pt {
+
+inline constexpr std::uint32_t max_width = 8;
+
+struct WideTree {
+    struct Node {
+        std::uint32_t child[max_width];  // numbers of binary nodes
+        std::uint32_t inner[max_width];  // the wide node that an inner child is; of a leaf 0
+        std::uint32_t count;             // children
+    };
+    std::vector<Node> nodes;  // depth first; the root is nodes[0]; a leaf alone is the one child of a root
+};
+
+// The most entries that wait on the stack of a traversal that pushes all children of a node and takes one up; those
+// that are not there too, as rays of NaNs enter them.
+std::uint32_t stack_need(const WideTree& tree, std::uint32_t width);
+
+// Where the collapse by area would need more than `stack_size`, the highest subtrees are taken in instead: then
+// stack_size >= 1 + (width - 1) * max(1, ceil(depth / log2(width))) always suffices. Throws std::length_error
+// otherwise.
+WideTree collapse(const BinaryTree& tree, std::uint32_t width, std::uint32_t stack_size);
+
+}  // namespace pt

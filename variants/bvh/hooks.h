@@ -1,0 +1,71 @@
+// What a choice of the axes `accelerator` and `builder` brings, as functions that the harness calls.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "kernels/intersect.h"
+#include "variants/bvh/encoded_tree.h"
+
+namespace pt {
+
+struct BuilderHook {
+    // `triangles`: those that the boxes are round, for builders that split them. The same tree on any number of cores.
+    BinaryTree (*build)(const PrimitiveBoxes& boxes, std::span<const Triangle<float>> triangles) = nullptr;
+};
+
+// What an accelerator of the host makes of a mesh for itself: MeshView::native.
+struct NativeMesh {
+    std::shared_ptr<const void> data;
+    std::uint64_t bytes = 0;
+};
+
+struct AcceleratorHook {
+    // In the accelerator's format; null: it needs no tree, and slots are primitives.
+    EncodedTree (*encode)(const BinaryTree& tree) = nullptr;
+    // On the host alone; null: the tree and its leaves are enough.
+    NativeMesh (*prepare)(const EncodedTree& tree, std::span<const LeafTriangle> leaves) = nullptr;
+    MeetMesh<float> meet_single = nullptr;
+    MeetMesh<double> meet_double = nullptr;
+    // By one tree over the triangles of all objects; null: it has its trees by itself.
+    MeetMeshes<float> meet_flat_single = nullptr;
+    MeetMeshes<double> meet_flat_double = nullptr;
+};
+
+// A choice of the axis `levels`.
+struct LevelsHook {
+    // Over the boxes of objects, leaves of one each; null: there is no such tree.
+    std::vector<ObjectNode> (*build)(const PrimitiveBoxes& boxes) = nullptr;
+    MeetMeshes<float> meet_single = nullptr;
+    MeetMeshes<double> meet_double = nullptr;
+    bool is_flat = false;  // met as the accelerator has it
+};
+
+// A host's kernel is compiled for motion or without it, its search for motion: of an object at rest it leaves the same.
+template <class Traversal, class Real>
+using SearchConfig = Config<Real, Feature::mesh | Feature::motion, Traversal>;
+
+template <class Traversal, class Real>
+void meet_flat(Hit<Real>& best, const SceneView<Real>& scene, const Ray<Real>& ray, Real enough) {
+    closest_by_flat_tree<SearchConfig<Traversal, Real>>(best, scene, scene.meshes, ray, NearerThan<Real>{enough});
+}
+
+// A ray through a mesh on the host, by the traversal that kernels of a device have compiled in.
+template <class Traversal, class Real>
+void meet_mesh(Hit<Real>& best, const MeshInstance<Real>& mesh, std::uint32_t object, const Vec3<Real>& origin,
+               const Ray<Real>& ray, Real enough) {
+    NoTraversalCounter counter;
+    closest_in_mesh<Traversal>(best, mesh, object, origin, ray, counter, NearerThan<Real>{enough});
+}
+
+template <class Traversal>
+AcceleratorHook accelerator_hook(EncodedTree (*encode)(const BinaryTree& tree)) {
+    return {encode,
+            nullptr,
+            &meet_mesh<Traversal, float>,
+            &meet_mesh<Traversal, double>,
+            &meet_flat<Traversal, float>,
+            &meet_flat<Traversal, double>};
+}
+
+}  // namespace pt

@@ -1,0 +1,372 @@
+// Stacks of a walk (walk.h). Where their entries lie is their Memory's: get(i), set(i, open).
+#pragma once
+
+#include "kernels/math.h"
+#include "variants/bvh/walk.h"
+
+namespace pt {
+
+template <class Open, std::uint32_t most>
+struct LocalMemory {
+    Open entries[most];
+
+    PT_HD Open get(std::uint32_t i) const { return entries[i]; }
+    PT_HD void set(std::uint32_t i, const Open& open) { entries[i] = open; }
+};
+
+// Holds all that can wait. The memory is apart: an array that is indexed at run time keeps its neighbours in memory.
+template <class Open, class MemoryT>
+class FullStack {
+public:
+    using Memory = MemoryT;
+
+    PT_HD explicit FullStack(Memory& memory) : memory_(memory) {}
+
+    PT_HD void clear() { size_ = 0; }
+    PT_HD void push(const Open& open) { memory_.set(size_++, open); }
+    PT_HD bool pop(Open& open) {
+        if (size_ == 0) {
+            return false;
+        }
+        open = memory_.get(--size_);
+        return true;
+    }
+
+    // For nodes of many children, of which those are met that have an entry of 0 or more: the nearest is on top.
+    // Whether `link` is the child to enter; here the walk takes it from the stack, as all others.
+    template <class Real, int width>
+    PT_HD bool enters_nearest(const Real (&entries)[width], const std::uint32_t (&links)[width], std::uint32_t&) {
+        const std::uint32_t bottom = size_;
+        for (int child = 0; child < width; ++child) {
+            if (entries[child] < Real(0)) {
+                continue;
+            }
+            std::uint32_t at = size_;
+            for (; at > bottom && memory_.get(at - 1).entry < entries[child]; --at) {
+                memory_.set(at, memory_.get(at - 1));
+            }
+            memory_.set(at, {entries[child], links[child]});
+            ++size_;
+        }
+        return false;
+    }
+
+    // For nodes of two children: which one to enter where both are met, and whether to where one is.
+    PT_HD bool enters_nearer(const Open& further) {
+        push(further);
+        return true;
+    }
+    PT_HD bool enters_only_child() { return true; }
+
+    // For nodes whose children wait in one group, in an order that the ray's octant fixes: the child at `position` is
+    // entered, `rest` waits. Whether the triangles of the node that is entered have been tested before.
+    PT_HD bool enter(std::uint32_t, const Open& rest) {
+        if (!rest.empty()) {
+            push(rest);
+        }
+        return false;
+    }
+    // Leaves of a node's children, which were met, those that have not been entered before.
+    PT_HD void narrow(Open&) {}
+
+private:
+    Memory& memory_;
+    std::uint32_t size_ = 0;
+};
+
+// Holds the last few that wait, of a binary tree. Where it has forgotten one, the walk starts again at the root and
+// finds its way by the trail: a bit for each level, 1 where all below the nearer child has been visited or the ray
+// meets one child alone. Laine, "Restart Trail for Stackless BVH Traversal", HPG 2010. A tree of 64 levels has a bit
+// for each inner node on a way, and a carry out of the last says that nothing is left.
+template <class Open, class MemoryT, std::uint32_t entries>
+class ShortStack {
+public:
+    using Memory = MemoryT;
+
+    PT_HD explicit ShortStack(Memory& memory) : memory_(memory) {}
+
+    PT_HD void clear() {
+        trail_ = level_ = restarted_for_ = 0;
+        size_ = top_ = 0;
+    }
+    PT_HD bool enters_nearer(const Open& further) {
+        level_ = level_below();
+        if ((trail_ & level_) != 0) {
+            return false;
+        }
+        memory_.set(top_, further);
+        top_ = top_ + 1 == entries ? 0 : top_ + 1;
+        size_ += size_ == entries ? 0 : 1;
+        return true;
+    }
+    // Not where the walk was to enter the further child and the best hit has come nearer than that since.
+    PT_HD bool enters_only_child() {
+        const std::uint64_t level = level_below();
+        if (level == restarted_for_) {
+            return false;
+        }
+        level_ = level;
+        trail_ |= level;
+        return true;
+    }
+    PT_HD bool pop(Open& open) {
+        if (level_ == 0) {
+            return false;
+        }
+        trail_ = (trail_ & (0 - level_)) + level_;
+        if (trail_ == 0) {
+            return false;
+        }
+        level_ = restarted_for_ = trail_ & (0 - trail_);
+        if (size_ == 0) {
+            level_ = 0;
+            open = Open::root();
+        } else {
+            --size_;
+            top_ = (top_ == 0 ? entries : top_) - 1;
+            open = memory_.get(top_);
+        }
+        return true;
+    }
+
+private:
+    PT_HD std::uint64_t level_below() const { return level_ == 0 ? std::uint64_t{1} << 63 : level_ >> 1; }
+
+    Memory& memory_;
+    std::uint64_t trail_ = 0;
+    std::uint64_t level_ = 0;          // of the choice that led to the node at hand; 0: it is the root
+    std::uint64_t restarted_for_ = 0;  // of the choice that the last one taken up belongs to
+    std::uint32_t size_ = 0, top_ = 0;
+};
+
+// The same of a tree whose children wait in groups (FullStack::enter), up to 8 of a node, in 64 levels of groups below
+// the root. The trail has four bits a level, each in a word of its own: which child was entered last, and whether
+// others of its group wait. Of the wide trees of Vaidyanathan, Woop, Benthin, "Wide BVH Traversal with a Short Stack",
+// HPG 2019, whose trail counts children in the order of their distances; here the order is the octant's, which no hit
+// changes.
+template <class Open, class MemoryT, std::uint32_t entries>
+class ShortGroupStack {
+public:
+    using Memory = MemoryT;
+
+    PT_HD explicit ShortGroupStack(Memory& memory) : memory_(memory) {}
+
+    PT_HD void clear() {
+        waits_ = level_ = target_ = 0;
+        position_[0] = position_[1] = position_[2] = 0;
+        size_ = top_ = 0;
+    }
+    PT_HD bool enter(std::uint32_t position, const Open& rest) {
+        const std::uint64_t level = level_;
+        level_ = level == 0 ? std::uint64_t{1} << 63 : level >> 1;
+        if (level == 0) {
+            return target_ != 0;
+        }
+        // The hit has come nearer than the child that leads back: what waits below it is out of reach.
+        if (target_ != 0 && position != position_at(level)) {
+            leave_trail(level);
+        }
+        for (std::uint32_t bit = 0; bit < 3; ++bit) {
+            position_[bit] = (position_[bit] & ~level) | ((position >> bit & 1u) != 0 ? level : 0);
+        }
+        waits_ &= ~level;
+        if (!rest.empty()) {
+            waits_ |= level;
+            memory_.set(top_, rest);
+            top_ = top_ + 1 == entries ? 0 : top_ + 1;
+            size_ += size_ == entries ? 0 : 1;
+        }
+        return target_ != 0;
+    }
+    PT_HD void narrow(Open& met) {
+        if (target_ == 0) {
+            return;
+        }
+        const bool is_there = level_ == target_;
+        met.keep_up_to(position_at(level_), !is_there);
+        if (is_there || met.empty()) {
+            leave_trail(level_);
+        }
+    }
+    PT_HD bool pop(Open& open) {
+        if (waits_ == 0) {
+            return false;
+        }
+        const std::uint64_t deepest = waits_ & (0 - waits_);
+        if (size_ == 0) {
+            target_ = deepest;
+            level_ = 0;
+            open = Open::root();
+        } else {
+            waits_ &= ~deepest;
+            level_ = deepest;
+            --size_;
+            top_ = (top_ == 0 ? entries : top_) - 1;
+            open = memory_.get(top_);
+        }
+        return true;
+    }
+
+private:
+    PT_HD std::uint32_t position_at(std::uint64_t level) const {
+        return ((position_[0] & level) != 0 ? 1u : 0u) | ((position_[1] & level) != 0 ? 2u : 0u) |
+               ((position_[2] & level) != 0 ? 4u : 0u);
+    }
+    // From here on the walk is where it has not been; nothing waits at this level or below.
+    PT_HD void leave_trail(std::uint64_t level) {
+        target_ = 0;
+        waits_ &= ~(level | (level - 1));
+    }
+
+    Memory& memory_;
+    // A bit a level, the highest the first below the root.
+    std::uint64_t waits_ = 0;
+    std::uint64_t position_[3] = {0, 0, 0};
+    std::uint64_t level_ = 0;   // of the group in hand; 0: it is the root, or below the last
+    std::uint64_t target_ = 0;  // of the group that the walk finds its way back to
+    std::uint32_t size_ = 0, top_ = 0;
+};
+
+// The same of a tree of up to 8 children a node that are entered by their distances, in 32 levels of inner nodes at
+// most. A ray enters each box at a place of its own, whatever it has hit: a nearer hit takes away the last of a node's
+// children and leaves the order of the others, so that their count finds the one to go on with. The trail has for each
+// level the place in this order of the child that was entered last, and whether others wait. Vaidyanathan, Woop,
+// Benthin, "Wide BVH Traversal with a Short Stack", HPG 2019.
+template <class Open, class MemoryT, std::uint32_t entries>
+class ShortOrderStack {
+public:
+    using Memory = MemoryT;
+
+    PT_HD explicit ShortOrderStack(Memory& memory) : memory_(memory) {}
+
+    PT_HD void clear() {
+        waits_ = level_ = target_ = 0;
+        for (std::uint32_t bit = 0; bit < place_bits; ++bit) {
+            place_[bit] = 0;
+        }
+        size_ = top_ = 0;
+    }
+    template <class Real, int width>
+    PT_HD bool enters_nearest(const Real (&entries_of)[width], const std::uint32_t (&links)[width],
+                              std::uint32_t& link) {
+        std::uint32_t place[width];
+        const std::uint32_t met = put_in_order(entries_of, place);
+        level_ = level_ == 0 ? highest_level : level_ >> 1;
+        const std::uint32_t first = target_ != 0 ? place_at(level_) : 0;
+        if (target_ == level_ || met <= first) {
+            target_ = 0;
+        }
+        waits_ &= ~(level_ | (level_ - 1));
+        // Nothing is met, or the hit has come nearer than the child that leads back: what waits below is out of reach.
+        if (met <= first) {
+            return false;
+        }
+        set_place_at(level_, first);
+        const std::uint32_t waiting = met - first - 1;
+        waits_ |= waiting != 0 ? level_ : 0;
+        for (int child = 0; child < width; ++child) {
+            if (place[child] == first) {
+                link = links[child];
+            }
+            const std::uint32_t above = place[child] - first - 1;  // entries that will lie above it
+            if (above < waiting && above < entries) {
+                const Real entry = absolute(entries_of[child]);  // a zero may have a sign
+                memory_.set((top_ + waiting - 1 - above) % entries,
+                            {above == waiting - 1 ? -entry : entry, links[child]});
+            }
+        }
+        top_ = (top_ + waiting) % entries;
+        size_ = size_ + waiting < entries ? size_ + waiting : entries;
+        return true;
+    }
+    PT_HD bool pop(Open& open) {
+        if (waits_ == 0 || target_ != 0) {
+            return false;
+        }
+        const std::uint32_t deepest = waits_ & (0 - waits_);
+        step_place_at(deepest);
+        if (size_ == 0) {
+            target_ = deepest;
+            level_ = 0;
+            open = Open::root();
+            return true;
+        }
+        level_ = deepest;
+        --size_;
+        top_ = (top_ == 0 ? entries : top_) - 1;
+        open = memory_.get(top_);
+        if (bits_of(open.entry) < 0) {
+            waits_ &= ~deepest;
+            open.entry = -open.entry;
+        }
+        return true;
+    }
+
+private:
+    static constexpr std::uint32_t place_bits = Open::width <= 4 ? 2 : 3;
+    static constexpr std::uint32_t highest_level = 1u << 31;
+    static_assert(Open::width <= 8);
+
+    // The place of each child in the order of their entries, of equal ones as FullStack has it; those that are not met
+    // come last. How many are met.
+    template <class Real, int width>
+    PT_HD static std::uint32_t put_in_order(const Real (&entries_of)[width], std::uint32_t (&place)[width]) {
+        std::uint32_t met = 0;
+        for (int child = 0; child < width; ++child) {
+            met += entries_of[child] < Real(0) ? 0 : 1;
+            place[child] = 0;
+        }
+        for (int later = 1; later < width; ++later) {
+            for (int child = 0; child < later; ++child) {
+                const bool is_first = entries_of[later] >= Real(0) &&
+                                      (entries_of[child] < Real(0) || entries_of[later] <= entries_of[child]);
+                place[child] += is_first ? 1 : 0;
+                place[later] += is_first ? 0 : 1;
+            }
+        }
+        return met;
+    }
+    PT_HD std::uint32_t place_at(std::uint32_t level) const {
+        std::uint32_t place = 0;
+        for (std::uint32_t bit = 0; bit < place_bits; ++bit) {
+            place |= (place_[bit] & level) != 0 ? 1u << bit : 0;
+        }
+        return place;
+    }
+    PT_HD void set_place_at(std::uint32_t level, std::uint32_t place) {
+        for (std::uint32_t bit = 0; bit < place_bits; ++bit) {
+            place_[bit] = (place_[bit] & ~level) | ((place >> bit & 1u) != 0 ? level : 0);
+        }
+    }
+    PT_HD void step_place_at(std::uint32_t level) {
+        std::uint32_t carry = level;
+        for (std::uint32_t bit = 0; bit < place_bits; ++bit) {
+            const std::uint32_t before = place_[bit];
+            place_[bit] = before ^ carry;
+            carry &= before;
+        }
+    }
+
+    Memory& memory_;
+    // A bit a level, the highest the root's. In memory the last child of a node's has its entry negated.
+    std::uint32_t waits_ = 0;
+    std::uint32_t place_[place_bits] = {};
+    std::uint32_t level_ = 0;   // of the choice that led to the node at hand; 0: it is the root
+    std::uint32_t target_ = 0;  // of the choice that the walk finds its way back to
+    std::uint32_t size_ = 0, top_ = 0;
+};
+
+template <class Open, class Memory, std::uint32_t entries>
+struct ShortStackFor {
+    using Type = ShortGroupStack<Open, Memory, entries>;
+};
+template <class Real, class Memory, std::uint32_t entries, int width>
+struct ShortStackFor<OpenLink<Real, width>, Memory, entries> {
+    using Type = ShortOrderStack<OpenLink<Real, width>, Memory, entries>;
+};
+template <class Real, class Memory, std::uint32_t entries>
+struct ShortStackFor<OpenLink<Real, 2>, Memory, entries> {
+    using Type = ShortStack<OpenLink<Real, 2>, Memory, entries>;
+};
+
+}  // namespace pt

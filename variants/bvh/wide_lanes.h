@@ -1,0 +1,361 @@
+// Wide trees on the host: one ray against all boxes of a node, or four triangles of a leaf, in one vector. Only what
+// certainly misses is left out; the triangles that remain take the one test (kernels/triangle.h), so the bits stay.
+// Wald, Benthin, Boulos, "Getting Rid of Packets", RT 2008; boxes and stack as in Wald et al., "Embree", SIGGRAPH 2014.
+#pragma once
+
+#include <bit>
+#include <limits>
+#include <vector>
+
+#if defined(__AVX__)
+#include <immintrin.h>
+#endif
+
+#include "kernels/intersect.h"
+#include "variants/bvh/hooks.h"
+#include "variants/bvh/wide_nodes.h"
+
+namespace pt::lanes {
+
+// GNU vectors (g++, clang): an operation is one of each lane, by IEEE; a comparison is -1 or 0 in each.
+template <int width>
+struct VectorOf {
+    typedef float Floats __attribute__((vector_size(width * sizeof(float))));
+    typedef std::int32_t Truths __attribute__((vector_size(width * sizeof(float))));
+};
+template <int width>
+using Floats = typename VectorOf<width>::Floats;
+template <int width>
+using Truths = typename VectorOf<width>::Truths;
+
+template <int width>
+inline Floats<width> broadcast(float value) {
+    return Floats<width>{} + value;
+}
+template <int width>
+inline Floats<width> loaded(const float* from) {
+    return *reinterpret_cast<const Floats<width>*>(from);
+}
+// One bit a lane.
+template <int width>
+inline std::uint32_t bits_of(const Truths<width>& truths) {
+#if defined(__AVX__)
+    if constexpr (width == 8) {
+        return static_cast<std::uint32_t>(_mm256_movemask_ps(reinterpret_cast<__m256>(truths)));
+    } else if constexpr (width == 4) {
+        return static_cast<std::uint32_t>(_mm_movemask_ps(reinterpret_cast<__m128>(truths)));
+    }
+#endif
+    std::uint32_t bits = 0;
+    for (int lane = 0; lane < width; ++lane) {
+        bits |= (truths[lane] != 0 ? 1u : 0u) << lane;
+    }
+    return bits;
+}
+
+// Up to four triangles of a leaf by axis, vertex and lane, so that a ray's permutation of the axes chooses rows.
+inline constexpr int block_width = 4;
+struct alignas(32) TriangleBlock {
+    float row[3][3][block_width];
+    std::uint32_t primitive[block_width];
+};
+static_assert(sizeof(TriangleBlock) == 160);
+
+// Aligned for whole vectors. A leaf's link holds the number of its first block and its count of triangles.
+template <int width>
+struct alignas(64) Node : WideNode<width> {};
+
+template <int width>
+struct Mesh {
+    std::vector<Node<width>> nodes;
+    std::vector<TriangleBlock> blocks;
+};
+
+inline void set_lane(TriangleBlock& block, std::uint32_t lane, const LeafTriangle& leaf) {
+    for (int axis = 0; axis < 3; ++axis) {
+        block.row[axis][0][lane] = leaf.a[axis];
+        block.row[axis][1][lane] = leaf.b[axis];
+        block.row[axis][2][lane] = leaf.c[axis];
+    }
+    block.primitive[lane] = leaf.primitive;
+}
+inline LeafTriangle triangle_in(const TriangleBlock& block, std::uint32_t lane) {
+    const auto corner = [&](int k, int axis) { return block.row[axis][k][lane]; };
+    return {{corner(0, 0), corner(0, 1), corner(0, 2)}, block.primitive[lane],
+            {corner(1, 0), corner(1, 1), corner(1, 2)}, 0,
+            {corner(2, 0), corner(2, 1), corner(2, 2)}, 0};
+}
+
+// The slots that one block takes: of a leaf's, or of a whole subtree's that has no more than a block holds.
+struct BlockSlots {
+    std::uint32_t count = 0;  // 0: more than a block's
+    std::uint32_t slot[block_width];
+
+    // False if they would be more than a block's.
+    bool take(std::uint32_t first, std::uint32_t slots) {
+        if (count + slots > block_width) {
+            return false;
+        }
+        for (std::uint32_t i = 0; i < slots; ++i) {
+            slot[count++] = first + i;
+        }
+        return true;
+    }
+};
+
+// Of each node, where its subtree fits one block: then the block's test costs less than the visit of the node. Never of
+// the root.
+template <int width>
+std::vector<BlockSlots> subtrees_of_a_block(std::span<const WideNode<width>> nodes) {
+    std::vector<BlockSlots> fits(nodes.size());
+    const auto gather = [&](const WideNode<width>& node) {
+        BlockSlots all;
+        for (int child = 0; child < width && node.has_child(child); ++child) {
+            const std::uint32_t link = node.link[child];
+            if (is_leaf_link(link)) {
+                if (!all.take(first_slot(link), slot_count(link))) {
+                    return BlockSlots{};
+                }
+            } else {
+                const BlockSlots& below = fits[link];
+                if (below.count == 0 || all.count + below.count > block_width) {
+                    return BlockSlots{};
+                }
+                for (std::uint32_t i = 0; i < below.count; ++i) {
+                    all.slot[all.count++] = below.slot[i];
+                }
+            }
+        }
+        return all;
+    };
+    for (std::size_t i = nodes.size(); i-- > 1;) {  // an inner child has a larger number than its parent
+        fits[i] = gather(nodes[i]);
+    }
+    return fits;
+}
+
+// From the tree that the device gets: leaves as blocks, and small subtrees as leaves.
+template <int width>
+class MeshBuilder {
+public:
+    MeshBuilder(std::span<const WideNode<width>> nodes, std::span<const LeafTriangle> leaves)
+        : nodes_(nodes), leaves_(leaves), fits_(subtrees_of_a_block<width>(nodes)), number_(nodes.size()) {}
+
+    Mesh<width> build() {
+        std::uint32_t kept = 0;
+        for (std::size_t i = 0; i < nodes_.size(); ++i) {
+            number_[i] = fits_[i].count == 0 ? kept++ : 0;
+        }
+        for (std::size_t i = 0; i < nodes_.size(); ++i) {
+            if (fits_[i].count == 0) {
+                mesh_.nodes.push_back({nodes_[i]});
+                for (int child = 0; child < width && nodes_[i].has_child(child); ++child) {
+                    mesh_.nodes.back().link[child] = new_link(nodes_[i].link[child]);
+                }
+            }
+        }
+        return std::move(mesh_);
+    }
+
+private:
+    std::uint32_t new_link(std::uint32_t link) {
+        const auto first_block = static_cast<std::uint32_t>(mesh_.blocks.size());
+        if (is_leaf_link(link)) {
+            for (std::uint32_t i = 0; i < slot_count(link); ++i) {
+                add(i, first_slot(link) + i);
+            }
+            return leaf_link(first_block, slot_count(link));
+        }
+        const BlockSlots& whole = fits_[link];
+        for (std::uint32_t i = 0; i < whole.count; ++i) {
+            add(i, whole.slot[i]);
+        }
+        return whole.count != 0 ? leaf_link(first_block, whole.count) : number_[link];
+    }
+    void add(std::uint32_t i, std::uint32_t slot) {
+        if (i % block_width == 0) {
+            mesh_.blocks.emplace_back();
+        }
+        set_lane(mesh_.blocks.back(), i % block_width, leaves_[slot]);
+    }
+
+    std::span<const WideNode<width>> nodes_;
+    std::span<const LeafTriangle> leaves_;
+    std::vector<BlockSlots> fits_;
+    std::vector<std::uint32_t> number_;
+    Mesh<width> mesh_;
+};
+
+template <int width>
+NativeMesh prepare(const EncodedTree& tree, std::span<const LeafTriangle> leaves) {
+    const std::span nodes{reinterpret_cast<const WideNode<width>*>(tree.nodes.data()), tree.node_count};
+    const auto mesh = std::make_shared<const Mesh<width>>(MeshBuilder<width>(nodes, leaves).build());
+    const std::uint64_t bytes = mesh->nodes.size() * sizeof(Node<width>) + mesh->blocks.size() * sizeof(TriangleBlock);
+    return {mesh, bytes};
+}
+
+// The boxes' side of a ray, as BoxRay has it.
+template <int width>
+struct BoxLanes {
+    Floats<width> near_origin[3], far_origin[3], inverse[3];
+    int near_row[3], far_row[3];
+
+    static BoxLanes of(const BoxRay<float>& ray) {
+        BoxLanes lanes;
+        for (int axis = 0; axis < 3; ++axis) {
+            lanes.near_origin[axis] = broadcast<width>(ray.near_origin[axis]);
+            lanes.far_origin[axis] = broadcast<width>(ray.far_origin[axis]);
+            lanes.inverse[axis] = broadcast<width>(ray.inverse[axis]);
+            lanes.near_row[axis] = 2 * axis + (ray.is_reversed(axis) ? 1 : 0);
+            lanes.far_row[axis] = 2 * axis + (ray.is_reversed(axis) ? 0 : 1);
+        }
+        return lanes;
+    }
+
+    // BoxRay::entry of every child: where it enters, and a bit for each that it does.
+    std::uint32_t entered(const Node<width>& node, float best_t, Floats<width>& entries) const {
+        Floats<width> nearest{}, farthest = broadcast<width>(best_t);
+        for (int axis = 0; axis < 3; ++axis) {
+            const Floats<width> in = (loaded<width>(node.side[near_row[axis]]) - near_origin[axis]) * inverse[axis];
+            const Floats<width> out = (loaded<width>(node.side[far_row[axis]]) - far_origin[axis]) * inverse[axis];
+            nearest = in > nearest ? in : nearest;
+            farthest = out < farthest ? out : farthest;
+        }
+        entries = nearest * (1.0f - gamma<float>(16));
+        return bits_of<width>(entries <= farthest);
+    }
+};
+
+// The triangles' side of a ray.
+struct TriangleLanes {
+    using Lane = Floats<block_width>;
+    Lane origin[3], shear_x, shear_y;  // the origin along kx, ky, kz
+    std::uint32_t axis[3];
+
+    static TriangleLanes of(const MeshRay<float>& ray) {
+        const ShearedDirection<float>& s = ray.sheared;
+        TriangleLanes lanes{
+            {}, broadcast<block_width>(s.shear.x), broadcast<block_width>(s.shear.y), {s.kx, s.ky, s.kz}};
+        for (int i = 0; i < 3; ++i) {
+            lanes.origin[i] = broadcast<block_width>(component_of(ray.origin, lanes.axis[i]));
+        }
+        return lanes;
+    }
+
+    // A bit for each triangle whose rounded edge functions are not of both signs, none being zero: the first
+    // operations of `intersect`, which turns all others away.
+    std::uint32_t candidates(const TriangleBlock& block) const {
+        Lane x[3], y[3];
+        for (int k = 0; k < 3; ++k) {
+            const Lane z = loaded<block_width>(block.row[axis[2]][k]) - origin[2];
+            x[k] = (loaded<block_width>(block.row[axis[0]][k]) - origin[0]) - shear_x * z;
+            y[k] = (loaded<block_width>(block.row[axis[1]][k]) - origin[1]) - shear_y * z;
+        }
+        const Lane u = x[2] * y[1] - y[2] * x[1], v = x[0] * y[2] - y[0] * x[2], w = x[1] * y[0] - y[1] * x[0];
+        const Lane zero{};
+        const auto below = (u < zero) | (v < zero) | (w < zero), above = (u > zero) | (v > zero) | (w > zero),
+                   at_zero = (u == zero) | (v == zero) | (w == zero);
+        return bits_of<block_width>(~(below & above) | at_zero);
+    }
+};
+
+struct Waiting {
+    std::uint64_t of;  // the entry's bits above the link: both are not negative, so the nearer is the smaller number
+
+    static Waiting make(float entry, std::uint32_t link) {
+        return {static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(entry)) << 32 | link};
+    }
+    float entry() const { return std::bit_cast<float>(static_cast<std::uint32_t>(of >> 32)); }
+    std::uint32_t link() const { return static_cast<std::uint32_t>(of); }
+};
+
+inline void meet_leaf(Hit<float>& best, const TriangleBlock* blocks, std::uint32_t link, const TriangleLanes& lanes,
+                      const MeshRay<float>& ray) {
+    const TriangleBlock* block = blocks + first_slot(link);
+    for (std::uint32_t left = slot_count(link);; left -= block_width, ++block) {
+        std::uint32_t found = lanes.candidates(*block);
+        found &= left < block_width ? (1u << left) - 1u : (1u << block_width) - 1u;
+        for (; found != 0; found &= found - 1u) {
+            meet_triangle(best, triangle_in(*block, static_cast<std::uint32_t>(std::countr_zero(found))), ray);
+        }
+        if (left <= block_width) {
+            return;
+        }
+    }
+}
+
+template <int width>
+void meet_mesh(Hit<float>& best, const MeshInstance<float>& instance, std::uint32_t object, const Vec3<float>& origin,
+               const pt::Ray<float>& world_ray, float enough) {
+    const auto& mesh = *static_cast<const Mesh<width>*>(instance.geometry.native);
+    if (mesh.nodes.empty()) {
+        return;
+    }
+    const MeshRay<float> ray = MeshRay<float>::of(instance, object, origin, world_ray);
+    const Node<width>* nodes = mesh.nodes.data();
+    const BoxSpan spans[3] = {nodes[0].span(0), nodes[0].span(1), nodes[0].span(2)};
+    const auto boxes = BoxLanes<width>::of(BoxRay<float>::of(ray.origin, ray.direction, spans));
+    const TriangleLanes triangles = TriangleLanes::of(ray);
+    Waiting stack[wide_stack_size<width>];
+    Waiting* top = stack;
+    std::uint32_t link = 0;
+    while (true) {
+        while (!is_leaf_link(link)) {
+            const Node<width>& node = nodes[link];
+            alignas(sizeof(Floats<width>)) float entries[width];
+            std::uint32_t found = boxes.entered(node, best.t, *reinterpret_cast<Floats<width>*>(entries));
+            if (found == 0) {
+                break;
+            }
+            const auto take = [&] {
+                const auto child = static_cast<std::uint32_t>(std::countr_zero(found));
+                found &= found - 1u;
+                return Waiting::make(entries[child], node.link[child]);
+            };
+            Waiting nearest = take();
+            if (found == 0) {
+                link = nearest.link();
+                continue;
+            }
+            Waiting* const bottom = top;
+            while (found != 0) {
+                Waiting next = take();
+                if (next.of < nearest.of) {
+                    std::swap(next, nearest);
+                }
+                Waiting* at = top++;  // the nearest on top
+                for (; at > bottom && at[-1].of < next.of; --at) {
+                    *at = at[-1];
+                }
+                *at = next;
+            }
+            link = nearest.link();
+        }
+        if (is_leaf_link(link)) {
+            meet_leaf(best, mesh.blocks.data(), link, triangles, ray);
+            if (NearerThan<float>{enough}.end_if_met(best)) {
+                return;
+            }
+        }
+        do {
+            if (top == stack) {
+                return;
+            }
+            --top;
+        } while (top->entry() > best.t);
+        link = top->link();
+    }
+}
+
+// `Traversal`: for rays in double, and through a tree over all objects.
+template <int width, class Traversal>
+AcceleratorHook accelerator_hook(EncodedTree (*encode)(const BinaryTree& tree)) {
+    return {encode,
+            &prepare<width>,
+            &meet_mesh<width>,
+            &pt::meet_mesh<Traversal, double>,
+            &pt::meet_flat<Traversal, float>,
+            &pt::meet_flat<Traversal, double>};
+}
+
+}  // namespace pt::lanes

@@ -1,0 +1,11 @@
+// The kernel that ends a captured batch: part of the programs of the integrators with a queue.
+#pragma once
+
+#include "variants/cuda/device/device.cuh"
+
+// Moves a graph's first sample on.
+PT_UNBOUNDED_KERNEL(advance, pt::cuda::AdvanceParameters, (std::uint32_t * cursor, std::uint32_t samples)) {
+    if (threadIdx.x == 0) {
+        *cursor += samples;
+    }
+}

@@ -1,0 +1,75 @@
+// Appending to a queue in global memory from many threads: where each kept element goes.
+// Device side; kernel_config.block threads a block. Every thread of the block must call these.
+#pragma once
+
+#include "variants/cuda/device/device.cuh"
+
+namespace pt::cuda {
+
+// One atomic operation a warp. Adinetz 2014, "CUDA Pro Tip: Optimized Filtering with Warp-Aggregated Atomics".
+__device__ inline std::uint32_t append_by_warp(std::uint32_t* count, bool keep) {
+    const unsigned kept = __ballot_sync(0xffffffffu, keep);
+    std::uint32_t first = 0;
+    if (lane() == 0 && kept != 0) {
+        first = atomicAdd(count, static_cast<unsigned>(__popc(kept)));
+    }
+    first = __shfl_sync(0xffffffffu, first, 0);
+    return first + static_cast<std::uint32_t>(__popc(kept & ((1u << lane()) - 1u)));
+}
+
+// One atomic operation a block: the warps' counts are scanned in shared memory. Within a block the order is kept.
+__device__ inline std::uint32_t append_by_block(std::uint32_t* count, bool keep) {
+    constexpr unsigned warps = kernel_config.block / warp_size;
+    __shared__ std::uint32_t before[warps];
+    const unsigned kept = __ballot_sync(0xffffffffu, keep);
+    const unsigned warp = threadIdx.x / warp_size;
+    if (lane() == 0) {
+        before[warp] = static_cast<std::uint32_t>(__popc(kept));
+    }
+    __syncthreads();
+    if (warp == 0) {
+        const std::uint32_t mine = lane() < warps ? before[lane()] : 0;
+        std::uint32_t scan = mine;
+        for (unsigned offset = 1; offset < 32; offset *= 2) {
+            const std::uint32_t left = __shfl_up_sync(0xffffffffu, scan, offset);
+            scan += lane() >= offset ? left : 0;
+        }
+        const std::uint32_t total = __shfl_sync(0xffffffffu, scan, 31);
+        std::uint32_t first = 0;
+        if (lane() == 0 && total != 0) {
+            first = atomicAdd(count, total);
+        }
+        first = __shfl_sync(0xffffffffu, first, 0);
+        if (lane() < warps) {
+            before[lane()] = first + scan - mine;
+        }
+    }
+    __syncthreads();
+    const std::uint32_t position = before[warp] + static_cast<std::uint32_t>(__popc(kept & ((1u << lane()) - 1u)));
+    __syncthreads();  // `before` may be used again
+    return position;
+}
+
+// What a block has gathered: element i below count has place first + i among all that the kernel's blocks gather.
+struct Gathered {
+    std::uint32_t first, count;   // of no elements `first` says nothing
+    const std::uint32_t* values;  // in shared memory, until the block gathers again
+};
+
+// append_by_block, with the kept values of the block side by side in shared memory, in the order of their threads.
+__device__ inline Gathered gather_by_block(std::uint32_t* count, bool keep, std::uint32_t value) {
+    __shared__ std::uint32_t values[kernel_config.block];
+    __shared__ std::uint32_t first;
+    const std::uint32_t position = append_by_block(count, keep);
+    if (threadIdx.x == 0) {
+        first = position;  // of the block's first kept element, whether or not this thread keeps its own
+    }
+    const std::uint32_t kept = static_cast<std::uint32_t>(__syncthreads_count(keep ? 1 : 0));
+    if (keep) {
+        values[position - first] = value;
+    }
+    __syncthreads();
+    return {first, kept, values};
+}
+
+}  // namespace pt::cuda

@@ -1,0 +1,64 @@
+// What a thread keeps of the path that it traces besides its state: nothing, or, in kernels whose paths split, the
+// branches that wait (kernels/path_tree.h).
+#pragma once
+
+#include "kernels/path_tree.h"
+#include "variants/cuda/device/device.cuh"
+
+template <bool splits>
+struct Branches {
+    // One step of the path, or of a branch of it. Returns whether it lives.
+    __device__ bool take_step(const SceneViews& scene, Path& path, pt::WalkOf<Configuration>& walk,
+                              const HitCache& cache, ThreadCounters& counters) {
+        return ::take_step(scene, path, walk, cache, counters);
+    }
+    // The path to its end. A kernel with everything shades in one place, since a second one would double it.
+    __device__ void finish(const SceneViews& scene, Path& path, const HitCache& cache, ThreadCounters& counters) {
+        if constexpr (pt::has_everything(Configuration::features)) {
+            while (shade(scene, path, next_hit(scene, path, cache), counters)) {
+            }
+        } else {
+            bool alive = shade(scene, path, first_hit(scene, path, cache), counters);
+            while (alive) {
+                alive = shade(scene, path, trace(scene, path), counters);
+            }
+        }
+    }
+    // Of a path that has ended.
+    __device__ std::uint32_t rays(const Path& path) const { return path.segment; }
+    __device__ std::uint32_t longest(const Path& path) const { return path.segment; }
+    __device__ void start_again() {}
+};
+
+template <>
+struct Branches<true> {
+    __device__ bool take_step(const SceneViews& scene, Path& path, pt::WalkOf<Configuration>& walk,
+                              const HitCache& cache, ThreadCounters& counters) {
+        bool alive = false;
+        if (walk.is_on()) {
+            if constexpr (pt::has<Configuration>(pt::Feature::subsurface)) {
+                alive = pt::walk_on<Configuration>(scene.shade, path, walk, counters);
+            }
+        } else {
+            const Hit hit = tree_.resumes() ? tree_.hit() : next_hit(scene, path, cache);
+            injected_cost(scene.shade, hit, path);
+            alive = pt::shade<Configuration>(scene.shade, scene.trace, path, hit, counters, walk,
+                                             pt::BranchOfTree<Tree>{tree_});
+        }
+        return alive || tree_.take_next(path);
+    }
+    __device__ void finish(const SceneViews& scene, Path& path, const HitCache& cache, ThreadCounters& counters) {
+        pt::WalkOf<Configuration> walk;
+        while (take_step(scene, path, walk, cache, counters)) {
+        }
+    }
+    __device__ std::uint32_t rays(const Path&) const { return tree_.rays(); }
+    __device__ std::uint32_t longest(const Path&) const { return tree_.longest(); }
+    __device__ void start_again() { tree_.start_again(); }
+
+private:
+    using Tree = pt::PathTree<Configuration>;
+    Tree tree_;
+};
+
+using BranchesHere = Branches<pt::has<Configuration>(pt::Feature::splitting)>;

@@ -1,0 +1,22 @@
+// The sort keys of paths whose rays have been traced. Device side; after the program's sort_key.
+#pragma once
+
+#include "variants/cuda/device/device.cuh"
+#include "variants/cuda/device/key_bounds.h"
+
+namespace pt::cuda {
+
+// The sort key of a path by what its ray has met: its material (the number of materials where it met nothing), then
+// what the axis sort_key adds. By chunk: the chunk that its slot lies in, then its material.
+__device__ inline std::uint32_t key_of(const ::Scene& scene, const Ray<Real>& ray, const Hit<Real>& hit,
+                                       std::uint32_t slot, std::uint32_t bits, std::uint32_t chunk,
+                                       const KeyBounds& bounds) {
+    const std::uint32_t material = hit.side.exists() ? scene.object_material[hit.side.object()] : scene.materials.size;
+    if constexpr (::sort_key::by_chunk) {
+        return slot / chunk * (scene.materials.size + 1) + material;
+    } else {
+        return (material << bits) | ::sort_key::rest(ray, hit, bounds);
+    }
+}
+
+}  // namespace pt::cuda

@@ -1,0 +1,153 @@
+// What comes next for a path, as a number, and the path itself in words of 32 bits, four to a column: as it lies in
+// shared memory between two stages (path_pool.cuh).
+#pragma once
+
+#include "variants/cuda/device/device.cuh"
+
+// The kinds of paths that met a surface, by its material's type: 4 bits a type. Only types that these kernels have are
+// told apart, and only where tuned::by_material asks for it.
+struct SurfaceKinds {
+    std::uint64_t table = 0;
+    std::uint32_t count = 0;
+
+    __device__ static constexpr SurfaceKinds after(std::uint32_t others) {
+        constexpr pt::Feature features[] = {pt::Feature::diffuse,         pt::Feature::emitter,
+                                            pt::Feature::mirror,          pt::Feature::mix,
+                                            pt::Feature::dielectric,      pt::Feature::subsurface,
+                                            pt::Feature::rough_conductor, pt::Feature::rough_dielectric,
+                                            pt::Feature::principled};
+        constexpr std::uint32_t types = sizeof features / sizeof features[0];
+        static_assert(types == static_cast<std::uint32_t>(pt::MaterialType::principled) + 1);
+        SurfaceKinds kinds;
+        for (std::uint32_t type = 0; type < types; ++type) {
+            const bool ends_paths = type == static_cast<std::uint32_t>(pt::MaterialType::emitter);
+            if (!ends_paths && pt::has<Configuration>(features[type])) {
+                kinds.count += tuned::by_material != 0 || kinds.count == 0 ? 1u : 0u;
+                kinds.table |= static_cast<std::uint64_t>(others + kinds.count - 1) << (4 * type);
+            }
+        }
+        return kinds;
+    }
+};
+
+struct Kinds {
+    static constexpr bool has_walks = pt::has<Configuration>(pt::Feature::subsurface);
+    // Shading ends it, or the slot has no path: a new one begins.
+    static constexpr std::uint32_t over = 0;
+    static constexpr SurfaceKinds surfaces = SurfaceKinds::after(over + 1);
+    static constexpr std::uint32_t walking = over + 1 + surfaces.count;       // within a body
+    static constexpr std::uint32_t starting = walking + (has_walks ? 1 : 0);  // its next ray is yet to be traced
+    static constexpr std::uint32_t lists = starting + (has_walks ? 1 : 0);    // number of the kinds above
+    static constexpr std::uint32_t retired = lists;                           // the slot gets no path any more
+    static constexpr std::uint32_t nothing = lists + 1;                       // the lane has no slot
+    static_assert(nothing < 16);
+
+    __device__ static std::uint32_t of(pt::MaterialType type) {
+        return static_cast<std::uint32_t>(surfaces.table >> (4 * static_cast<std::uint32_t>(type))) & 15u;
+    }
+    // Of a path whose segment was traced.
+    __device__ static std::uint32_t of(const Scene& scene, const Path& path, const Hit& hit) {
+        if (!hit.side.exists() || path.segment + 1 >= scene.longest_path()) {
+            return over;
+        }
+        return of(scene.surfaces[hit.side.object()].type);
+    }
+    __device__ static bool is_traced(std::uint32_t kind) { return kind < walking; }
+    // All of them are within a body, or enter one if the boundary lets them.
+    __device__ static bool may_walk(std::uint32_t kind) {
+        return has_walks && (kind == walking || (tuned::by_material != 0 && kind == of(pt::MaterialType::subsurface)));
+    }
+};
+
+__device__ constexpr std::size_t bytes_carried() {
+    std::size_t bytes = 0;
+    for (std::size_t i = 0; i < pt::path_field_count; ++i) {
+        const auto field = static_cast<pt::PathField>(i);
+        bytes += carried_fields.carries(field) ? pt::info(field).bytes(sizeof(Real)) : 0;
+    }
+    return bytes;
+}
+
+// What PT_PATH_FIELDS says that paths carry, and what the path met or, on a walk, where that is.
+class PackedPath {
+    static constexpr std::size_t words = bytes_carried() / 4 + sizeof(Real) / 4 + 1 + (Kinds::has_walks ? 1 : 0);
+
+public:
+    static constexpr std::uint32_t columns = (words + 3) / 4;
+    uint4 column[columns];
+
+    // Of a mesh, what was met of it lies with the path: path.primitive.
+    __device__ void pack(const Path& path, const Hit& hit, const pt::Walk& walk) {
+        at_ = 0;
+#define PT_PACK(name, type, change) put(path.name);
+#define PT_PACK_CARRIED(name, type, change, features, value) \
+    if constexpr (carried_fields.name) {                     \
+        put(path.name);                                      \
+    }
+        PT_PATH_FIELDS(PT_PACK, PT_PACK_CARRIED)
+#undef PT_PACK
+#undef PT_PACK_CARRIED
+        put(hit.t);
+        if constexpr (Kinds::has_walks) {
+            put(walk.step);
+            put(walk.is_on() ? pt::SurfaceId::of(walk.object, walk.on_surface) : hit.side);
+        } else {
+            put(hit.side);
+        }
+    }
+    __device__ void unpack(const Scene& scene, Path& path, Hit& hit, pt::Walk& walk) {
+        using namespace pt;
+        at_ = 0;
+#define PT_UNPACK(name, type, change) get(path.name);
+#define PT_UNPACK_CARRIED(name, type, change, features, value) \
+    if constexpr (carried_fields.name) {                       \
+        get(path.name);                                        \
+    } else {                                                   \
+        path.name = value;                                     \
+    }
+        PT_PATH_FIELDS(PT_UNPACK, PT_UNPACK_CARRIED)
+#undef PT_UNPACK
+#undef PT_UNPACK_CARRIED
+        get(hit.t);
+        if constexpr (Kinds::has_walks) {
+            get(walk.step);
+        }
+        get(hit.side);
+        walk.object = hit.side.object();
+        walk.on_surface = hit.side.inside();
+        hit.primitive = path.primitive;
+    }
+
+private:
+    __device__ std::uint32_t& word() {
+        const std::uint32_t i = at_++;
+        uint4& four = column[i / 4];
+        return i % 4 == 0 ? four.x : i % 4 == 1 ? four.y : i % 4 == 2 ? four.z : four.w;
+    }
+    __device__ void put(std::uint32_t value) { word() = value; }
+    __device__ void put(const pt::SurfaceId& value) { word() = value.code; }
+    __device__ void put(float value) { word() = __float_as_uint(value); }
+    __device__ void put(double value) {
+        word() = static_cast<std::uint32_t>(__double2loint(value));
+        word() = static_cast<std::uint32_t>(__double2hiint(value));
+    }
+    __device__ void put(const pt::Vec3<Real>& value) {
+        put(value.x);
+        put(value.y);
+        put(value.z);
+    }
+    __device__ void get(std::uint32_t& value) { value = word(); }
+    __device__ void get(pt::SurfaceId& value) { value.code = word(); }
+    __device__ void get(float& value) { value = __uint_as_float(word()); }
+    __device__ void get(double& value) {
+        const int low = static_cast<int>(word());
+        value = __hiloint2double(static_cast<int>(word()), low);
+    }
+    __device__ void get(pt::Vec3<Real>& value) {
+        get(value.x);
+        get(value.y);
+        get(value.z);
+    }
+
+    std::uint32_t at_ = 0;
+};

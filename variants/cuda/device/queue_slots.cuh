@@ -1,0 +1,21 @@
+// What a number in a queue stands for: a position's slot, and the path that a batch of samples has under it.
+#pragma once
+
+#include "variants/cuda/device/device.cuh"
+
+namespace pt::cuda {
+
+// The slot of the path at a position; no order: slot i at position i.
+__device__ inline std::uint32_t slot_at(const std::uint32_t* order, std::uint32_t position) {
+    return order != nullptr ? order[position] : position;
+}
+
+// Path n: pixel n mod pixels, sample first_sample + n / pixels.
+__device__ inline ::Path path_of_number(const ::Scene& scene, std::uint32_t number, std::uint32_t first_sample,
+                                        const ::HitCache& cache) {
+    const std::uint32_t pixels = own_pixels(scene);
+    const std::uint32_t pixel = image_pixel(number % pixels, scene.camera.width);
+    return first_path(scene, pixel, first_sample + number / pixels, cache);
+}
+
+}  // namespace pt::cuda

@@ -1,0 +1,55 @@
+// How the warps of a block hand things to each other in shared memory without a barrier: words that are released and
+// acquired, and a lock that a warp takes as a whole.
+#pragma once
+
+#include "variants/cuda/device/device.cuh"
+
+namespace pt::cuda {
+
+// Of `lanes`, those below the calling one.
+__device__ inline std::uint32_t rank_in(unsigned lanes) { return __popc(lanes & ((1u << lane()) - 1u)); }
+
+// What a thread has read or written before it releases a word happens before what another reads or writes after it
+// acquired what was released.
+template <class T>
+__device__ inline T load_acquire(const T& word) {
+#if defined(__CUDA_ARCH__)
+    const T value = *const_cast<const volatile T*>(&word);
+    __threadfence_block();
+    return value;
+#else
+    return __atomic_load_n(&word, __ATOMIC_ACQUIRE);
+#endif
+}
+template <class T>
+__device__ inline void store_release(T& word, T value) {
+#if defined(__CUDA_ARCH__)
+    __threadfence_block();
+    *const_cast<volatile T*>(&word) = value;
+#else
+    __atomic_store_n(&word, value, __ATOMIC_RELEASE);
+#endif
+}
+
+// Every lane must call both. What any lane has read or written before it releases happens before what any lane of the
+// warp that acquires next reads or writes: lanes are ordered by __syncwarp, lane 0 of both warps by fences around the
+// atomic operations. The other lanes wait at the __syncwarp, so that a warp never waits for its own.
+__device__ inline void acquire(std::uint32_t& locked) {
+    if (lane() == 0) {
+        while (atomicCAS(&locked, 0u, 1u) != 0u) {
+            __nanosleep(20);
+        }
+        __threadfence_block();
+    }
+    __syncwarp();
+}
+__device__ inline void release(std::uint32_t& locked) {
+    __syncwarp();
+    if (lane() == 0) {
+        __threadfence_block();
+        atomicExch(&locked, 0u);
+    }
+    __syncwarp();
+}
+
+}  // namespace pt::cuda

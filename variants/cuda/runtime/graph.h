@@ -1,0 +1,52 @@
+// A captured batch of samples as a CUDA graph, and the loop that a graph may hold: a conditional node whose body, two
+// segments of every path, runs again as long as paths live (CUDA 12.4's while node).
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "variants/cuda/runtime/check.h"
+
+namespace pt::cuda {
+
+// Segments that a round of a loop takes: an even number, so that buffers that a segment swaps are back in place.
+inline constexpr std::uint32_t segments_per_round = 2;
+
+// The counters of the paths alive, on the device: `parts` of them, `stride` words apart; with every segment they lie
+// `segment_stride` words further on.
+struct LiveCounts {
+    const std::uint32_t* counts = nullptr;
+    std::uint32_t parts = 1;
+    std::uint32_t stride = 0;
+    std::uint32_t segment_stride = 0;
+};
+
+// Records what is put on a stream. Its kernels read the first sample from device memory, and its last one moves it on.
+class Graph {
+public:
+    explicit Graph(cudaStream_t stream) : stream_(stream) {}
+    ~Graph();
+    Graph(const Graph&) = delete;
+    Graph& operator=(const Graph&) = delete;
+
+    // Records what `enqueue` puts on the stream, and makes it ready to be launched.
+    void capture(const std::function<void()>& enqueue);
+    // Within capture: records what `enqueue_body` puts on the stream as the body of a loop that runs once, and again
+    // until the body's last kernel, which `enqueue_body` is to put there, sets the condition to 0.
+    void capture_loop(const std::function<void(cudaGraphConditionalHandle condition)>& enqueue_body);
+    void launch() const;
+    // Those in the body of a loop count once.
+    std::size_t nodes() const { return nodes_; }
+
+private:
+    void begin(cudaGraph_t target, const cudaGraphNode_t* after);
+    // Ends the stretch being recorded into `target`.
+    void end(cudaGraph_t target);
+
+    cudaStream_t stream_;
+    cudaGraph_t graph_ = nullptr;
+    cudaGraphExec_t executable_ = nullptr;
+    std::size_t nodes_ = 0;
+};
+
+}  // namespace pt::cuda

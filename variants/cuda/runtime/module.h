@@ -1,0 +1,124 @@
+// A compiled set of kernels: sources, options and architecture in, launchable kernels out; kept on disk by a hash of
+// all three.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "variants/cuda/device/kernel_config.h"
+#include "variants/cuda/runtime/check.h"
+#include "variants/cuda_hooks.h"
+
+namespace pt::cuda {
+
+// What a module is compiled for. Everything that can change the code is in here, and so in the cache's key.
+struct ModuleRequest {
+    std::string name;                   // for messages: what it is
+    std::vector<std::string> includes;  // embedded sources, in order, e.g. "variants/integrator/megakernel.cuh"
+    std::string real = "float";
+    std::string layout = "aos";
+    std::string sort_key = "material";
+    std::string accelerator = "brute_force";
+    // The loop and the stack that its steps are taken with; empty: its own.
+    std::string traversal = "";
+    std::string traversal_stack = "";
+    std::string scene = "in_global";  // where its arrays lie: variants/cuda/device/scene_*.cuh
+    std::string pixels = "all";       // which of them it renders: variants/cuda/device/pixels_*.cuh
+    KernelConfig config = {};
+    std::vector<KernelConstant> constants = {};  // of the integrator: tuned::NAME
+    std::vector<KernelSignature> kernels = {};   // what is launched
+    std::vector<std::string> options = {};       // of the arithmetic
+    std::string prelude = "";                    // source text in front of everything else
+    std::string architecture;                    // "sm_90"
+};
+
+struct ModuleImage {
+    std::string cubin;
+    std::string key;                   // hash of sources, options, architecture
+    std::vector<std::string> options;  // for the compiler, and what the text begins with: config and constants
+    double compile_seconds = 0;
+    bool from_cache = false;
+};
+
+// While it lives, what this process compiles takes the headers that all programs share from a file that NVRTC has
+// translated once (CUDA 12.8 and newer): a fifth of a program's time. For processes that compile several; one at a
+// time.
+class PrecompiledHeaders {
+public:
+    PrecompiledHeaders();
+    ~PrecompiledHeaders();
+    PrecompiledHeaders(const PrecompiledHeaders&) = delete;
+    PrecompiledHeaders& operator=(const PrecompiledHeaders&) = delete;
+};
+
+// Compiles or takes from the cache; a cache that cannot be written is done without. Throws CompileError with NVRTC's
+// log if the source does not compile, std::runtime_error if it would have to compile and NVRTC is missing.
+ModuleImage build_module(const ModuleRequest& request);
+// Without looking into the cache or writing it.
+ModuleImage compile_module(const ModuleRequest& request);
+
+// The same as quickly as NVRTC can, almost without optimisation: for tests. What does not compile is refused as by
+// compile_module, up to the assembler's limits of shared and constant memory.
+ModuleImage compile_quickly(const ModuleRequest& request);
+
+std::string module_key(const ModuleRequest& request);
+// A sound image of the program is in the cache on disk.
+bool is_cached(const ModuleRequest& request);
+
+// `config` as C++, for a program's text.
+std::string text_of(const KernelConfig& config);
+
+class CompileError : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+};
+
+// FNV-1a over everything embedded and NVRTC's version: 16 hex digits.
+std::string kernel_source_hash();
+// $XDG_CACHE_HOME/ptbench, or ~/.cache/ptbench.
+std::string kernel_cache_folder();
+
+// What the compiler made of a kernel.
+struct KernelFacts {
+    int registers = 0;             // a thread
+    std::size_t local_bytes = 0;   // a thread: spills and arrays
+    std::size_t shared_bytes = 0;  // a block
+    int max_threads = 0;           // a block
+};
+
+class Module {
+public:
+    explicit Module(const ModuleImage& image);
+    ~Module();
+    Module(const Module&) = delete;
+    Module& operator=(const Module&) = delete;
+
+    // Throws Error if there is no kernel of this name.
+    cudaKernel_t kernel(const char* name) const;
+    KernelFacts facts(const char* name) const;
+    // Where a variable of the module lies on the device. Throws Error if there is none of this name.
+    void* global(const char* name) const;
+    // Blocks of `threads` that one multiprocessor holds at once.
+    int blocks_per_multiprocessor(const char* name, unsigned threads) const;
+    const ModuleImage& image() const { return image_; }
+
+    // The kernel that has these parameters: the members of the struct are passed by value. Throws Error naming the
+    // kernel.
+    template <class Parameters>
+    void launch(unsigned blocks, unsigned threads, cudaStream_t stream, const Parameters& parameters) const {
+        static_assert(std::is_trivially_copyable_v<Parameters>);
+        visit_members(parameters, [&](const auto&... member) {
+            const void* pointers[] = {&member...};
+            launch_pointers(Parameters::kernel, blocks, threads, stream, pointers);
+        });
+    }
+
+private:
+    void launch_pointers(const char* name, unsigned blocks, unsigned threads, cudaStream_t stream,
+                         const void** parameters) const;
+
+    ModuleImage image_;
+    cudaLibrary_t library_ = nullptr;
+};
+
+}  // namespace pt::cuda

@@ -1,0 +1,25 @@
+// The axis `direct_light`: whether vertices are connected to lights.
+#pragma once
+
+#include "variants/axis.h"
+
+namespace pt {
+
+struct DirectLightTraits {
+    bool connects = true;                // some vertex is connected to a light
+    bool connects_every_vertex = false;  // a path carries its last BSDF density, for the MIS weight of light it meets
+    bool counts_light_met = true;        // after a vertex that was connected
+};
+
+namespace direct_light {
+
+using Traits = DirectLightTraits;
+inline constexpr Axis axis_facts{
+    .what = "whether vertices are connected to lights",
+    .order = 60,
+    .decides_error = true,
+    .decides_samples = true,
+};
+
+}  // namespace direct_light
+}  // namespace pt

@@ -1,0 +1,24 @@
+// The axis `launch`: how kernels are launched.
+#pragma once
+
+#include "variants/axis.h"
+
+namespace pt {
+
+struct LaunchTraits {
+    bool is_captured = false;  // a batch of samples is a CUDA graph
+    bool loops = false;        // the graph holds a loop over the segments that ends with the last path
+};
+
+namespace launch {
+
+using Traits = LaunchTraits;
+inline constexpr Axis axis_facts{
+    .what = "how kernels are launched",
+    .order = 110,
+    .since = "5fdf3ee",
+    .as_before = "stream",
+};
+
+}  // namespace launch
+}  // namespace pt

@@ -1,0 +1,24 @@
+// The axis `partition`: which samples or pixels of an image each GPU takes.
+#pragma once
+
+#include "variants/axis.h"
+
+namespace pt {
+
+struct PartitionTraits {
+    bool is_by_rows = false;  // each device has every sample of its own rows of pixels; otherwise of all pixels some
+    bool is_dynamic = false;  // a device that is done takes more
+};
+
+namespace partition {
+
+using Traits = PartitionTraits;
+inline constexpr Axis axis_facts{
+    .what = "which samples or pixels of an image each GPU takes",
+    .order = 220,
+    .since = "14df631",
+    .as_before = "samples",
+};
+
+}  // namespace partition
+}  // namespace pt

@@ -1,0 +1,27 @@
+// The axis `sampler`: where random numbers come from.
+#pragma once
+
+#include "variants/axis.h"
+
+namespace pt {
+
+struct SamplerTraits {
+    bool is_in_every_kernel = false;  // it has no feature bit: every kernel contains it
+    bool is_by_position = false;      // a path's numbers follow from where it lies in the queue
+};
+
+namespace sampler {
+
+using Traits = SamplerTraits;
+inline constexpr Axis axis_facts{
+    .what = "where random numbers come from",
+    .order = 80,
+    .since = "7b5cd03",
+    .as_before = "pcg4d",
+    .by_pairs = true,
+    .decides_error = true,
+    .decides_samples = true,
+};
+
+}  // namespace sampler
+}  // namespace pt

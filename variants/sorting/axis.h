@@ -1,0 +1,23 @@
+// The axis `sorting`: how paths are put in order before they are shaded.
+#pragma once
+
+#include "variants/axis.h"
+
+namespace pt {
+
+struct SortingTraits {
+    bool sorts = true;
+    bool host_sync = false;          // on CUDA: the host waits for the device within it, so no graph can hold it
+    bool reproducible_order = true;  // a path has the same position in every run
+};
+
+namespace sorting {
+
+using Traits = SortingTraits;
+inline constexpr Axis axis_facts{
+    .what = "how paths are put in order before they are shaded",
+    .order = 30,
+};
+
+}  // namespace sorting
+}  // namespace pt
