@@ -7,10 +7,11 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT
+from ptbench.io.axes import known_axes
 
 FOLDERS = ("variants", "harness", "stability", "kernels")
 SUFFIXES = {".cpp", ".h", ".cu", ".cuh", ".in"}
-AXES = re.findall(r'^    \{"([a-z_]+)", "', (ROOT / "variants" / "axes.h").read_text(encoding="utf-8"), re.MULTILINE)
+AXES = list(known_axes())
 # Words that are names of choices and other things too: there only what is plainly a variant's choice counts.
 ORDINARY = {
     "none",
@@ -29,20 +30,20 @@ ORDINARY = {
 
 _COMMENT = re.compile(r"//[^\n]*")
 _AXIS = "|".join(AXES)
-# variant["sorting"] == "none", "none" != variant["sorting"], and any name instead of the literal but another variant's.
-_CHOSEN = rf'\w+\[\s*"(?:{_AXIS})"\s*\]'
+# variant[axes::sorting] == "none", "none" != variant["sorting"], and any name instead of the literal but another variant's.
+_CHOSEN = rf'\w+\[\s*(?:axes::|")(?:{_AXIS})"?\s*\]'
 _COMPARED = re.compile(
     rf'{_CHOSEN}\s*[!=]=(?!\s*(?:\w+(?:\.|->))*\w+(?:\([^()]*\))?\[)|"\w*"\s*[!=]=\s*{_CHOSEN}'
     rf"|{_CHOSEN}\.(?:starts_with|ends_with|find|contains|compare)\("
 )
 # name == "thrust_remove_if": whatever variable holds the name.
 _LITERAL = re.compile(r'[!=]=\s*"(\w+)"|"(\w+)"\s*[!=]=|\.(?:starts_with|ends_with|compare)\(\s*"(\w+)"')
-# A name that was taken from a variant before: const std::string& chosen = variant["sorting"].
+# A name that was taken from a variant before: const std::string& chosen = variant[axes::sorting].
 _TAKEN = re.compile(rf"\b(\w+) = {_CHOSEN};")
 
 
 def choices() -> set[str]:
-    return {file.stem for axis in AXES for file in (ROOT / "variants" / axis).iterdir()}
+    return {file.stem for axis in AXES for file in (ROOT / "variants" / axis).iterdir()} - {"axis"}
 
 
 def comparisons(text: str, own: str = "") -> list[str]:
@@ -67,12 +68,6 @@ def sources() -> list[Path]:
     return [file for file in files if file.suffix in SUFFIXES]
 
 
-def test_the_axes_are_those_of_the_folders():
-    folders = {folder.name for folder in (ROOT / "variants").iterdir() if folder.is_dir()}
-    assert set(AXES) == folders - {"acceleration", "cpu", "cuda"}  # what choices share
-    assert len(AXES) == len(set(AXES))
-
-
 def test_nobody_compares_the_name_of_another_choice_with_a_literal():
     wrong = {}
     for file in sources():
@@ -84,6 +79,7 @@ def test_nobody_compares_the_name_of_another_choice_with_a_literal():
 @pytest.mark.parametrize(
     "line",
     [
+        'if (variant[axes::compaction] != "none") {',
         'if (variant["compaction"] != "none") {',
         'if ("none" == variant["compaction"]) {',
         'for (auto racing : {"gap_fill"}) { if (variant["compaction"] == racing) {',
@@ -102,6 +98,7 @@ def test_comparisons_are_found(line):
     [
         '// variant["compaction"] != "none"',
         'if (variant["layout"] != plainest["layout"]) {',
+        "if (variant[axes::layout] != plainest[axes::layout]) {",
         'const int keys = cell.variant["sort_key"] != other->variant["sort_key"];',
         'const bool same = task.variant["integrator"] == plainest_variant(task.backend)["integrator"];',
         'variant.set("arithmetic", "exact");',
