@@ -32,7 +32,8 @@ struct AdjointCache {
     View<float> by_pixel;
 };
 
-// Which of six directions a unit vector is nearest to: twice the axis, and 1 more if it looks down.
+// Returns which of the six directions +-x, +-y and +-z a unit vector is nearest to, as a number from 0 to 5: twice the
+// axis, and 1 more if the vector looks down that axis.
 template <class Real>
 PT_HD inline std::uint32_t nearest_side(const Vec3<Real>& normal) {
     const Vec3<Real> size{absolute(normal.x), absolute(normal.y), absolute(normal.z)};
@@ -40,7 +41,8 @@ PT_HD inline std::uint32_t nearest_side(const Vec3<Real>& normal) {
     return 2 * axis + (component_of(normal, axis) < Real(0) ? 1u : 0u);
 }
 
-// Of a coordinate in units of cells; what lies outside belongs to the outermost.
+// The grid cell that a coordinate in units of cells lies in, from 0 to cells - 1; what lies outside of the grid belongs
+// to the outermost cell.
 template <class Real>
 PT_HD inline std::uint32_t cell_along(Real coordinate, std::uint32_t cells) {
     return coordinate > Real(0) ? static_cast<std::uint32_t>(min(coordinate, static_cast<Real>(cells - 1))) : 0u;
@@ -85,7 +87,8 @@ PT_HD inline std::uint32_t branch_count(Real share, Real highest, std::uint32_t 
     return share > highest ? 1 + static_cast<std::uint32_t>(min(share / highest, static_cast<Real>(most - 1))) : 1u;
 }
 
-// u in [0, 1). Returns whether the path goes on.
+// Plays adjoint-driven Russian roulette with u in [0, 1) and scales the throughput of a path that survives. Returns
+// whether the path goes on.
 template <class Real>
 PT_HD inline bool survives_by_share(Path<Real>& path, Real share, Real lowest, Real u) {
     const Real probability = survival_probability(share, lowest, path.throughput);
@@ -102,9 +105,9 @@ PT_HD inline bool survives_by_share(Path<Real>& path, Real share, Real lowest, R
 struct OneBranch {
     template <class Config>
     static constexpr bool acts_in = has<Config>(Feature::adjoint_roulette);
-    // The path is a branch that begins at its vertex: it has been there.
+    // Whether the path is a branch that resumes at the vertex where it split, and so has been there.
     PT_HD static constexpr bool resumes() { return false; }
-    // Returns whether the path goes on. `u`: in [0, 1).
+    // Decides before a path scatters at a vertex, with u in [0, 1). Returns whether the path goes on.
     template <class Config>
     PT_HD bool goes_on(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
                        const Vertex<typename Config::Real>& vertex, const Hit<typename Config::Real>&,

@@ -23,20 +23,20 @@
 
 namespace pt {
 
-// Where a line enters and leaves a convex body, in ray parameter. No hit: hits == false.
+// The ray parameters at which a line enters and leaves a convex body; hits == false: it misses the body.
 template <class Real>
 struct Interval {
     Real near, far;
     bool hits;
 };
 
-// A shape that a line crosses over one interval.
+// A convex body: a shape that a line crosses over one interval.
 template <class Shape, class Real>
 concept IsConvexBody = !Shape::is_flat && requires(const Shape& shape, const Vec3<Real>& v) {
     interval(shape, v, v).near;
 };
 
-// A point pulled back onto the surface, with the outward unit normal there.
+// A hit point pulled back onto the surface, with the outward unit normal there.
 template <class Real>
 struct SurfacePoint {
     Vec3<Real> position, normal;
@@ -50,7 +50,7 @@ struct LightSample {
     std::uint32_t primitive = 0;  // that the point lies on
 };
 
-// `inverse_pdf` is 1 / density by solid angle; 0: there is nothing to sample.
+// A direction towards a light. `inverse_pdf` is 1 / density by solid angle; 0: there is nothing to sample.
 template <class Real>
 struct DirectionSample {
     Vec3<Real> direction;  // unit

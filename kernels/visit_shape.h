@@ -1,5 +1,5 @@
-// From an object's number to its shape, whatever that is: the one place that knows in which order the kinds of shapes
-// are numbered. Who wants to do something with an object's shape hands a generic function over.
+// Finds an object's shape by its number: the one place that knows in which order the kinds of shapes are numbered. Who
+// wants to do something with an object's shape hands a generic function over.
 #pragma once
 
 #include "kernels/scene_view.h"
@@ -56,7 +56,7 @@ PT_HD inline bool is_flat(const Scene& scene, std::uint32_t object) {
     return flat;
 }
 
-// The same for code that is compiled once, for every scene.
+// A configuration with every shape, for code that is compiled once for all scenes.
 template <class Real>
 using EveryShape = Config<Real, shape_features>;
 
