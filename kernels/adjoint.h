@@ -25,8 +25,8 @@ struct AdjointCache {
     // Window on what a path is expected to bring, in units of its pixel.
     Real lowest, highest;
     std::uint32_t most_branches;  // 1: no splitting
-    // All relative to the image's mean: what paths bring from a cell and side on, over what they carried there; how
-    // much more it is after so many segments; and 1 over what a pixel is.
+    // The estimates, relative to the image's mean: what paths bring from a cell and side on, over what they carried
+    // there; how much more it is after so many segments; and 1 over what a pixel is.
     View<float> by_place;
     View<float> by_segment;
     View<float> by_pixel;

@@ -48,8 +48,8 @@ struct FilmView {
     FilmFaults* faults = nullptr;
     double scale = 1.0;  // quanta a unit of radiance, a power of two
     double limit = 0.0;  // largest quanta of one sample such that `samples` of them cannot overflow
-    // The same in single precision, in which a product with a power of two is exact as well. A negative limit: not to
-    // be used.
+    // `scale` and `limit` in single precision, in which a product with a power of two is exact as well. A negative
+    // limit: not to be used.
     float single_scale = 1.0f;
     float single_limit = -1.0f;  // the largest number not above `limit`
 

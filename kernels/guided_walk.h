@@ -6,8 +6,8 @@
 // but the depth. Dwivedi, "A new importance biasing scheme for deep-penetration Monte Carlo", Annals of Nuclear Energy
 // 9, 1982; for bodies seen from outside: Krivanek and d'Eon, "A zero-variance-based sampling scheme for Monte Carlo
 // subsurface scattering", SIGGRAPH 2014 talk; towards the nearest surface rather than that of entry: Meng, Hanika and
-// Dachsbacher, "Improving the Dwivedi sampling scheme", EGSR 2016. Here a share of the steps is drawn so and the rest
-// as ever, and each of the three channels has a kappa of its own. A
+// Dachsbacher, "Improving the Dwivedi sampling scheme", EGSR 2016.
+// Here a share of the steps is drawn so and the rest as ever, and each of the three channels has a kappa of its own. A
 // step is weighted by the mean of all six densities, in the shares in which they are drawn (one-sample balance
 // heuristic), so a guide that is wrong costs noise and never the mean, and no step grows the sum of the throughputs by
 // more than 1 / (1 - share). A phase function that is not even keeps its directions, and flights alone are guided: the

@@ -27,7 +27,7 @@ struct Axis {
 // The axis whose choice a variant's name begins with.
 inline constexpr std::string_view integrator_axis = "integrator";
 
-// In the order in which a variant's name spells them.
+// The axes, in the order in which a variant's name spells their choices.
 inline constexpr Axis axis_table[] = {
     {"integrator", "how paths are traced: as a queue, or one at a time"},
     {"compaction", "how ended paths are taken out of the queue"},
@@ -102,7 +102,8 @@ struct SortKeyTraits {
     bool by_chunk = false;     // it has the tunable `chunk`
 
     constexpr bool is_material_alone() const { return has_material && bits == 0 && !by_chunk; }
-    // As many keys as materials, or as many a chunk: few enough to be counted.
+    // Whether a counting sort can take the keys: there are as many as materials (or as many a chunk), few enough to be
+    // counted.
     constexpr bool is_countable() const { return has_material && bits == 0; }
 };
 
@@ -211,13 +212,13 @@ using Traits =
                  LightSelectionTraits, SubsurfaceSamplingTraits>;
 static_assert(std::variant_size_v<Traits> == axis_count + 1);
 
-// The traits of the choice that a variant has, and its name: for messages alone.
+// The name of the choice that a variant has, for messages alone, and its traits.
 template <class AxisTraits>
 struct Chosen : AxisTraits {
     std::string_view name;
 };
 
-// A variant as its choices see it.
+// A variant as its choices see it: the traits of its choice on every axis.
 struct VariantTraits {
     Chosen<IntegratorTraits> integrator;
     Chosen<CompactionTraits> compaction;
@@ -246,7 +247,7 @@ struct VariantTraits {
     std::map<std::string, std::uint32_t, std::less<>> tuning;  // Variant::tuning
 };
 
-// Why something does not apply.
+// Why something does not apply: a key for programs and a text for people; empty: it applies.
 struct Reason {
     std::string_view code = {};  // a short word that stays, for programs: "needs_queue"; empty: it applies
     std::string text = {};       // the sentence, for people

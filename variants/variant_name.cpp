@@ -14,7 +14,7 @@ namespace {
 
 using Pairs = std::vector<std::pair<std::string, std::string>>;
 
-// What a name says besides the integrator.
+// The choices and tunables that a variant's name gives besides the integrator.
 Pairs differences(const Variant& variant, Backend backend) {
     const Variant baseline = Registry::instance().baseline(backend);
     Pairs differing;

@@ -8,7 +8,7 @@
 
 namespace pt::builder {
 
-// Costs as in Stich et al. 2009 and Meister, Bittner 2018.
+// Costs of a node visited and of a triangle tested, as in Stich et al. 2009 and Meister, Bittner 2018.
 struct SahCosts {
     double traversal = 1.2;     // a visit of an inner node
     double intersection = 1.0;  // a primitive's test
@@ -24,7 +24,7 @@ inline bool split_pays(const SahCosts& costs, double area, std::size_t count, do
 // where the root has no area, each node counts in full.
 double tree_cost(const BinaryTree& tree, const SahCosts& costs = {});
 
-// Edges from the root to the deepest leaf.
+// The depth of a tree: edges from the root to the deepest leaf.
 std::uint32_t tree_depth(const BinaryTree& tree);
 
 // Throws std::logic_error that says what is wrong with a tree over `boxes`: a primitive no leaf refers to, a reference

@@ -11,7 +11,7 @@ PT_KERNEL(count_live, pt::cuda::CountLiveParameters,
     (void)pt::cuda::append_by_block(live, i < *count && Paths(store).alive(i));
 }
 
-// As many gaps below *live as there are live paths above it.
+// Lists the gaps (ended paths) below *live and the live paths above it, of which there are as many.
 PT_KERNEL(find_gaps, pt::cuda::FindGapsParameters,
           (PathStore store, const std::uint32_t* count, const std::uint32_t* live, std::uint32_t* gaps,
            std::uint32_t* gap_count, std::uint32_t* movers, std::uint32_t* mover_count)) {

@@ -12,7 +12,8 @@ struct CountLiveParameters {
     std::uint32_t* live;
 };
 
-// As many gaps below *live as there are live paths above it.
+// Parameters of find_gaps, which lists the gaps (ended paths) below *live and the live paths above it, of which there
+// are as many.
 struct FindGapsParameters {
     static constexpr const char* kernel = "find_gaps";
     PathStore store;

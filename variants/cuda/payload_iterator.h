@@ -60,7 +60,7 @@ private:
     std::ptrdiff_t slot_ = 0;
 };
 
-// Slot 0.
+// An iterator over the store's paths, at slot 0.
 template <class Paths>
 auto payload_begin(const PathStore& store) {
     if constexpr (std::is_same_v<Paths, layout::aos::DevicePaths<float>>) {
@@ -70,7 +70,7 @@ auto payload_begin(const PathStore& store) {
     }
 }
 
-// Calls visit(std::type_identity<DevicePaths<float>>()) with the layout's own.
+// Calls visit(std::type_identity<DevicePaths<float>>()) with the DevicePaths of the layout of this name.
 template <class Visit>
 auto visit_layout(std::string_view name, Visit&& visit) {
     if (name == layout::aos::name) {
@@ -85,7 +85,7 @@ auto visit_layout(std::string_view name, Visit&& visit) {
     throw std::logic_error("no payload iterator for layout=" + std::string(name));
 }
 
-// A choice's unsupported_reason: the iterators are for Path<float> alone.
+// Why a choice that moves payloads cannot run: the iterators are for Path<float> alone. Empty: it can.
 inline Reason needs_single_precision(FeatureSet, const VariantTraits& variant) {
     if (variant.precision.is_single()) {
         return {};

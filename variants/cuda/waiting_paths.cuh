@@ -61,7 +61,7 @@ public:
     }
 
 private:
-    // What guides a walk; templates, so that kernels without it need not compile it.
+    // Keeps what guides a walk. These are templates, so that kernels without guided walks need not compile them.
     template <class WalkHere>
     __device__ void put_guide(std::uint32_t slot, const WalkHere& walk) {
         if constexpr (guides_walks) {

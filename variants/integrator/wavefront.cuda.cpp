@@ -79,7 +79,7 @@ private:
         shade(sorts && by_hit);
     }
 
-    // One a path, or as many as fit at once.
+    // Threads of the intersection kernel: one a path or, with persistent threads, as many as fit at once.
     std::uint32_t intersecting_threads() const { return std::min(queue_.bound, most_intersecting_threads_); }
 
     StoredHit<Real>* hits() const { return static_cast<StoredHit<Real>*>(queue_.hits); }

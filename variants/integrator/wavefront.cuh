@@ -9,7 +9,7 @@
 #include "variants/integrator/wavefront_fetching.cuh"
 #include "variants/integrator/wavefront_parameters.cuh"
 
-// Path i into slot i; with a cursor the first sample is there.
+// Starts path i in slot i; with a cursor the first sample is read from there.
 PT_KERNEL(generate_paths, pt::cuda::GeneratePathsParameters<Real>,
           (const __grid_constant__ Scene parameter, PathStore store, std::uint32_t* count, std::uint32_t pool,
            std::uint32_t first_sample, const std::uint32_t* cursor, HitCache cache)) {
@@ -24,8 +24,8 @@ PT_KERNEL(generate_paths, pt::cuda::GeneratePathsParameters<Real>,
     }
 }
 
-// With `keys`, also writes the sort key of every position below `bound`: ended paths and positions beyond the count
-// have the last one. A thread a position, but with traversal=persistent.
+// Traces the queue's rays, one position a thread unless traversal=persistent. With `keys`, also writes the sort key of
+// every position below `bound`: ended paths and positions beyond the count have the last one.
 PT_KERNEL(intersect_paths, pt::cuda::IntersectPathsParameters<Real>,
           (const __grid_constant__ Scene parameter, PathStore store, const std::uint32_t* order,
            const std::uint32_t* count, std::uint32_t bound, StoredHit* hits, HitCache cache, SegmentNumber segment,
@@ -71,7 +71,7 @@ PT_KERNEL(intersect_paths, pt::cuda::IntersectPathsParameters<Real>,
     pt::cuda::add_segment_counts(segments, segment, live, *count);
 }
 
-// The key of a ray that is yet to be traced, by the same rules.
+// Writes the sort key of rays that are yet to be traced: ended paths and positions beyond the count have the last one.
 PT_KERNEL(write_ray_keys, pt::cuda::WriteRayKeysParameters,
           (PathStore store, const std::uint32_t* order, const std::uint32_t* count, std::uint32_t bound,
            std::uint32_t* keys, std::uint32_t last_key, pt::cuda::KeyBounds bounds)) {

@@ -97,7 +97,7 @@ private:
     }
 
     std::size_t words_per_segment() const { return std::size_t{counters_} * counter_stride; }
-    // Where the paths that live after a segment are counted.
+    // The device's counters of the paths that live after a segment.
     std::uint32_t* counts_after(std::uint32_t segment) const { return counts_ + segment * words_per_segment(); }
 
     JobOf<Real>& job_;

@@ -7,7 +7,8 @@
 
 namespace pt::cuda {
 
-// Path i: pixel i mod pixels, sample first_sample + i / pixels; with a cursor the first sample is there.
+// Parameters of the kernel that starts path i (pixel i mod pixels, sample first_sample + i / pixels) and traces its
+// first bounce; with a cursor the first sample is read from there.
 template <class Real>
 struct FirstBounceParameters {
     static constexpr const char* kernel = "first_bounce";
@@ -23,8 +24,8 @@ struct FirstBounceParameters {
     SegmentCounts segments;
 };
 
-// One bounce of the paths at order[0..*in_count-1] of `in` (no order: at 0..*in_count-1; where the kernel appends: as
-// located).
+// Parameters of the kernel for one bounce of the paths at order[0..*in_count-1] of `in` (no order: at 0..*in_count-1;
+// where the kernel appends: as located).
 template <class Real>
 struct NextBounceParameters {
     static constexpr const char* kernel = "next_bounce";

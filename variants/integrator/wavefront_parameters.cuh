@@ -8,7 +8,8 @@
 
 namespace pt::cuda {
 
-// Path i: pixel i mod pixels, sample first_sample + i / pixels; with a cursor the first sample is there.
+// Parameters of the kernel that starts path i in slot i: pixel i mod pixels, sample first_sample + i / pixels; with a
+// cursor the first sample is read from there.
 template <class Real>
 struct GeneratePathsParameters {
     static constexpr const char* kernel = "generate_paths";
@@ -21,8 +22,8 @@ struct GeneratePathsParameters {
     HitCache<Real> cache;
 };
 
-// With `keys`, also writes the sort key of every position below `bound`: ended paths and positions beyond the count
-// have the last one.
+// Parameters of the intersection kernel. With `keys`, it also writes the sort key of every position below `bound`:
+// ended paths and positions beyond the count have the last one.
 template <class Real>
 struct IntersectPathsParameters {
     static constexpr const char* kernel = "intersect_paths";
@@ -42,7 +43,8 @@ struct IntersectPathsParameters {
     KeyBounds bounds;
 };
 
-// The key of a ray that is yet to be traced, by the same rules.
+// Parameters of the kernel that writes the sort keys of rays that are yet to be traced: ended paths and positions
+// beyond the count have the last one.
 struct WriteRayKeysParameters {
     static constexpr const char* kernel = "write_ray_keys";
     PathStore store;

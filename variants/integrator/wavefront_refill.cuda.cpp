@@ -52,12 +52,13 @@ constexpr Descriptor descriptor{
     .check_counters = wavefront_work_missing,
 };
 
-// What the kernels write into the host's memory (ProgressReport). Reading it costs the device nothing.
+// The device's progress, which its kernels write into the host's memory (ProgressReport). Reading it costs the device
+// nothing.
 class Progress {
 public:
     Progress() : word_(make_pinned_words(2)) {}
 
-    // Before a go, with nothing in flight that writes it.
+    // Sets the progress to 0 before a go, with nothing in flight that writes it.
     void start() { value().store(0, std::memory_order_relaxed); }
     std::uint64_t* word() const { return reinterpret_cast<std::uint64_t*>(word_.get()); }
     std::uint32_t rounds() const { return static_cast<std::uint32_t>(read() >> 32); }
@@ -85,7 +86,7 @@ public:
                 kernel_of<ShadeAndRefillParameters<Real>>(), kernel_of<RefillQueueParameters<Real>>()};
     }
 
-    // Go after go, each of so many samples of every pixel that its paths and its rounds can be numbered.
+    // Renders in goes, each of so many samples of every pixel that its paths and its rounds can be numbered.
     void render() override {
         const std::uint32_t most = std::max(1u, std::min(most_paths / job_.pixels, samples_within(most_rounds)));
         for (std::uint32_t done = 0; done < job_.samples;) {
@@ -98,9 +99,9 @@ public:
 private:
     static constexpr std::uint32_t most_paths = 1u << 30;
     static constexpr std::uint32_t most_rounds = 1u << 31;
-    // Enqueued beyond what the device has begun: enough that it never waits for the host.
+    // Rounds enqueued beyond what the device has begun: enough that it never waits for the host.
     static constexpr std::uint32_t rounds_ahead = 4;
-    // Once all paths have begun, between two looks at how many have ended. A look waits for the device.
+    // Rounds between two looks at how many paths have ended, once all have begun. A look waits for the device.
     static constexpr std::uint32_t rounds_between_looks = 64;
 
     // A path has its slot for at most longest_path rounds and leaves it empty for fewer than refill_every_. The rounds
@@ -175,7 +176,7 @@ private:
 
     StoredHit<Real>* hits() const { return static_cast<StoredHit<Real>*>(queue_.hits); }
 
-    // Until the device has begun a round not long before this one.
+    // Waits until the device has begun a round not long before this one.
     void wait_for(std::uint32_t round) {
         if (progress_.rounds() + rounds_ahead >= round) {
             return;
@@ -191,7 +192,7 @@ private:
         }
     }
 
-    // Long before the longest path that there could be, all may have ended.
+    // Whether all paths have ended, which may be long before the longest path that there could be.
     bool is_over(std::uint32_t round, std::uint32_t rounds) {
         if (rounds == ~0u || (rounds - round) % rounds_between_looks != 0) {
             return false;

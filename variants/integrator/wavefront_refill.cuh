@@ -13,8 +13,8 @@
 
 namespace pt::cuda {
 
-// Every thread of the block calls it; the paths in `slot` of those that have `ended` are replaced, or marked as ended
-// where none is left.
+// Replaces the paths in `slot` of the threads whose path has `ended`, or marks them as ended where none is left. Every
+// thread of the block must call it.
 __device__ inline void refill(const ::Scene& scene, const ::Paths& paths, const PathSupply& supply, bool ended,
                               std::uint32_t slot, const ::HitCache& cache) {
     const Gathered free_slots = gather_by_block(supply.next, ended, slot);

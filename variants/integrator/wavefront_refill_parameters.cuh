@@ -22,7 +22,7 @@ struct ProgressReport {
     std::uint32_t round;
 };
 
-// Path n into slot n, for every slot.
+// Parameters of the kernel that starts path n in slot n, for every slot.
 template <class Real>
 struct FillQueueParameters {
     static constexpr const char* kernel = "fill_queue";
@@ -34,7 +34,8 @@ struct FillQueueParameters {
     HitCache<Real> cache;  // none: first_path takes one
 };
 
-// With `keys`, also writes the sort key of every position; ended paths have the last one.
+// Parameters of the intersection kernel. With `keys`, it also writes the sort key of every position; ended paths have
+// the last one.
 template <class Real>
 struct IntersectQueueParameters {
     static constexpr const char* kernel = "intersect_queue";
@@ -70,7 +71,7 @@ struct ShadeAndRefillParameters {
     std::uint64_t* ended;  // paths by their number of segments; null: not counted
 };
 
-// The next path into every slot whose path has ended.
+// Parameters of the kernel that starts the next path in every slot whose path has ended.
 template <class Real>
 struct RefillQueueParameters {
     static constexpr const char* kernel = "refill_queue";

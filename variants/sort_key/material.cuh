@@ -8,7 +8,7 @@ namespace pt::sort_key::material {
 inline constexpr bool has_material = true;
 inline constexpr bool by_chunk = false;
 
-// What follows the material in the key: nothing.
+// What follows the material in the sort key, which is nothing.
 __device__ inline std::uint32_t rest(const Ray<Real>&, const pt::Hit<Real>&, const cuda::KeyBounds&) { return 0; }
 
 }  // namespace pt::sort_key::material

@@ -28,7 +28,7 @@ PT_KERNEL(count_keys, pt::cuda::CountKeysParameters,
     }
 }
 
-// One block: totals become where each bucket starts.
+// Scans the totals of the keys, in one block: totals become where each bucket starts.
 PT_KERNEL(scan_keys, pt::cuda::ScanKeysParameters, (std::uint32_t * totals, std::uint32_t key_count)) {
     if (threadIdx.x < warp_size) {
         std::uint32_t before = 0;
@@ -48,7 +48,8 @@ PT_KERNEL(scan_keys, pt::cuda::ScanKeysParameters, (std::uint32_t * totals, std:
     }
 }
 
-// `order`: null for slot i at position i. Positions beyond the count keep any slot: nobody reads them.
+// Scatters slot numbers to their buckets. `order`: null for slot i at position i. Positions beyond the count keep any
+// slot: nobody reads them.
 PT_KERNEL(scatter, pt::cuda::ScatterParameters,
           (const std::uint32_t* keys, const std::uint32_t* order, std::uint32_t bound, std::uint32_t key_count,
            std::uint32_t* next, std::uint32_t* sorted)) {

@@ -15,7 +15,7 @@ struct CountKeysParameters {
     std::uint32_t* totals;
 };
 
-// One block: totals become where each bucket starts.
+// Parameters of the kernel that scans the totals of the keys, in one block: totals become where each bucket starts.
 struct ScanKeysParameters {
     static constexpr const char* kernel = "scan_keys";
     std::uint32_t* totals;

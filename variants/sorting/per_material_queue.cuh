@@ -5,7 +5,8 @@
 #include "variants/cuda/device.cuh"
 #include "variants/sorting/per_material_queue_parameters.cuh"
 
-// Queue k holds `capacity` slots from queues + k * capacity. Lanes of one key share one atomic operation.
+// Appends slot numbers to one queue a material: queue k holds `capacity` slots from queues + k * capacity. Lanes of one
+// key share one atomic operation.
 PT_KERNEL(append_to_queues, pt::cuda::AppendToQueuesParameters,
           (const std::uint32_t* keys, const std::uint32_t* order, const std::uint32_t* count, std::uint32_t queue_count,
            std::uint32_t capacity, std::uint32_t* queues, std::uint32_t* counts)) {

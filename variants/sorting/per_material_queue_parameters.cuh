@@ -5,7 +5,8 @@
 
 namespace pt::cuda {
 
-// Queue k holds `capacity` slots from queues + k * capacity.
+// Parameters of the kernel that appends slot numbers to one queue a material: queue k holds `capacity` slots from
+// queues + k * capacity.
 struct AppendToQueuesParameters {
     static constexpr const char* kernel = "append_to_queues";
     const std::uint32_t* keys;
