@@ -28,7 +28,7 @@ public:
     // free or has it. Throws InputError if a name cannot be used.
     std::string add(const NameOf& name, std::size_t first, std::string content);
 
-    // By their names.
+    // The contents of the files, by their names.
     const std::map<std::string, std::string>& contents() const { return contents_; }
 
     // Writes all of them, and then the file of --out with its own content: who finds that finds what it names. Throws

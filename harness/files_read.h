@@ -8,7 +8,7 @@
 
 namespace pt {
 
-// By read_file, of a file that it has read.
+// Notes that read_file has read this file.
 void note_read(const struct stat& status);
 
 // Throws InputError if `file`, the value of the option `flag`, was read by this call: it is a scene, or one that a

@@ -25,8 +25,8 @@ public:
     // If the program still runs `grace` after a signal, `end` is called on a thread of its own and the process exits
     // with what it returns. Without this call the process then exits with exit_interrupted.
     void when_overdue(std::function<int()> end);
-    // To be called before the program ends by itself and before anything that `end` uses is destroyed: `end` is not
-    // called afterwards. If `end` is running already, this call does not return.
+    // Ends the watch, so that `end` is not called afterwards; if `end` is running already, this call does not return.
+    // To be called before the program ends by itself and before anything that `end` uses is destroyed.
     void begin_end();
 
 private:

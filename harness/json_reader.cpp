@@ -54,7 +54,7 @@ void check_kind(const struct stat& status, const std::string& path, std::uint64_
 // Closes itself.
 class OpenFile {
 public:
-    // Without waiting for a writer, should a pipe have taken the name since it was looked at.
+    // Opens the file without waiting for a writer, should a pipe have taken the name since it was looked at.
     explicit OpenFile(const std::string& path) : descriptor_(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)) {}
     ~OpenFile() {
         if (descriptor_ >= 0) {

@@ -24,7 +24,7 @@
 
 namespace {
 
-// As a shell takes it: quoted where it has to be.
+// An argument as a shell takes it, quoted where it has to be.
 std::string quoted(const std::string& argument) {
     constexpr const char* plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=.,:/@%^";
     if (!argument.empty() && argument.find_first_not_of(plain) == std::string::npos) {

@@ -1,5 +1,5 @@
-// Where scenes and suites lie: in $PTBENCH_HOME, beside the binary, or one folder up (a build folder in the
-// repository).
+// Finds the folder in which scenes and suites lie: $PTBENCH_HOME, beside the binary, or one folder up (a build folder
+// in the repository).
 #pragma once
 
 #include <filesystem>

@@ -26,7 +26,7 @@ public:
 private:
     std::uint32_t next();
     __extension__ using State = unsigned __int128;
-    // As NumPy's SeedSequence makes them of the seed.
+    // The generator's state and increment as NumPy's SeedSequence derives them from the seed.
     State state_ = (State{0x25f9e8be20ac44e0u} << 64) | 0xece195b0c628c17cu;
     State increment_ = (State{0x515d7956003607f8u} << 64) | 0xc7a947b5eca38d2du;
     std::optional<std::uint32_t> high_half_;
@@ -64,7 +64,7 @@ struct Times {
     bool is_contended = false;   // other processes disturbed more than most_disturbed_share of them
 };
 
-// On an interval of a ratio, however many samples are behind it.
+// The verdict on an interval of a ratio, however many samples are behind it.
 Word word_of(const RatioInterval& interval);
 // "[0.9938, 1.0102]", in the digits that show on which side of the verdict's limits each end lies.
 std::string interval_text(const RatioInterval& interval);

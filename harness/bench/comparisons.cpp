@@ -42,7 +42,7 @@ std::string first_varying_axis(const Cells& cells) {
     return "";
 }
 
-// At whatever value, standards included.
+// All tunables of a cell with their values, standard ones included.
 Tunables tunables_of(const Cell& cell) {
     Tunables values;
     for (const Tunable& t : pt::tunables_of(cell.variant, cell.backend)) {
@@ -235,7 +235,7 @@ private:
         return fmt::format("{} {}x{}, depth {}, {} spp on {}", cell.scene->name, cell.settings.width,
                            cell.settings.height, cell.settings.depth, cell.spp, to_string(cell.backend));
     }
-    // Those of a group together, groups in the order of their first cells.
+    // The cells with those of a group side by side, and groups in the order of their first cells.
     static Cells ordered(const Cells& cells) {
         std::map<std::string, std::size_t> ranks;
         for (const Cell* const cell : cells) {

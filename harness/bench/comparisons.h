@@ -30,7 +30,7 @@ std::optional<Question> question_of(const Study& study, const Cells& cells);
 const Cell* baseline_of(const Cell& cell, const Cells& cells, const Question& question);
 bool is_baseline(const Cell& cell, const Question& question);
 
-// Of a cell that has samples.
+// The times of a cell's samples. Precondition: it has some.
 Times times_of(const Cell& cell, const Journal& journal);
 
 // A line a cell, by study and scene: median, ratio to the baseline, interval and verdict; below it why verdicts are

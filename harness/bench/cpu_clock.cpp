@@ -145,8 +145,8 @@ ClockEvidence measure_once() {
 
 }  // namespace
 
-// On a busy machine every pass of a chain may have been interrupted: that contradiction goes, that of a folded chain
-// stays.
+// Measures the clock, several times if need be: on a busy machine every pass of a chain may have been interrupted, a
+// contradiction that goes; that of a folded chain stays.
 ClockEvidence measure_clock_evidence() {
     constexpr int most_tries = 5;
     ClockEvidence evidence = measure_once();

@@ -25,7 +25,7 @@ bool has_word(const std::string& list, const std::string& word) {
     return ("," + list + ",").find("," + word + ",") != std::string::npos;
 }
 
-// Of the groups that limit CPU time.
+// The mount points of the control groups that limit CPU time.
 std::vector<GroupMount> group_mounts(const std::string& root) {
     std::vector<GroupMount> mounts;
     std::ifstream lines(root + "proc/self/mountinfo");

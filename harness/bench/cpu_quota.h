@@ -22,12 +22,12 @@ struct Throttling {
 // The groups that a process is in, the innermost first: of version 2 (cpu.max) or 1 (cpu.cfs_quota_us).
 class CpuGroups {
 public:
-    // This process's. `root`: the folder in which its proc/self and the groups' mount points lie.
+    // The control groups of this process. `root`: the folder in which its proc/self and the groups' mount points lie.
     static CpuGroups of_this_process(const std::string& root = "/");
 
-    // CPUs that the tightest quota allows, 0.5 for half of one; nothing where there is none.
+    // The CPUs that the tightest quota allows, 0.5 for half of one; nothing where there is no quota.
     std::optional<double> quota() const;
-    // Of all groups that have a quota.
+    // The throttling of all groups that have a quota, added up.
     Throttling throttling() const;
 
 private:

@@ -19,9 +19,9 @@ struct WantedSamples {
     std::size_t samples = 0;  // in all, more than it has
 };
 
-// Of the cells of such verdicts and of their baselines, the samples with which intervals would be narrow enough to lie
-// within the limits of SAME, at most `most` each; fewer in proportion where all of them would take longer than
-// `seconds`. In the order of the plan.
+// The samples, at most `most` for each cell, with which intervals would be narrow enough to lie within the limits of
+// SAME, for the cells of such verdicts and their baselines; fewer in proportion where all of them would take longer
+// than `seconds`. In the order of the plan.
 std::vector<WantedSamples> samples_to_decide(const Plan& plan, const Suite& suite, const Journal& journal,
                                              std::size_t most, double seconds);
 

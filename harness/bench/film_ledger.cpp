@@ -15,7 +15,7 @@ namespace {
 
 bool stops_matter(const Cell& cell) { return cell.convergence && stops_change_film(cell.variant, cell.backend); }
 
-// All cells whose films must be equal bit for bit.
+// The name of the group of cells whose films must be equal bit for bit.
 std::string bitwise_group(const Cell& cell) {
     std::string name = setting_in(cell.name);
     if (cell.convergence && !stops_matter(cell)) {
@@ -83,7 +83,7 @@ bool FilmLedger::differ(const Entry& entry) {
                        [&](const Seen& seen) { return !(seen.imprint == right); });
 }
 
-// Before anybody is blamed, the reference that takes long has the last word.
+// Judges films that differ. Before any cell is blamed, the reference that takes long has the last word.
 std::vector<FailedCell> FilmLedger::judge(Entry& entry, const Cell& cell, std::uint32_t samples, std::uint64_t seed,
                                           const std::string& place) {
     if (const Variant plain = bitwise_reference(cell); differ(entry) && !(entry.reference == plain)) {

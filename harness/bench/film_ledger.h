@@ -46,10 +46,11 @@ public:
     // than are prepared (Cell::prepared_spp), whose renders take long, only where two of its group differ. Throws
     // std::runtime_error where the reference cannot be rendered.
     std::vector<FailedCell> note_sample(const Cell& cell, std::size_t index, const Imprint& found);
-    // The same of a render with the first sample's seed and samples_to_prepare(), which is held to the reference
-    // always.
+    // Notes a render with the first sample's seed and samples_to_prepare(), which is always held to the reference.
+    // Returns the cells that failed by it.
     std::vector<FailedCell> note_preparation(const Cell& cell, const Imprint& found);
-    // And of such a render of the exact twin of a cell that rounds freely: the one whose bits can be told from others'.
+    // Notes such a render of the exact twin of a cell that rounds freely; only the twin's bits can be held to the
+    // reference. Returns the cells that failed by it.
     std::vector<FailedCell> note_twin(const Cell& cell, const Imprint& found);
 
 private:

@@ -33,7 +33,8 @@ public:
     // The samples whose places later ones took, in the order in which those came.
     const std::vector<Json>& retaken(const std::string& cell) const;
     const Json* cell(const std::string& cell) const;
-    // By the facts that are known of the cell: one that nothing is known of is neither.
+    // Whether the facts that are known of the cell say that it is good, or that it failed; a cell that nothing is known
+    // of is neither.
     bool is_ok(const std::string& cell) const;
     bool has_failed(const std::string& cell) const;
     // The facts of each session, with the number of the samples that it took, those again too, under "samples".
@@ -43,8 +44,8 @@ public:
     // The size of the last line, which a kill had cut off, so that it was dropped; 0: there was none.
     std::size_t dropped_bytes() const { return dropped_bytes_; }
 
-    // For a crash, which can write a text that is there and no more: where to, and what these lines would be if they
-    // were added next.
+    // The file's descriptor, and the text of these lines if they were added next, for a crash handler, which can write
+    // a text that is there and no more.
     int descriptor() const { return locked_.descriptor(); }
     std::string next_lines(const std::vector<Json>& lines) const;
     static Json session_line(const Json& facts);

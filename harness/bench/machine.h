@@ -21,10 +21,11 @@ double seconds_since_1970();
 std::string version_text();
 std::string git_sha();
 bool git_dirty();
-// Of the sources that decide what an image is (kernels, integrators, samplers, the reading of scenes): 16 hex digits.
+// The hash of the sources that decide what an image is (kernels, integrators, samplers, the reading of scenes): 16 hex
+// digits.
 std::string image_sources_hash();
 
-// FNV-1a of the running program's file: two builds of one commit are told apart.
+// The hash (FNV-1a) of the running program's file, which tells two builds of one commit apart.
 std::string program_hash();
 // The OMP_* and GOMP_* variables that are set, "NAME=value" with spaces between.
 std::string openmp_environment();

@@ -221,7 +221,7 @@ OrderedJson merged_run(const std::vector<ShardResult>& shards) {
     return run;
 }
 
-// Where a cell of the whole run is: a shard and the cell's number there.
+// For each cell of the whole run, its shard and its number there.
 using Places = std::vector<std::pair<const ShardResult*, std::size_t>>;
 
 Places places_of(const std::vector<ShardResult>& shards) {
@@ -243,7 +243,7 @@ void add_rows(OrderedJson& rows, const ShardResult& shard, std::size_t number, s
     }
 }
 
-// All samples that were taken again.
+// The samples of all shards that were taken again.
 OrderedJson merged_retakes(const std::vector<ShardResult>& shards) {
     OrderedJson samples = OrderedJson::array();
     std::size_t most = 0;

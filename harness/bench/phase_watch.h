@@ -19,7 +19,7 @@ public:
     PhaseLines(std::string command, bool is_terminal, double patience = default_patience);
     // A phase begins, and whatever came before it has ended. `expected`: how long it is taken to last.
     void begin(const std::string& what, std::optional<double> expected, double now);
-    // So large a share of it is done, from 0 to 1.
+    // Tells that a share of the phase is done, from 0 to 1.
     void reached(double share, double now);
     void end() { is_over_ = true; }
 

@@ -25,7 +25,7 @@ RenderSettings verification_settings(RenderSettings settings) {
 
 constexpr std::uint32_t verification_spp = 2;
 
-// Where something went wrong that went wrong here.
+// The place that is named where a preparation went wrong.
 constexpr const char* the_preparation = "a render before the timed ones";
 
 // How long a cell's preparation takes beside those of other cells.
@@ -95,7 +95,8 @@ private:
         }
     }
 
-    // At full size too: the film and the work, and of a variant that rounds freely those of its exact twin as well.
+    // Whether the film and the work at full size are right and, for a variant that rounds freely, those of its exact
+    // twin.
     bool has_the_bits(const Cell& cell, const RenderResult& result, Prepared& prepared) {
         std::vector<FailedCell> failed = films_.note_preparation(cell, imprint_of(result));
         if (fp_relaxed(cell.variant, cell.backend)) {
@@ -117,7 +118,7 @@ private:
         return prepared.facts.at("status") == "ok";
     }
 
-    // At the cell's own size.
+    // The request of a render at the cell's own size.
     RenderRequest request(const Cell& cell, const Variant& variant, std::uint32_t samples) const {
         RenderRequest request{
             .variant = variant, .backend = cell.backend, .settings = cell.settings, .samples = samples};

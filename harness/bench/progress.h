@@ -10,7 +10,7 @@
 
 namespace pt {
 
-// Of a clock that is never set: for durations. It counts from no date.
+// Seconds of a clock that is never set, for durations. It counts from no date.
 double steady_seconds();
 
 // How long what is left will take, from what was measured: steps of one name are taken to last as long as those before
@@ -46,7 +46,7 @@ public:
     Progress(std::string what, std::size_t total, Lines lines = Lines::shown, double patience = 0);
     // The step of that name begins: a terminal says so, a log does not.
     void begin(const std::string& name);
-    // It is done. The steps so far are taken to say how long the others last.
+    // Tells that the step is done. The steps so far are taken to say how long the others last.
     void step(const std::string& name);
     // `seconds_left` is called where a line is shown only.
     void step(const std::string& name, const std::function<std::optional<double>()>& seconds_left);

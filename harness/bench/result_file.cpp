@@ -62,8 +62,8 @@ OrderedJson row_head(const std::string& cell, const std::string& suffix, std::si
             {"repetitions", repetitions}};
 }
 
-// Another process took more than a tenth of the render's own CPU time, and more than the counter's resolution; or the
-// system gave less of it than there was.
+// Whether other processes disturbed a sample: one took more than a tenth of the render's own CPU time, and more than
+// the counter's resolution, or the system gave less of it than there was.
 bool is_contended(const Json& sample) {
     return is_throttled(sample) ||
            sample.value("pt_foreign_cpu_ms", 0.0) > std::max(20.0, 0.1 * sample.value("cpu_ms", 0.0));
@@ -224,7 +224,7 @@ private:
             text += fmt::format("/{}:{}", checkpoint.at("spp").get<std::uint32_t>(),
                                 checkpoint.at("film_hash").get<std::string>());
         }
-        // Without halves that are independent there is no bias2 to share.
+        // Cells without independent halves have no bias2 to share, so they have a key of their own.
         return text + (journal.cell(cell.name)->at("convergence").at("independent_samples") ? "" : "/dependent");
     }
     const std::string& owner(const Journal& journal, const Cell& cell, const Json& sample) const {

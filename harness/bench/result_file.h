@@ -57,7 +57,8 @@ std::string in_words(const Disturbance& disturbance);
 
 // Throws InputError if the journal holds what no run can have written there.
 std::string result_json(const Plan& plan, const Suite& suite, const Journal& journal, const RunFacts& facts);
-// The same check before a run goes on with the journal: found at its end, the run would have been for nothing.
+// Checks the journal as result_json does, before a run goes on with it: found at its end, the run would have been for
+// nothing.
 void check_journal(const Plan& plan, const Suite& suite, const Journal& journal);
 
 }  // namespace pt

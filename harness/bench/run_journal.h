@@ -24,9 +24,9 @@ public:
     std::string failure(const Cell& cell) const;
 
     void set_cell(const Cell& cell, const Json& facts);
-    // Of a cell that is known.
+    // Notes a failure of a cell that is known.
     void set_failed(const Cell& cell, const std::string& reason);
-    // The same of one that has not failed yet; said on stderr.
+    // Notes a failure of a cell that has not failed yet, and says so on stderr.
     void fail(const Cell& cell, const std::string& reason);
     void add_sample(const Cell& cell, const Json& sample);
     void retake_sample(const Cell& cell, const Json& sample);

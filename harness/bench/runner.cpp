@@ -186,7 +186,7 @@ void check_ranks(const Plan& plan) {
     require_equal_machines(plan.cells.front().backend);
 }
 
-// Of a run that goes on: a cell that failed or crashed in an earlier process is not tried again.
+// Says which cells of a run that goes on failed or crashed in an earlier process: they are not tried again.
 void say_what_failed_before(const Plan& plan, const RunJournal& journal) {
     for (const Cell& cell : plan.cells) {
         const bool is_known = journal.known().cell(cell.name) != nullptr;

@@ -37,7 +37,7 @@ std::vector<std::string> names_on_any_backend(std::string_view axis) {
     return {names.begin(), names.end()};
 }
 
-// Those of every choice, so a name may be there several times.
+// The tunables of every choice, so a name may be there several times.
 std::vector<Tunable> tunables_on_any_backend() {
     std::vector<Tunable> all;
     for (const Backend backend : all_backends) {
@@ -412,7 +412,7 @@ private:
         return study;
     }
 
-    // At every size, depth and number of samples.
+    // Adds a variant's cells at every size, depth and number of samples.
     void add_variant(const Study& study, const std::shared_ptr<const Scene>& scene, const Variant& variant) {
         if (Reason reason = reason_not_applicable(variant, features_of(*scene), backend_); !reason.empty()) {
             plan_.not_applicable.push_back({study.name, scene->name, backend_, variant, std::move(reason)});

@@ -130,13 +130,13 @@ AxisChoices all_choices(Backend backend = Backend::cpu);
 // A pairwise covering: variants that apply to a scene with these features, in which every compatible pair of choices of
 // two axes occurs. All combinations of choices would be too many.
 std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet features, Backend backend);
-// Of such a covering as few as have every choice that occurs in it.
+// As few of a covering's variants as have every choice that occurs in it.
 std::vector<Variant> each_choice_once(std::vector<Variant> covering);
 // "NAME=c1,c2" -> adds to `axes`; throws InputError, with the allowed names, for an unknown name and for an axis that
 // `axes` has already. "NAME=all": all choices of the backend.
 void add_axis_argument(AxisChoices& axes, const std::string& argument, Backend backend = Backend::cpu);
 AxisChoices parse_axis_arguments(const std::vector<std::string>& arguments, Backend backend = Backend::cpu);
-// And choices of the axis `devices` as --devices lists them; empty: none.
+// Reads axis arguments and the choices of the axis `devices` as --devices lists them; empty: none.
 AxisChoices parse_axis_arguments(const std::vector<std::string>& arguments, const std::string& devices,
                                  Backend backend);
 // "NAME=v1,v2" -> adds to `tunables`; throws InputError, with what is allowed, for a value that is not and for a name

@@ -164,7 +164,7 @@ std::string SampleTaker::fault(const Cell& cell, std::size_t index, const Render
     if (result.work.paths != paths) {
         return fmt::format("{}: {} paths, not {}", place_of(index), result.work.paths, paths);
     }
-    // At full size too, every film of a group has the same bits and took the same work, seed by seed.
+    // Every film of a group has the same bits and took the same work, seed by seed, at full size too.
     std::string wrong;
     for (FailedCell& failed : films_.note_sample(cell, index, imprint_of(result))) {
         if (failed.cell == &cell) {
@@ -173,7 +173,7 @@ std::string SampleTaker::fault(const Cell& cell, std::size_t index, const Render
             others.push_back(std::move(failed));
         }
     }
-    // Where errors are measured, a sample that is not finite makes them null, with a count.
+    // A sample that is not finite is no failure where errors are measured: it makes them null, with a count.
     FilmFaults faults = result.film.faults();
     faults.nonfinite = cell.convergence ? 0 : faults.nonfinite;
     return !wrong.empty() || faults.none() ? wrong : fmt::format("{}: {}", place_of(index), faults_text(faults));

@@ -31,7 +31,7 @@ public:
     // Throws MachineError.
     void save(const std::string& file, const std::string& machine) const;
 
-    // Null if the variant of that identity was never tuned.
+    // Finds the variant of an identity; null if it was never tuned.
     const TunedVariant* find(const std::string& id) const;
     // The variant with the values found for it, but for tunables in `named` and those that it has a value for already.
     Variant applied(const Variant& variant, const std::set<std::string>& named) const;

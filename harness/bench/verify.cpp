@@ -214,7 +214,7 @@ Verifier::MeanCheck Verifier::check_statistical(const Variant& variant) {
     const std::uint32_t spp = std::max(4u, spp_);
     const auto claimed = batch_means(scene_, settings_, variant, backend_, spp);
     const auto expected = batch_means(scene_, deeper, plain, backend_, spp);
-    // Without extra depth, what is expected is what there is without the choice.
+    // Without extra depth, the image without the choice is the one that is expected.
     const auto without =
         deeper.depth != settings_.depth ? batch_means(scene_, settings_, plain, backend_, spp) : expected;
     MeanCheck check;

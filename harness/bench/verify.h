@@ -8,7 +8,7 @@
 
 namespace pt {
 
-// Where two variants that should agree first differ.
+// The first place at which two variants differ that should agree.
 struct Difference {
     std::uint32_t x = 0, y = 0;
     std::optional<std::uint32_t> sample;  // none: each sample alone agrees, so it is in how samples are put together

@@ -98,7 +98,7 @@ MeanVerdict StatisticalVerifier::check(const MeanClaim& claim) {
         return {true, fmt::format("same mean as {}: {}", against, report.text())};
     }
     const Statistic& strongest = report.strongest();
-    // Its errors may repeat while its mean is right.
+    // The last statistic is of independence: its errors may repeat while its mean is right.
     const bool dependent = &strongest == &report.statistics.back();
     return {false, fmt::format("{} {}: {} ({}): {}",
                                dependent ? "samples are not independent, tested with" : "not the mean of", against,

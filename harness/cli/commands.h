@@ -44,12 +44,13 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> parse_resolutions(const std
 // or stands twice.
 std::vector<std::uint32_t> parse_whole_numbers(const std::string& text, const std::string& flag, std::uint32_t low,
                                                std::uint32_t high);
-// "A,B" -> {A, B}, the names of `flag`; throws InputError for an empty name, or one that stands twice.
+// Splits "A,B", the names of `flag`, into {A, B}; throws InputError for an empty name, or one that stands twice.
 std::vector<std::string> split_names(const std::string& text, const std::string& flag = "--scene");
-// The same, and "all" -> every shipped scene.
+// Splits "A,B" into scene names; "all" stands for every shipped scene. Throws InputError for an empty name, or one that
+// stands twice.
 std::vector<std::string> scenes_asked_for(const std::string& text);
-// "cpu" or "cuda"; "": cuda where it is available, else cpu. Throws InputError for another name, MachineError for a
-// backend that this build lacks.
+// Reads the name of a backend, "cpu" or "cuda"; "" is cuda where it is available, else cpu. Throws InputError for
+// another name, MachineError for a backend that this build lacks.
 Backend parse_backend(const std::string& text);
 // Throws MachineError with the reason if the backend is not available here.
 void require_backend(Backend backend);
@@ -60,7 +61,7 @@ struct CompileOnly {
     std::string architecture;
 };
 void add_compile_options(CLI::App& command, CompileOnly& compile_only);
-// For CLI::Option::check, of file names: a shell's variable may have been empty.
+// For CLI::Option::check: what is wrong with an empty file name, which a shell's variable may have given; else nothing.
 std::string check_not_empty(const std::string& text);
 // For CLI::Option::check: what is wrong with a seed, or nothing. (CLI11 alone takes -1 for 2^64 - 1.)
 std::string check_seed(const std::string& text);

@@ -39,7 +39,7 @@ bool is_there(std::string_view axis, const std::string& choice, Backend backend)
     return Registry::instance().find(axis, choice, backend) != nullptr;
 }
 
-// With a mark where the choice is not there on both backends.
+// A choice's name, with a mark where it is not there on both backends.
 std::string marked(std::string_view axis, const std::string& choice) {
     if (!is_there(axis, choice, Backend::cpu)) {
         return choice + "*";

@@ -1,4 +1,4 @@
-// The same as text: in one screen, and an axis, scenes or suites in full.
+// The output of `ptbench list` as text: all on one screen, or an axis, scenes or suites in full.
 #pragma once
 
 #include <string>

@@ -28,7 +28,8 @@ struct TemplateFile {
     std::string_view what;
 };
 
-// In a template's path and in its text "@NAME@" stands for the name, "@TYPE@" for the class that a shape has of it.
+// Placeholders in a template's path and text: "@NAME@" stands for the name, "@TYPE@" for the class that a shape has of
+// it.
 constexpr std::string_view name_placeholder = "@NAME@";
 constexpr std::string_view type_placeholder = "@TYPE@";
 
@@ -230,8 +231,8 @@ std::vector<NewFile> new_files(const fs::path& home, const Kind& kind, const std
     return files;
 }
 
-// All or none: what is there of them when one cannot be written is taken away again. A file that was there before is
-// the last, and is written whole or not at all.
+// Writes all files or none: what was written is taken away again if one cannot be. A file that was there before is the
+// last, and is written whole or not at all.
 void write_all(const std::vector<NewFile>& files) {
     std::size_t written = 0;
     try {

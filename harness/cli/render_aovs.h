@@ -10,9 +10,9 @@
 
 namespace pt {
 
-// "albedo", "normal", ..
+// The names of the AOVs that a render can write: "albedo", "normal", and so on.
 std::vector<std::string> names_of_aovs();
-// The same with commas between.
+// The names of the AOVs with commas between, for messages.
 std::string aov_names_text();
 
 class RenderAovs {
@@ -27,7 +27,7 @@ public:
     // What the render has to feed from its checkpoints, which it makes at variance_stops; null if none needs it.
     PixelVariance* variance() { return has("variance") ? &variance_ : nullptr; }
 
-    // After the render. Adds to the summary what they were made from.
+    // Makes the layers after the render, and adds to the summary what they were made from.
     std::vector<ExrLayer> layers(const Scene& scene, const RenderRequest& request, const RenderResult& result,
                                  nlohmann::ordered_json& summary) const;
 

@@ -137,7 +137,7 @@ private:
         settings.height = height;
         return settings;
     }
-    // Of each choice the variant that has it and else the fewest choices other than the baseline's.
+    // For each choice, the variant that has it and otherwise the fewest choices other than the baseline's.
     static std::set<Variant> plainest_of_each_choice(const Scene& scene, const std::vector<Variant>& variants,
                                                      Backend backend) {
         const Variant baseline = Registry::instance().baseline(backend);

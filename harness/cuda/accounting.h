@@ -22,7 +22,7 @@ DeviceCounts download_counts(const Job& job, const IntegratorTraits& integrator)
 WorkCounters work_of(const Job& job, const IntegratorTraits& integrator, const WorkCounters& device_work,
                      const DeviceCounts& counts);
 
-// Of `live`, up to the last segment that a path reached.
+// The counts of `live` up to the last segment that a path reached.
 std::vector<std::uint64_t> reached_segments(const std::vector<std::uint64_t>& live);
 
 // What the compiler made of the integrator's kernels.

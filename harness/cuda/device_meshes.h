@@ -16,7 +16,7 @@ public:
 
     using Key = std::pair<const PlacedMesh*, const MeshTree*>;
     static Key key_of(const MeshGeometry& host) { return {host.placed.get(), host.tree.get()}; }
-    // With pointers of the device.
+    // The mesh with pointers to the device's memory.
     const MeshView& view() const { return view_; }
     std::size_t bytes() const { return arrays_.bytes(); }
 
@@ -37,7 +37,7 @@ public:
 
     using Key = const SceneTree*;
     static Key key_of(const std::shared_ptr<const SceneTree>& host) { return host.get(); }
-    // With pointers of the device.
+    // The top-level tree with pointers to the device's memory.
     const ObjectTree& objects() const { return objects_; }
     const FlatTree& flat() const { return flat_; }
     std::size_t bytes() const { return arrays_.bytes(); }

@@ -11,7 +11,7 @@
 
 namespace pt::cuda {
 
-// Of the 64 KiB of constant memory that a module may have; larger scenes stay in global memory.
+// Most bytes of a scene in constant memory, of the 64 KiB that a module may have; larger scenes stay in global memory.
 inline constexpr std::uint32_t constant_bytes = 32768;
 inline constexpr const char* scene_in_constant = "in_constant";
 
@@ -36,9 +36,9 @@ public:
     void reserve(Arena& arena);
     // Waits for the device.
     void upload(const Module& module, cudaStream_t stream) const;
-    // With pointers of the device.
+    // The scene with pointers to the device's memory.
     const SceneView<Real>& view() const { return view_; }
-    // Of meshes and the tree over them, outside of the arena.
+    // Bytes of meshes and of the trees over them, which are outside of the arena.
     std::size_t mesh_bytes() const;
 
 private:

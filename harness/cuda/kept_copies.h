@@ -13,7 +13,7 @@ namespace pt::cuda {
 template <class Copy>
 class KeptCopies {
 public:
-    // Null: there is none.
+    // Finds the copy of a host's object; null: there is none.
     template <class Host>
     std::shared_ptr<const Copy> find(const Host& host) {
         const auto known = by_key_.find(Copy::key_of(host));

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Those in percent, which are weighted by time.
+// ncu's metrics in percent, which are weighted by time.
 constexpr std::pair<const char*, double KernelCounters::*> shares[] = {
     {"sm__warps_active.avg.pct_of_peak_sustained_active", &KernelCounters::occupancy},
     {"l1tex__throughput.avg.pct_of_peak_sustained_elapsed", &KernelCounters::l1},
@@ -29,7 +29,7 @@ constexpr std::pair<const char*, double KernelCounters::*> shares[] = {
     {"l1tex__t_sector_hit_rate.pct", &KernelCounters::l1_hit_rate},
     {"lts__t_sector_hit_rate.pct", &KernelCounters::l2_hit_rate},
     {"smsp__warp_issue_stalled_long_scoreboard_per_warp_active.pct", &KernelCounters::memory_stalls}};
-// Those that are summed over launches.
+// ncu's metrics that are summed over launches.
 constexpr std::pair<const char*, double KernelCounters::*> sums[] = {
     {"gpu__time_duration.sum", &KernelCounters::seconds},
     {"smsp__inst_executed.sum", &KernelCounters::instructions},

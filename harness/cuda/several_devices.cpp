@@ -224,7 +224,8 @@ private:
         }
     }
 
-    // As cudaStreamSynchronize of the first device, which would not see that another one failed.
+    // Waits until the first device is done, and throws if any has failed; cudaStreamSynchronize of the first device
+    // would not see that another one failed.
     void wait_for_sum() {
         while (!is_done(0)) {
             for (std::size_t device = 1; device < cells_.size(); ++device) {

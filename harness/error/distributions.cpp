@@ -102,8 +102,8 @@ double where_falling(Function function, double value, double low, double high) {
 
 double normal_upper(double z) { return 0.5 * std::erfc(z / std::numbers::sqrt2); }
 
-// From the approximation 26.2.23 of Abramowitz and Stegun (4.5e-4) by Newton's method on the logarithm of the tail,
-// whose steps do not leave its domain.
+// Inverse of normal_upper: Newton's method on the logarithm of the tail, whose steps do not leave its domain, from the
+// approximation 26.2.23 of Abramowitz and Stegun (4.5e-4).
 double normal_deviate(double p) {
     if (p > 0.5) {
         return -normal_deviate(1 - p);

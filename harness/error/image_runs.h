@@ -60,7 +60,7 @@ struct PixelMoments {
     Covariance covariance;  // unbiased
 };
 
-// Of every pixel over the runs' images. Precondition: at least two runs.
+// The moments of every pixel over the runs' images. Precondition: at least two runs.
 std::vector<PixelMoments> pixel_moments(const ImageRuns& runs);
 
 // Mean and unbiased variance of a number over runs.

@@ -49,9 +49,9 @@ struct Reference {
     Image mean() const;
 };
 
-// As far from what is measured as the program goes: every axis at its plainest, and where the backend has them and the
-// scene allows them depth_first or megakernel, the kernel with everything, Philox and double precision. The task's own
-// choices may not apply to its scene.
+// The variant that a reference is made with, as far from what is measured as the program goes: every axis at its
+// plainest, and where the backend has them and the scene allows them depth_first or megakernel, the kernel with
+// everything, Philox and double precision. The task's own choices may not apply to its scene.
 Variant reference_variant(const ReferenceTask& task);
 
 // The depth at which a variant has the expectation of plain paths of `depth`: smaller by the segments that its choices

@@ -198,7 +198,8 @@ private:
             pixels += other.pixels;
             return *this;
         }
-        // Where nothing is random, differences are roundings or seen by the other statistics.
+        // Whether the images are random enough for this statistic: where nothing is random, differences are roundings
+        // or seen by the other statistics.
         bool is_random() const { return noise > rounding * rounding * light; }
     };
     SquaredBias pixel_bias(std::size_t index) const {

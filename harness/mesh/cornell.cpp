@@ -26,7 +26,7 @@ void add_quad(Mesh& mesh, std::uint32_t n, const glm::dvec3& a, const glm::dvec3
     }
 }
 
-// In millimetres, as measured: x to the left, z into the room, whose corner is the origin.
+// A block of the Cornell box in millimetres, as measured: x to the left, z into the room, whose corner is the origin.
 struct Block {
     double height;
     double x[4], z[4];  // of its corners, round the upright

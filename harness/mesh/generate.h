@@ -21,9 +21,9 @@ struct Generator {
     Mesh (*make)(std::uint32_t size);
 };
 
-// In the order in which people are told of them.
+// All generators, in the order in which people are told of them.
 std::span<const Generator> generators();
-// nullptr where there is none of that name.
+// Finds a generator; nullptr where there is none of that name.
 const Generator* find_generator(std::string_view name);
 
 // Throws InputError for a name that is none of theirs, or a size out of its range.

@@ -51,7 +51,7 @@ public:
     // The nodes of the scene that is shown first; without a scene, those that no other has.
     std::vector<int> roots() const;
     static glm::dmat4 matrix_of(const tinygltf::Node& node);
-    // By a scale of 0 along all axes, which hides what hangs on it too.
+    // Whether a node is hidden by a scale of 0 along all axes, which hides what hangs on it too.
     static bool is_hidden(const tinygltf::Node& node);
     // Whether its own weights, or without any its mesh's, move its vertices.
     bool is_morphed(const tinygltf::Node& node) const;

@@ -25,10 +25,10 @@ enum class ObjLine {
     unknown,
 };
 
-// Of a line's first word.
+// The kind of line that a line's first word begins.
 ObjLine obj_line_of(std::string_view word);
 
-// Empty of an empty line.
+// The first word of a line; empty for an empty line.
 std::string_view first_obj_word(std::string_view line);
 
 // What is said where such a line is passed over; empty: nothing.

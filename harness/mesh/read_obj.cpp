@@ -169,7 +169,7 @@ private:
         }
     }
 
-    // In double precision, and only where that may say something new.
+    // Checks in double precision that vertices kept enough digits, and only where that may say something new.
     void check_resolution() {
         if (!may_have_lost_digits(mesh_)) {
             return;
@@ -322,7 +322,7 @@ private:
         corner.texture = corner.has_texture ? static_cast<std::uint32_t>(place) : 0;
     }
 
-    // From 1 on, or from -1 backward; returned from 0 on.
+    // Reads an index, which counts from 1 on, or from -1 backward, and returns it from 0 on.
     std::uint32_t read_index(std::string_view word, std::string_view number, std::size_t count,
                              Pending& pending) const {
         std::int64_t index = 0;

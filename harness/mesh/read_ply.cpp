@@ -26,7 +26,7 @@ public:
     PlyNumbers(std::string_view content, PlyFormat format, const std::string& file)
         : content_(content), format_(format), file_(file) {}
 
-    // For the messages.
+    // Notes the place in the file, for messages.
     void enter(const std::string& element, std::uint64_t index) {
         element_ = &element;
         index_ = index;
@@ -276,7 +276,7 @@ private:
         }
     }
 
-    // By the names that exporters give them.
+    // Finds texture coordinates by the names that exporters give them.
     void find_coordinates(const PlyElement& element) {
         constexpr std::string_view names[][2] = {{"s", "t"}, {"u", "v"}, {"texture_u", "texture_v"}};
         for (const auto& [u, v] : names) {

@@ -10,14 +10,14 @@ namespace pt {
 
 namespace {
 
-// Of a quarter from x to y: the control points (r, 0), (r, s), (s, r), (0, r) at that height.
+// A quarter of a round row from x to y: the control points (r, 0), (r, s), (s, r), (0, r) at that height.
 struct RoundRow {
     double r, height, s;
 };
 constexpr double newell_share = 0.56;  // Newell's s / r; 0.5523 would be nearer to a circle
 constexpr RoundRow round_row(double r, double height) { return {r, height, newell_share * r}; }
 
-// From the top downward, so that outside is on one side of all. Neighbours share a row.
+// Rows are listed from the top downward, so that outside is on one side of all. Neighbours share a row.
 constexpr RoundRow rim_and_body[] = {round_row(1.4, 2.4),  round_row(1.3375, 2.53125), round_row(1.4375, 2.53125),
                                      round_row(1.5, 2.4),  round_row(1.75, 1.875),     round_row(2.0, 1.35),
                                      round_row(2.0, 0.9),  round_row(2.0, 0.45),       round_row(1.5, 0.225),
@@ -26,7 +26,7 @@ constexpr RoundRow rim_and_body[] = {round_row(1.4, 2.4),  round_row(1.3375, 2.5
 constexpr RoundRow lid[] = {round_row(0.0, 3.15), {0.8, 3.15, 0.45},    round_row(0.0, 2.85), round_row(0.2, 2.7),
                             round_row(0.4, 2.55), round_row(1.3, 2.55), round_row(1.3, 2.4)};
 
-// Of half a pipe: the control points (x, 0), (x, w), (x', w), (x', 0) at heights z, z, z', z'.
+// A row of half a pipe: the control points (x, 0), (x, w), (x', w), (x', 0) at heights z, z, z', z'.
 struct PipeRow {
     double x, z, far_x, far_z, width;
 };
@@ -83,7 +83,8 @@ PatchRow quarter(const RoundRow& row, int turns) {
     return points;
 }
 
-// In the order that has the pipe's outside where the round patches have theirs.
+// The control points of half a pipe's row, in the order that has the pipe's outside where the round patches have
+// theirs.
 PatchRow half(const PipeRow& row, bool is_mirrored) {
     const double y = is_mirrored ? row.width : -row.width;
     const PatchRow points{glm::dvec3(row.x, 0, row.z), glm::dvec3(row.x, y, row.z), glm::dvec3(row.far_x, y, row.far_z),

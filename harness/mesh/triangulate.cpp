@@ -80,7 +80,7 @@ std::vector<glm::dvec2> projected(const std::vector<glm::dvec3>& corners, const 
     return flat;
 }
 
-// Those that touch do not.
+// Whether two edges of the polygon cross; those that only touch do not.
 bool edges_cross(const std::vector<glm::dvec2>& corners) {
     const std::size_t count = corners.size();
     const auto parts = [](double a, double b) { return (a > 0 && b < 0) || (a < 0 && b > 0); };

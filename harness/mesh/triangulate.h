@@ -21,7 +21,7 @@ struct PolygonTriangles {
     std::string_view doubt;
 };
 
-// Of at least three corners, all finite.
+// Triangulates a polygon of at least three corners, all finite.
 PolygonTriangles triangulate(std::span<const std::array<float, 3>> corners);
 
 // The polygon's triangles in the place of its fan, which `fan` holds. What belongs to its corners, such as indices.

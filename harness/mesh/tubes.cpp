@@ -75,7 +75,7 @@ Mesh make_trefoil(std::uint32_t n) {
     for (std::uint32_t i = 0; i < rings; ++i) {
         const double t = 2.0 * exact_pi * i / rings;
         const SineCosine two = exact_sine_cosine(2.0 * t), three = exact_sine_cosine(3.0 * t);
-        // On a torus of radii 2 and 1 about the y axis: `side` is the torus's normal.
+        // The tube winds on a torus of radii 2 and 1 about the y axis: `side` is the torus's normal.
         const glm::dvec3 around(two.cosine, 0.0, -two.sine), along(-two.sine, 0.0, -two.cosine), up(0.0, 1.0, 0.0);
         const double distance = 2.0 + three.cosine;
         const glm::dvec3 side = three.cosine * around + three.sine * up;

@@ -86,7 +86,7 @@ std::string ply_with(const Mesh& mesh, const std::vector<std::array<float, 2>>& 
     return content;
 }
 
-// As its corners are numbered in the file, from 1.
+// Adds a face, whose corners are numbered from 1 in the file.
 void add_obj_face(std::string& content, const std::array<std::uint32_t, 3>& triangle, bool has_places,
                   bool has_normals) {
     content += 'f';

@@ -47,7 +47,7 @@ struct PersistentKernel {
     void (*closest)(BatchView);
     void (*any)(BatchView);
 
-    // As much of the first cache as the blocks of a multiprocessor want, in percent of its 228 KiB.
+    // Asks for as much shared memory as the blocks of a multiprocessor want, in percent of its 228 KiB of first cache.
     void prepare() const {
         const std::size_t bytes = (shared_bytes + sizeof(OctantOrders) + 1024) * blocks_per_sm;
         const int share = std::min<int>(static_cast<int>(bytes * 100 / (228 * 1024)) + 1, 100);

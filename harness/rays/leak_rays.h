@@ -90,7 +90,8 @@ PT_HD inline Ray leak_ray(const LeakView& view, std::uint64_t number) {
         const float zero = random.below(2) == 0 ? 0.0f : -0.0f;
         const Vec3<float> flat{axis == 0 ? zero : direction.x, axis == 1 ? zero : direction.y,
                                axis == 2 ? zero : direction.z};
-        // Not where next to nothing is left: cwbvh takes directions whose length is near that of a unit vector.
+        // The flat direction is taken only if enough of it is left: cwbvh takes directions whose length is near that of
+        // a unit vector.
         direction = dot(flat, flat) > 0x1p-20f * dot(direction, direction) ? flat : direction;
     }
     if (random.below(2) == 0) {

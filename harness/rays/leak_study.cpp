@@ -92,7 +92,7 @@ struct KernelLeaks {
     }
 };
 
-// All kernels get the same rays, a batch after the other.
+// Counts the leaks of every kernel. All kernels get the same rays, a batch after the other.
 std::vector<KernelLeaks> leaks_through(BatchTracer& tracer, const LeakSource& source, const LeakStudy& study) {
     std::vector<KernelLeaks> kernels;
     for (const std::string& kernel : tracer.kernels(RaySet{"leaks", false, {}})) {

@@ -35,7 +35,7 @@ void set_bounds(RayMesh& made) {
     }
 }
 
-// As the probe's: just within the box, in the middle of its front, across four fifths of the depth.
+// The probe's camera: just within the box, in the middle of its front, across four fifths of the depth.
 RayCamera camera_at_front(const Vec3<float>& low, const Vec3<float>& high) {
     const Vec3<float> centre = (low + high) * 0.5f;
     const float reach = 0.995f * 0.5f * (high.z - low.z);

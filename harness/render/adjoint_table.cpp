@@ -18,7 +18,7 @@ using LearningConfig =
     Config<float, (all_features | traversals) & ~set_of(Feature::adjoint_roulette), RunTimeAccelerator>;
 
 constexpr std::size_t paths_per_chunk = 128;
-// So many records of average throughput that bring the average are added to each estimate: it is wrong for few.
+// Number of records of average throughput that bring the average and are added to each estimate: it is wrong for few.
 constexpr double records_of_the_mean = 32;
 constexpr std::uint32_t most_tiles = 16;  // a side, of the image's estimate
 constexpr std::uint32_t most_steps = 64;  // segments with an estimate of their own

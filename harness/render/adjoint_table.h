@@ -45,12 +45,12 @@ struct AdjointTable {
     AdjointTable& operator=(const AdjointTable&) = delete;
 };
 
-// Null where the paths brought nothing.
+// Makes the estimates from records of paths; null where the paths brought nothing.
 template <class Real>
 std::unique_ptr<const AdjointTable<Real>> adjoint_table(const AdjointRecords& records, const RenderSettings& settings);
 
-// Both steps, and what they took: a render pays for them. Its scene's trees are made before the clock starts, as a
-// render's own are.
+// The estimates with the time that both steps took: a render pays for them. Its scene's trees are made before the clock
+// starts, as a render's own are.
 template <class Real>
 struct LearnedAdjoint {
     std::unique_ptr<const AdjointTable<Real>> table;  // null also where the settings ask for none

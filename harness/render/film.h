@@ -20,7 +20,8 @@ public:
     std::uint32_t height() const { return height_; }
     // Samples a pixel that pixel() and radiance() divide the sums by.
     std::uint64_t samples() const { return samples_; }
-    // For a film to which only a part of the samples has been added so far; scale and limit stay those of the whole.
+    // Sets the number of samples that have been added so far, if they are only a part; scale and limit stay those of
+    // the whole.
     void set_samples(std::uint64_t samples) { samples_ = samples; }
     const std::vector<std::int64_t>& sums() const { return sums_; }
     // Takes over what was summed elsewhere at this film's scale. Throws std::logic_error if the sizes differ.

@@ -64,7 +64,7 @@ struct CudaFacts {
 // What several devices add to a render's facts; of one device `count` is 1 and all else empty.
 struct DeviceFacts {
     std::uint32_t count = 1;
-    // Of each device: from the common start to the end of its own work, without the reduction; 0: it had none.
+    // Time of each device from the common start to the end of its own work, without the reduction; 0: it had none.
     std::vector<double> own_ms;
     double slowest_ms = 0;  // from the common start until the last one had rendered
     double reduce_ms = 0;   // from there until the first device had the sum of the films
@@ -95,7 +95,7 @@ struct KernelChoice {
 };
 KernelChoice choose_kernel(const Scene& scene, const Variant& variant, Backend backend = Backend::cpu);
 
-// Of all objects together: those of an instance count again.
+// Triangles of all objects together: those of a mesh that several objects show count again.
 std::uint64_t triangles_of(const Scene& scene);
 std::ptrdiff_t objects_with_meshes(const Scene& scene);
 
@@ -108,7 +108,7 @@ Variant reference_on(const Scene& scene, const Variant& variant, Backend backend
 std::vector<Variant> rendered_to_check(const Scene& scene, const Variant& variant, Backend backend);
 // Objects with meshes up to which each in turn is the reference of large scenes; beyond, a tree over them.
 inline constexpr std::ptrdiff_t most_objects_in_turn = 16;
-// The same with an accelerator that has a tree, wherever there are meshes: for films that take long.
+// The reference of a variant with an accelerator that has a tree, wherever there are meshes: for films that take long.
 Variant fast_reference_on(const Scene& scene, const Variant& variant, Backend backend);
 
 // Any accelerator gives the same hits: one of the CPU's that is quick on large meshes.

@@ -40,7 +40,7 @@ struct TranslateRotateScale {
     bool is_straightened = false;  // a few millionths of a degree off quarter turns were taken away
 };
 
-// Of a map without shear; of one that mirrors, the map with its last column turned about. Angles and scales are the
+// Takes a map without shear apart; if it mirrors, the map with its last column turned about. Angles and scales are the
 // shortest decimals that give the columns back to their last bits.
 TranslateRotateScale take_apart(const Affine& map);
 

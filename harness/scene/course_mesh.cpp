@@ -94,7 +94,7 @@ std::optional<fs::path> CourseFileFinder::find_above(const std::string& name) co
     return std::nullopt;
 }
 
-// Of files of one name the first by its path.
+// Lists the project's files by name; of files of one name the first by its path.
 void CourseFileFinder::list_project() {
     project_.emplace();
     std::error_code error;

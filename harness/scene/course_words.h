@@ -36,7 +36,7 @@ const std::vector<std::string>& course_keys(const std::string& section);
 // What is wrong with a word of this use, as in "TEXTURE a.png: ..".
 std::string missing_for(CourseUse use);
 
-// In capitals, without '_' and '-'.
+// The spelling by which words are compared: in capitals, without '_' and '-'.
 std::string course_spelling(const std::string& word);
 
 // Whether values say that what they belong to is off: none, 0, NULL, OFF.

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double all_words = 0x1p32;
 
-// Where each share of 2^32 begins: in proportion to the weights, none 0; equal where no weight is known.
+// The words of 2^32 at which each share begins: in proportion to the weights, none 0; equal where no weight is known.
 std::vector<std::uint32_t> beginnings_of(const std::vector<double>& weights) {
     double total = 0;
     for (const double weight : weights) {
@@ -52,7 +52,7 @@ void set_choice(EnvironmentMap<Real>& map, std::uint32_t lights, bool uniformly)
     const double share = map.object_share;
     map.inverse_probability = static_cast<Real>(all_words / (all_words - share));
     map.inverse_object_probability = static_cast<Real>(share > 0 ? all_words / share : 0.0);
-    // At most 2^32 - 1: the last word below the share stays a word.
+    // The stretch is at most 2^32 - 1, so that the last word below the share stays a word.
     map.stretch = static_cast<std::uint32_t>(share > 0 ? std::min(0x1p31 * (all_words / share), all_words - 1) : 0.0);
 }
 

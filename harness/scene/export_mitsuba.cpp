@@ -462,7 +462,7 @@ MitsubaScene mitsuba_scene(const Scene& scene, const MitsubaSettings& settings, 
 
 Mesh indexed_mesh(const SceneMesh& mesh) {
     using Corner = std::array<float, 3>;
-    // Of +0 and -0 the first: they are one place.
+    // Adding +0 turns -0 into +0: they are one place.
     const auto corner = [](const Vec3<float>& v) { return Corner{v.x + 0.0f, v.y + 0.0f, v.z + 0.0f}; };
     Mesh indexed;
     for (const Triangle<float>& t : mesh.triangles) {

@@ -40,7 +40,7 @@ double depth_of(const SceneObject& object) {
         return 0.5 / (1 / size.x + 1 / size.y + 1 / size.z);
     }
     if (object.shape == Shape::sphere) {
-        // Of an ellipsoid the surface by Thomsen's formula, to 1.1 %.
+        // The surface of an ellipsoid is taken from Thomsen's formula, right to 1.1 %.
         constexpr double p = 1.6075;
         const double x = std::pow(size.x, p), y = std::pow(size.y, p), z = std::pow(size.z, p);
         return size.x * size.y * size.z / 6 / std::pow((x * y + y * z + z * x) / 3, 1 / p);
@@ -56,7 +56,7 @@ void guide_walks(Material<Real>& material, const SceneMaterial& body, double gui
         const double albedo = sigma_t > 0 ? body.sigma_s[i] / sigma_t : 0;
         const double in_mean_free_paths = sigma_t > 0 ? sigma_t * depth : 0;
         material.guide_decay[i] = static_cast<Real>(guide_decay(albedo, body.g, in_mean_free_paths));
-        // Of the decay as it is kept, so that the densities add up.
+        // The albedo follows from the decay as it is kept, so that the densities add up.
         const auto kept = static_cast<double>(material.guide_decay[i]);
         material.guide_albedo[i] = static_cast<Real>(kept / std::atanh(kept));
     }

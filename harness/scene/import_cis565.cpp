@@ -246,7 +246,7 @@ Vec3d rotation_x_first(const Vec3d& degrees) {
     const Rotation transpose = rotation_of(-degrees);
     const auto matrix = [&](int row, int column) { return transpose.column[row][column]; };
     const double cosine_y = std::hypot(matrix(0, 0), matrix(1, 0));
-    // Where cosine_y is 0, x and z turn about the same axis, and z may as well be 0.
+    // If cosine_y is 0, x and z turn about the same axis, and z may as well be 0.
     const double cosine_z = cosine_y > 0 ? matrix(0, 0) / cosine_y : 1;
     const double sine_z = cosine_y > 0 ? matrix(1, 0) / cosine_y : 0;
     // x from what Rz^-1 leaves, not from the third row: that one is noise near cosine_y = 0.

@@ -64,7 +64,7 @@ Cis565Line CourseJsonReader::line(const std::string& place, const Json& value) c
     return line;
 }
 
-// Null where it is missing, which is a problem.
+// The member `key` of the file's object; null where it is missing, which is a problem.
 const Json* CourseJsonReader::member(const char* key) {
     if (root_->contains(key)) {
         return &root_->at(key);

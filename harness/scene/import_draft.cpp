@@ -31,7 +31,8 @@ std::string plain_part_of(const std::string& text) {
     return plain;
 }
 
-// By the map's cofactors, so that they stay across what they were across; outward of what it mirrors too.
+// Normals turned by the map's cofactors, so that they stay across what they were across; outward of what it mirrors
+// too.
 std::vector<std::array<float, 3>> normals_placed_by(const std::vector<std::array<float, 3>>& normals,
                                                     const Affine& map) {
     const auto& [x, y, z] = map.column;
@@ -46,7 +47,7 @@ std::vector<std::array<float, 3>> normals_placed_by(const std::vector<std::array
     return placed;
 }
 
-// Where a map mirrors, triangles go round the other way, so that their outside stays outside.
+// The mesh placed by a map. If the map mirrors, triangles go round the other way, so that their outside stays outside.
 Mesh mesh_placed_by(const Mesh& mesh, const Affine& map) {
     Mesh made;
     for (const auto& vertex : mesh.vertices) {

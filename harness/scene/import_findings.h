@@ -12,7 +12,8 @@ struct ImportFinding {
     std::string text;      // one line
 };
 
-// In the order of the file. A file can be wrong in every line: all findings are counted, the first are kept.
+// What an import found in a file, in the file's order. A file can be wrong in every line: all findings are counted, the
+// first are kept.
 class ImportFindings {
 public:
     static constexpr std::size_t most_listed = 50;

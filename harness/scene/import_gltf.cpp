@@ -199,7 +199,7 @@ void GltfImporter::add_view(const Vec3d& eye, const Vec3d& look_at, const Vec3d&
                                       width, gltf_picture_height));
 }
 
-// It looks along -z of its node, y being up. What the node scales, its view is not.
+// Adds a camera, which looks along -z of its node, y being up. What the node scales, its view is not.
 void GltfImporter::add_camera(int index, const Affine& map, const std::string& node) {
     const std::string pointer = fmt::format("/cameras/{}", index);
     if (static_cast<std::size_t>(index) >= model_->cameras.size()) {
@@ -262,7 +262,7 @@ void GltfImporter::add_node(int index, const glm::dmat4& parent, int depth) {
     }
 }
 
-// In front of all, along -z, so far off that a ball about all fits into the view.
+// Makes a camera in front of all objects, looking along -z, so far off that a ball about all fits into the view.
 void GltfImporter::make_camera(const Scene& scene) {
     Vec3d low(0.0), high(0.0);
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {

@@ -63,7 +63,7 @@ private:
         result_->problems.add(line.number, fmt::format("found \"{}\", allowed: {}", line.text(), allowed));
     }
     bool starts_section(const Cis565Line& line, bool is_first) const;
-    // Null for a second camera: nobody knows whose the lines behind it are.
+    // Starts a section; null for a second camera, since nobody knows whose the lines behind it are.
     Cis565Section* start_section(const Cis565Line& line);
     Cis565Section* start_camera(const Cis565Line& line);
     void start_numbered(const Cis565Line& line, std::vector<Cis565Section>& sections);
@@ -159,7 +159,7 @@ void LineSorter::add_outside(const Cis565Line& line) {
     }
 }
 
-// It stands in no section, wherever it is.
+// Takes the background's line, which stands in no section, wherever it is.
 void LineSorter::add_background(const Cis565Line& line) {
     if (file_.background) {
         fail(line, fmt::format("{} once; line {} has it", line.words[0], file_.background->number));

@@ -60,11 +60,11 @@ public:
     // Found is the line itself.
     void fail(const Cis565Line& line, const std::string& allowed);
 
-    // Null where there is no such line; a problem if it is required.
+    // The line of a key; null where there is none, which is a problem if it is required.
     const Cis565Line* line(const std::string& key) const;
     const Cis565Line* required(const std::string& key, const std::string& allowed = "with it");
 
-    // Nothing where the line is missing or wrong. Numbers of the format are never below 0.
+    // These return nothing where the line is missing or wrong. Numbers of the format are never below 0.
     std::optional<double> required_number(const std::string& key);
     std::optional<Vec3d> required_vector(const std::string& key);
     // A word of the line as a whole number from 0 to 10^9.

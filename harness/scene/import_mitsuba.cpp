@@ -16,7 +16,7 @@ namespace {
 // An endless path with roulette there has an end here: at half the light a bounce, 2^-64 is left.
 constexpr int depth_for_endless = 64;
 
-// Where look_at_map makes a view of it.
+// The view that look_at_map makes a map of.
 struct SensorView {
     Vec3d eye{0.0}, look_at{0, 0, 1}, up{0, 1, 0};
 };
@@ -234,7 +234,7 @@ std::optional<SensorView> MitsubaImporter::read_view(MitsubaObject& sensor) {
     if (!sensor.is_good()) {
         return std::nullopt;
     }
-    // By its own numbers, where there is nothing else.
+    // A lone lookat is read by its own numbers.
     if (element != nullptr && element->children.size() == 1 && element->children.front().tag == "lookat") {
         const XmlElement& look = element->children.front();
         const auto three = [&](const char* name) {

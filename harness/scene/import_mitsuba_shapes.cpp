@@ -224,7 +224,7 @@ bool MitsubaShapes::are_back_to_back(const Placed& a, const Placed& b, double fa
            length_of_vector(gap - normal * along) <= std::ldexp(along, -8) + 1e-14 * far;
 }
 
-// As `ptbench export` writes a lamp of two sides.
+// Joins pairs of lamps of one side into a lamp of two sides, which `ptbench export` writes as such a pair.
 void MitsubaShapes::pair_lamps(const Vec3d& eye) {
     double far = 0;
     for (const Placed& shape : shapes_) {
@@ -244,7 +244,8 @@ void MitsubaShapes::pair_lamps(const Vec3d& eye) {
     }
 }
 
-// So that each point has the texel that it has there: src/shapes/ of Mitsuba 3, and kernels/texture.h.
+// Lays an image on a shape so that each point has the texel that it has in Mitsuba (src/shapes/ of Mitsuba 3, and
+// kernels/texture.h).
 bool MitsubaShapes::lay_image(Placed& placed, MitsubaImage image) {
     const XmlElement& shape = *placed.surface.shape;
     const bool is_up = image == MitsubaImage::v_up;

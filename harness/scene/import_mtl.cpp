@@ -50,7 +50,7 @@ private:
     void read_libraries(const std::vector<std::string>& names);
     void read_library(const std::string& name);
     void add_entry(const fs::path& library, MtlMaterial material);
-    // Its number in `entries_`.
+    // The number in `entries_` of the material of that name.
     std::optional<std::size_t> entry_called(const std::string& name);
     std::optional<std::size_t> entry_of(const ObjPart& part);
     std::string material_of(std::size_t entry);
@@ -105,7 +105,7 @@ void OwnMaterials::read_library(const std::string& name) {
     }
 }
 
-// Of two of one name the first is used.
+// Adds a material of a library; of two of one name the first is used.
 void OwnMaterials::add_entry(const fs::path& library, MtlMaterial material) {
     const auto [known, is_new] = by_name_.emplace(material.name, entries_.size());
     if (is_new) {
@@ -129,7 +129,8 @@ void OwnMaterials::add_entry(const fs::path& library, MtlMaterial material) {
     }
 }
 
-// Of "wood # of the floor" and "wood" one may be the other with a comment; "Material #25" and "Material #26" are two.
+// Finds a material by name. Of "wood # of the floor" and "wood" one may be the other with a comment; "Material #25" and
+// "Material #26" are two.
 std::optional<std::size_t> OwnMaterials::entry_called(const std::string& name) {
     if (const auto found = by_name_.find(name); found != by_name_.end()) {
         return found->second;
@@ -173,7 +174,7 @@ std::optional<std::size_t> OwnMaterials::entry_of(const ObjPart& part) {
     return std::nullopt;
 }
 
-// By its name in the scene.
+// The name in the scene of an entry's material, which is added when it is first asked for.
 std::string OwnMaterials::material_of(std::size_t entry) {
     const Entry& meant = entries_[entry];
     const auto [known, is_new] = import_->own_names.try_emplace({meant.library.string(), meant.material.name});

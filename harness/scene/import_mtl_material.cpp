@@ -156,7 +156,8 @@ int MtlImporter::illumination() {
     return static_cast<int>(value);
 }
 
-// Of d, and where there is none of Tr. Programs that write both do not agree on which way Tr goes.
+// Whether the material is seen through, by d or, where there is none, by Tr. Programs that write both do not agree on
+// which way Tr goes.
 bool MtlImporter::is_seen_through() {
     const std::string key = has("d") ? "d" : "tr";
     const double opacity = has("d") ? number("d", 1) : 1 - number("tr", 0);

@@ -92,7 +92,7 @@ void ObjectImporter::warn_of_shapes_beside(const std::string& shape, const std::
     }
 }
 
-// For a mesh that is not to be had, so that the object's other lines can be checked.
+// Puts a box in place of a mesh that is not to be had, so that the object's other lines can be checked.
 void ObjectImporter::stand_in() {
     part_.members.clear();
     part_.add("shape", "\"box\"", nullptr);

@@ -25,7 +25,7 @@ constexpr const char* other_camera =
     "\"resolution\": [1, 1], \"shutter\": {\"open\": 0, \"close\": 1}}";
 constexpr const char* other_material = "{\"type\": \"diffuse\", \"albedo\": [0, 0, 0]}";
 
-// With so many problems the objects are not looked at any more: nobody reads them, and it takes a while.
+// Number of problems from which the objects are not looked at any more: nobody reads them, and it takes a while.
 constexpr std::size_t most_checked = 1000;
 
 std::string scene_text(const std::string& root, const std::string& camera, const std::string& materials,
@@ -63,7 +63,7 @@ bool is_within(const std::string& place, const std::string& outer) {
            (place.size() == outer.size() || place[outer.size()] == '.' || place[outer.size()] == '[');
 }
 
-// Null where the place is in none of the part's members.
+// The member of a part that a place lies in; null where it is in none.
 SceneMember* member_at(ScenePart& part, const std::string& place) {
     const auto found = std::find_if(part.members.begin(), part.members.end(), [&](const SceneMember& member) {
         return is_within(place, part.place + "." + member.key);
@@ -159,7 +159,8 @@ void PartsChecker::check_material(std::size_t index) {
     }
 }
 
-// With the scene's own camera and material where they are good: a body may not stand about the eye.
+// Checks an object alone, with the scene's own camera and material where they are good: a body may not stand about the
+// eye.
 void PartsChecker::check_object(const ScenePart& object) {
     const std::string name = "\"other\"";
     ScenePart renamed = object;

@@ -52,12 +52,12 @@ std::string image_in_scene(const std::string& name);
 bool is_image_in_scene(const std::string& value);
 // Adds a mesh that is to be written beside the scene file, and called after it; its name there.
 std::string add_imported_mesh(ImportResult& result, const ImportSource& source, Mesh mesh);
-// All of them, by the paths that they will have.
+// All meshes that are to be written, by the paths that they will have.
 MeshesToBe::Meshes imported_meshes(const ImportResult& result, const std::string& scene_file);
-// What is said of a mesh file, once of each, at the line that names it first.
+// Warns of a mesh file, once of each file, at the line that names it first.
 void warn_of_mesh(ImportResult& result, std::size_t line, const std::filesystem::path& file,
                   const std::vector<std::string>& warnings);
-// In the scene file: its name, or material_LABEL.
+// The name that a material has in the scene file: its own, or material_LABEL.
 std::string material_name(const Cis565Section& section);
 
 // What scene files do not allow is a problem of the line that it comes from. `file`: the scene's, which names of meshes

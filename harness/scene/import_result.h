@@ -25,7 +25,7 @@ struct ImportedMesh {
     Mesh mesh;
 };
 
-// Likewise an image, as it lay in the source.
+// An image that is to be written beside the scene, as it lay in the source.
 struct ImportedImage {
     std::string file, content;
 };

@@ -36,7 +36,7 @@ InstanceBoxes::InstanceBoxes(const MeshInstance<Real>& instance, const Box& own,
     set_margins();
 }
 
-// By cofactors of the rows that kernels multiply by, not of those that they were rounded from.
+// Inverts the map by cofactors of the rows that kernels multiply by, not of those that they were rounded from.
 void InstanceBoxes::set_inverse() {
     const auto row = [&](int i) { return Vec3d(row_[i][0], row_[i][1], row_[i][2]); };
     // Rows of length 1: their products stay in range.

@@ -23,7 +23,7 @@ public:
 
     // Round all of the instance.
     Box box() const;
-    // Round a triangle of it; origins of rays have no coordinate beyond `farthest_origin`.
+    // A box round a triangle of the instance, for rays whose origins have no coordinate beyond `farthest_origin`.
     Box box(const Triangle<float>& triangle, double farthest_origin) const;
     // By how much a box must grow besides, in multiples of the largest coordinate of a ray's origin.
     double margin_by_origin() const { return margin_by_origin_; }

@@ -8,7 +8,7 @@
 
 namespace pt {
 
-// Where a copy stands, and how it is turned.
+// The place of a copy of an object, and how it is turned and scaled.
 struct Copy {
     Vec3d offset{0.0};        // from the object's place
     double scale = 1;         // times the object's own

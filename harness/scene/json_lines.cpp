@@ -36,7 +36,7 @@ private:
     std::map<std::string, std::size_t> lines_;
 };
 
-// Of the value that comes next.
+// The place of the value that comes next, as "$.objects[3]".
 std::string LineFinder::place() const {
     if (levels_.empty()) {
         return "$";
@@ -45,7 +45,7 @@ std::string LineFinder::place() const {
     return level.is_object ? level.path + "." + level.key : fmt::format("{}[{}]", level.path, level.index);
 }
 
-// From its first quotation mark to its last. A key, where one comes next.
+// Reads a string from its first quotation mark to its last; it is a key where one comes next.
 void LineFinder::read_string() {
     const std::size_t start = at_;
     for (++at_; (*text_)[at_] != '"'; ++at_) {

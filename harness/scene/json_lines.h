@@ -1,4 +1,5 @@
-// Where in a JSON text its members stand, which the library's values do not say, and the files that they name.
+// Finds the lines of a JSON text on which its members stand, which the library's values do not say, and the files that
+// they name.
 #pragma once
 
 #include <cstddef>

@@ -18,7 +18,7 @@ struct Acceleration {
     std::string levels = "each_object";
     LevelsHook levels_hook = {};
 
-    // Those of a variant, and those of none: brute force.
+    // The accelerator, builder and levels of a variant; none() is brute force.
     static Acceleration of(const Variant& variant, Backend backend);
     static Acceleration none();
 };
@@ -61,7 +61,7 @@ struct MeshFacts {
     double build_ms = 0;           // on the clock of the host; 0: there is no tree
     double encode_ms = 0;
     double sah_cost = 0;  // of the largest tree
-    // Of the tree over objects, or over the triangles of all objects; 0: there is none.
+    // Nodes of the top-level tree over objects, or of the tree over the triangles of all objects; 0: there is none.
     std::uint64_t level_nodes = 0;
     std::uint64_t level_bytes = 0;  // of nodes, and of the slots of triangles
     double level_build_ms = 0;      // in its format

@@ -18,7 +18,7 @@ struct MitsubaMetal {
     Vec3d eta, k;
 };
 
-// Null where there is none of that name here; Mitsuba has more.
+// Finds a metal of Mitsuba's; null where there is none of that name here (Mitsuba has more).
 const MitsubaMetal* find_mitsuba_metal(const std::string& name);
 std::string names_of_mitsuba_metals();
 

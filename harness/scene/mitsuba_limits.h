@@ -9,14 +9,14 @@
 
 namespace pt {
 
-// From this depth on, paths of a scene with a subsurface material have no end in Mitsuba, which counts each scattering
+// Depth from which on paths of a scene with a subsurface material have no end in Mitsuba, which counts each scattering
 // of a walk towards its max_depth: what paths bring after a thousand segments is no part of a picture.
 inline constexpr std::uint32_t endless_depth = 1000;
 
-// One line each, "FILE: PLACE: found X, allowed: Y"; empty: the scene can be exported at that depth.
+// Why the scene cannot be exported at that depth, one line each, "FILE: PLACE: found X, allowed: Y"; empty: it can.
 std::vector<std::string> mitsuba_problems(const Scene& scene, const std::string& file, std::uint32_t depth);
 
-// Where an object stands while the shutter is open; of one that moves, where it is first.
+// The place of an object while the shutter is open; of one that moves, its first.
 Vec3d place_of(const Scene& scene, const SceneObject& object);
 
 // A box round an object that does not move, in double precision and not rounded outward.

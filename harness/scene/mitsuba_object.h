@@ -48,9 +48,10 @@ public:
     const XmlElement* property(const std::string& name);
     // The objects of that tag among the children, references followed.
     std::vector<const XmlElement*> objects(const std::string& tag);
-    // Without them the picture is the same, or they belong to a run.
+    // Passes over properties without which the picture is the same, or which belong to a run.
     void ignore(const std::vector<std::string>& names);
-    // Of no use with what else is there: a problem where one has another value than `allowed` says in words.
+    // Refuses a property that is of no use with what else is there: a problem where it has another value than `allowed`
+    // says in words.
     void refuse_property(const std::string& name, const std::string& allowed);
 
     // What is not there has the value `otherwise`; what cannot be read is a problem.
@@ -60,15 +61,15 @@ public:
     std::string text(const std::string& name, const std::string& otherwise);
     Vec3d colour(const std::string& name, const Vec3d& otherwise);
     std::optional<Vec3d> optional_colour(const std::string& name);
-    // Of an emitter, where Mitsuba's RGB variants have another grey for a <spectrum>.
+    // The radiance of an emitter, for which Mitsuba's RGB variants have another grey for a <spectrum>.
     std::optional<Vec3d> optional_radiance(const std::string& name);
     Vec3d point(const std::string& name, const Vec3d& otherwise);
     Affine transform(const std::string& name);
 
     void fail(const XmlElement& element, const std::string& allowed);
-    // For what is wrong within an object of its own, and told.
+    // Marks the object as bad for what is wrong within an object of its own, and told.
     void spoil() { is_good_ = false; }
-    // What was not asked for is a problem. `known` says in words what the object may have.
+    // Ends the reading: a property that was not asked for is a problem. `known` says in words what the object may have.
     void finish(const std::string& known);
 
 private:

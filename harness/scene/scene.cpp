@@ -189,7 +189,7 @@ private:
 }  // namespace
 
 double eye_power(const SceneObject& sphere, const Vec3d& eye) {
-    // In units of the power of two below the radius, whose square neither overflows nor vanishes.
+    // The numbers are in units of the power of two below the radius, whose square neither overflows nor vanishes.
     int exponent = 0;
     const double radius = std::frexp(0.5 * sphere.scale.x, &exponent);
     DoubledSum sum;

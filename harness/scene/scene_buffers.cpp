@@ -513,7 +513,7 @@ double gain_of(const Scene& scene) {
     return gain;
 }
 
-// By what emits, and an environment that is not drawn.
+// Bound on the radiance that comes from what emits, and from an environment that is not drawn.
 double bound_on_sources(const Scene& scene, std::uint32_t depth) {
     double brightest = brightest_channel(scene.environment);
     double brightest_reflector = 0;
@@ -523,7 +523,7 @@ double bound_on_sources(const Scene& scene, std::uint32_t depth) {
         if (material.type != MaterialType::emitter) {
             brightest_reflector = std::max(brightest_reflector, brightest_channel(material.emission));
         }
-        // At grazing angles these reflect all light.
+        // Rough conductors and principled materials reflect all light at grazing angles.
         const bool is_bright =
             material.type == MaterialType::rough_conductor || material.type == MaterialType::principled;
         const double grazing = is_bright ? 1 : 0;
@@ -536,8 +536,8 @@ double bound_on_sources(const Scene& scene, std::uint32_t depth) {
     return (brightest + brightest_reflector * series) * gain_of(scene);
 }
 
-// By an environment that is drawn. What a connection brings goes with the mean over all directions, for it is drawn in
-// proportion to its light: a sun takes no room from the film's fainter parts.
+// Bound on the radiance that comes from an environment that is drawn. What a connection brings goes with the mean over
+// all directions, for it is drawn in proportion to its light: a sun takes no room from the film's fainter parts.
 double bound_on_environment(const Scene& scene, double room) {
     if (scene.environment_map == nullptr) {
         return 0;

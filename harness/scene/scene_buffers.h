@@ -75,11 +75,11 @@ public:
     SceneBuffers(const SceneBuffers&) = delete;
     SceneBuffers& operator=(const SceneBuffers&) = delete;
 
-    // By number of the objects that show a mesh.
+    // The geometry of meshes, by number of the objects that show one.
     const std::vector<MeshGeometry>& meshes() const { return meshes_; }
-    // Over all of them together, or null.
+    // The tree over all meshes together, or null.
     const std::shared_ptr<const SceneTree>& tree() const { return tree_; }
-    // By object number: the object's index in the scene file.
+    // The index in the scene file of each object, by the object's number.
     const std::vector<std::uint32_t>& file_index() const { return file_index_; }
 
 private:
@@ -110,9 +110,9 @@ FeatureSet shortcuts_of(const Scene& scene);
 // A bound on the radiance that one sample can carry by meeting light (connections to lights may exceed it): the
 // brightest source, times the number of times that a path may meet one.
 double radiance_bound(const Scene& scene, std::uint32_t depth);
-// The same for what is rendered with these settings: connections weigh more than light that is met, the rarer the more
-// (without bound where lights are sampled by area), so they have 1024 times the room. What goes beyond it is counted.
-// By adjoint-driven roulette a path comes to carry up to most_carried.
+// The bound on radiance for what is rendered with these settings. Connections weigh more than light that is met, the
+// rarer the more (without bound where lights are sampled by area), so they have 1024 times the room; what goes beyond
+// it is counted. By adjoint-driven roulette a path comes to carry up to most_carried.
 double radiance_bound(const Scene& scene, const RenderSettings& settings);
 
 extern template class SceneBuffers<float>;

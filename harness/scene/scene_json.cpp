@@ -20,7 +20,7 @@ namespace pt {
 
 namespace {
 
-// Beyond these, squares of lengths would leave the range of float; scenes are checked before any kernel sees them.
+// Lengths beyond which squares would leave the range of float; scenes are checked before any kernel sees them.
 constexpr double largest_length = 1e18;
 constexpr double smallest_length = 1e-18;
 constexpr double largest_radiance = 1e30;
@@ -54,7 +54,7 @@ void read_shutter(const JsonValue& value, SceneCamera& camera) {
     }
 }
 
-// Where the shutter's ends find the object; in between it is between them.
+// Checks the object's place at both ends of the shutter; in between it is between them.
 void check_motion(const Scene& scene, const SceneObject& object, std::size_t index, const std::string& file) {
     for (const double time : {scene.camera.shutter_open, scene.camera.shutter_close}) {
         const Vec3d centre = object.translate + object.velocity * time;

@@ -111,7 +111,8 @@ struct Case {
     std::string sweep = {};  // the parameter that `points` vary, for the figure; empty: none
     // Choices of estimators that the case is run with besides the baseline ones, e.g. {"direct_light", {"nee"}}.
     AxisChoices estimators = {};
-    // The same of several axes at once: a choice of each, e.g. {{"direct_light", "nee"}, {"light_selection", "power"}}.
+    // Choices of several axes at once that the case is run with, e.g. {{"direct_light", "nee"}, {"light_selection",
+    // "power"}}.
     std::vector<std::map<std::string, std::string>> joint_estimators = {};
     // Whether the plainest variant is also run with every accelerator and every builder of the backend.
     bool over_accelerators = false;
@@ -124,11 +125,11 @@ struct Case {
     bool direct_has_mixed = false;
     // Why ptbench cannot show the case at all (a feature that it lacks); empty: it can.
     std::string missing_feature = {};
-    // Where a case that should pass is known not to: the reason, and what would cure it. Empty: it must pass.
+    // Why a case that should pass is known not to, and what would cure it. Empty: it must pass.
     std::function<std::string(const Values&, const VariantTraits&)> known_limit = {};
 };
 
-// In the order of the catalogue.
+// The families of cases, in the order of the catalogue.
 inline constexpr std::string_view families[] = {"cavities", "irradiance", "geometry", "dielectrics",
                                                 "media",    "throughput", "film",     "identity",
                                                 "meshes",   "lights",     "own"};

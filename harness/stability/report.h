@@ -20,7 +20,8 @@ struct RunDescription {
 
 class Report {
 public:
-    // Of a file that is there, with `resume_or_overwrite`: what is unfinished is resumed, what is complete overwritten.
+    // What becomes of a file that is there. With `resume_or_overwrite` what is unfinished is resumed, what is complete
+    // overwritten.
     enum class IfThere { refuse, resume, overwrite, resume_or_overwrite };
 
     // `file` empty: nothing is written. A file that is there: with `resume` its rows are kept; with `overwrite` it

@@ -52,7 +52,7 @@ public:
     SceneText& room(const std::string& material, const Vec3d& centre, const Vec3d& half);
     SceneText& mesh(const std::string& material, const Mesh& mesh, const Vec3d& translate = Vec3d(0.0),
                     const Vec3d& scale = Vec3d(1.0), const Vec3d& rotate_degrees = Vec3d(0.0));
-    // Of the object that was added last, in scene units a second.
+    // Sets the velocity of the object that was added last, in scene units a second.
     SceneText& velocity(const Vec3d& velocity);
 
     const Json& json() const { return json_; }

@@ -53,7 +53,7 @@ bool receive(int socket, std::string& text) {
     }
 }
 
-// In a child: answers until its parent is gone, and leaves without running what that registered to run at exit.
+// Answers in a child process until its parent is gone, and leaves without running what that registered to run at exit.
 [[noreturn]] void serve(int socket, const Answer& answer, pid_t parent) {
     // What a terminal sends to all of a command is for the parent to decide; a question may take longer than that
     // lives.

@@ -18,7 +18,7 @@ public:
     // Forks `count` processes that call `answer`: before anything of CUDA or OpenMP has started in this one, which
     // neither outlives. Throws MachineError.
     Workers(std::size_t count, const Answer& answer);
-    // They end when nobody asks any more.
+    // Ends the workers, which end when nobody asks any more.
     ~Workers();
     Workers(const Workers&) = delete;
     Workers& operator=(const Workers&) = delete;

@@ -73,7 +73,7 @@ double diffuse_average(double ior, bool leaving) {
     using Real = typename Kernel::Real;
     const Boundary<Real> boundary = boundary_of<Real>(ior, leaving);
     const long double n = ior;
-    // From within there is a root at the critical angle.
+    // The integrand has a root at the critical angle, seen from within.
     const long double critical = leaving ? std::sqrt((n - 1) * (n + 1)) / n : 0;
     long double sum = critical * critical;
     for (const Node& node : graded_nodes(critical, 1, 40)) {
@@ -160,7 +160,7 @@ std::vector<Measurement> whispering_gallery(const Values& v, const DirectSetting
         SceneText text("gallery");
         // The eye, which is the kernels' origin, is at the centre.
         text.sphere(text.dielectric(1.5), {0, 0, 0}, 2 * radius);
-        // From the middle of a chord that does not lie in a plane of the axes.
+        // The path starts from the middle of a chord that does not lie in a plane of the axes.
         const Frame<double> frame(normalize(Vec3d(1, 2, 3)));
         Billiard<Kernel> billiard(text, frame.to_world({b * radius, 0, 0}), frame.to_world({0, 0.8, 0.6}));
         double worst = 0;

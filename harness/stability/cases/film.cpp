@@ -168,7 +168,7 @@ double moving_box_coverage(const Values& v) {
     return v.is_set("late") ? (to - from) * (to + from) : to - from;
 }
 
-// Both ends of the box pass at times that are rounded, as is the way they have come.
+// The error by which both ends of the box pass: at times that are rounded, as is the way they have come.
 double moving_box_rounding(const Values& v) {
     const double at = std::min(1.0, v["x"] / v["v"]);
     return 4 * at * (1 + at);

@@ -141,7 +141,7 @@ std::string eye_on_ellipsoid(const Values& v, const VariantTraits& variant) {
 
 // ---- S18
 
-// So many pixels that an integrator with a queue has paths enough at once, and all of the same point.
+// A view of so many pixels that an integrator with a queue has paths enough at once, and all of the same point.
 SceneText& narrow_view(SceneText& text) { return text.image(16, 16, 1e-6, false); }
 
 constexpr const char* contact_origin = "roundings of 1 - |p|^2 move the tangent by 4 u / 2 x: 16 u of the light";

@@ -87,8 +87,8 @@ std::vector<Rendering> half_space(const Values& v) {
                                            "absorption's and the free path's of 2^-24 (2^-32 in double)"}}}}};
 }
 
-// Of a white half space, what scatters more than `cap` times is lost: H(mu) / sqrt(pi n) of it for large n, from the
-// branch point of 1 - sqrt(1-w) H at w = 1; its next term is below 1 / n of that.
+// A white half space, in which what scatters more than `cap` times is lost: H(mu) / sqrt(pi n) of it for large n, from
+// the branch point of 1 - sqrt(1-w) H at w = 1; its next term is below 1 / n of that.
 std::vector<Rendering> capped_half_space(const Values& v) {
     const double cap = v["cap"], mu = v["mu"];
     const double depth = 16 * std::sqrt(cap) + 100;
@@ -181,7 +181,8 @@ std::vector<Rendering> white_body(const Values& v) {
                              .is_estimate = false}}}};
 }
 
-// Without scattering a body of any index is clear or absorbing glass; what it absorbs is by chance here.
+// A body that only absorbs: without scattering a body of any index is clear or absorbing glass; what it absorbs is by
+// chance here.
 std::vector<Rendering> absorbing_body(const Values& v) {
     const double b = v["impact"];
     SceneText scene("absorbing_body");

@@ -117,7 +117,7 @@ double walk_length(const SceneView<typename Kernel::Real>& scene, Path<typename 
 SceneText body_scene(const Values& v, double* four_v_over_s) {
     SceneText text("body");
     text.camera({0, 0, 8}, {0, 0, 0}).depth(2);
-    // Beyond some hundred times the square of the optical depth no walk is left that does not hang.
+    // The cap is some hundred times the square of the optical depth, beyond which no walk is left that does not hang.
     const double crossing = v["sigma"] * v["ior"] + 10;
     const auto cap = static_cast<std::uint32_t>(std::min(1e9, 400 * crossing * crossing));
     const std::string material = text.subsurface(Vec3d(v["sigma"]), Vec3d(0.0), v["g"], v["ior"], cap);

@@ -64,7 +64,7 @@ std::vector<Rendering> shared_vertex(const Values& v) {
     return stays_dark(scene);
 }
 
-// From within one of the chambers towards the axis.
+// A view from within one of the chambers towards the axis.
 std::vector<Rendering> shared_edge(const Values& v) {
     SceneText scene = dark("shared_edge");
     const double half_angle = pi<double> / v["triangles"];
@@ -84,7 +84,7 @@ std::vector<Rendering> needles(const Values& v) {
     return stays_dark(scene);
 }
 
-// All of the walls are needles, and they bend.
+// A view along a thin tube, whose walls are all needles, and bend.
 std::vector<Rendering> thin_tube_case(const Values& v) {
     SceneText scene = dark("thin_tube");
     const int k = static_cast<int>(v["k"]);

@@ -80,7 +80,7 @@ inline long double diffuse_reflectance(long double n) {
            8 * n4 * (n4 + 1) / ((n2 + 1) * (n4 - 1) * (n4 - 1)) * std::log(n);
 }
 
-// From within: what enters must leave, and the radiance within is n^2 times as dense.
+// Diffuse reflectance from within: what enters must leave, and the radiance within is n^2 times as dense.
 inline long double internal_diffuse_reflectance(long double n) { return 1 - (1 - diffuse_reflectance(n)) / (n * n); }
 
 }  // namespace pt::stability

@@ -35,7 +35,7 @@ inline double lamp_radiance(double a, double albedo, double reflections) {
     return s * albedo * -std::expm1(reflections * std::log1p(-ends)) / ends;
 }
 
-// As many paths as make so many segments.
+// Number of paths that make so many segments.
 inline std::uint64_t paths_for(double segments, double depth) {
     return static_cast<std::uint64_t>(std::clamp(segments / depth, 16.0, 0x1p25));
 }
@@ -56,7 +56,7 @@ inline std::vector<Quantity> furnace_quantities(double emission, double albedo, 
 }
 
 inline Rendering furnace_rendering(const SceneText& scene, double emission, double albedo, std::uint32_t depth) {
-    // At least a sample a pixel of 8 x 8.
+    // The image of 8 x 8 pixels gets at least one sample a pixel.
     return {.scene = scene.json(),
             .quick_paths = std::max<std::uint64_t>(64, paths_for(1e6, depth)),
             .full_paths = std::max<std::uint64_t>(64, paths_for(3e7, depth)),

@@ -66,7 +66,7 @@ private:
         return arc(up, across, least <= -across ? std::numbers::pi_v<long double> : std::acos(least / across));
     }
 
-    // Of azimuths from 0 to `end`.
+    // Integral over azimuths from 0 to `end`.
     long double arc(long double up, long double across, long double end) const {
         long double sum = 0;
         for (const Node& node : nodes()) {

@@ -42,9 +42,9 @@ inline double disk_irradiance(double r, double h, double offset) {
     return 0.5 * pi<double> * (2 * r * r - 4 * offset * offset * r * r / (square + root)) / root;
 }
 
-// The same of an ellipsoid with the semi-axes (r, half_thickness, r) about the disk's centre, wholly above the horizon:
-// E = 1/2 of the contour integral of (p x dp).n / p^2. The trapezium rule of a periodic function converges faster than
-// any power.
+// Irradiance from an ellipsoid with the semi-axes (r, half_thickness, r) about the disk's centre, wholly above the
+// horizon: E = 1/2 of the contour integral of (p x dp).n / p^2. The trapezium rule of a periodic function converges
+// faster than any power.
 inline double flat_ellipsoid_irradiance(double r, double half_thickness, double h, double offset) {
     const Vec3<double> axes(r, half_thickness, r), centre(offset, h, 0);
     const Vec3<double> observer = -centre / axes;  // in the frame of the unit sphere

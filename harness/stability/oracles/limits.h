@@ -1,5 +1,5 @@
-// Where an estimate, or single precision, is known to have an end: texts for Case::known_limit. Each holds only where
-// the numbers say so; a case that fails elsewhere has failed.
+// Known limits of estimates, or of single precision: texts for Case::known_limit. Each holds only where the numbers say
+// so; a case that fails elsewhere has failed.
 #pragma once
 
 #include <cmath>

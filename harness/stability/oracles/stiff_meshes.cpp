@@ -192,7 +192,7 @@ Mesh with_flat_ones(const Mesh& mesh) {
         const auto& p = mesh.vertices[a];
         const auto first = static_cast<std::uint32_t>(more.vertices.size());
         more.vertices.push_back(p);
-        // In line with p along an axis: exactly, whatever p's coordinates are.
+        // These points are in line with p along an axis, exactly, whatever p's coordinates are.
         more.vertices.push_back({p[0], p[1], p[2] + 0.5f});
         more.vertices.push_back({p[0], p[1], p[2] - 0.25f});
         more.triangles.push_back({a, b, b});

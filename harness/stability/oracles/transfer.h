@@ -18,7 +18,7 @@ long double exponential_integral(int n, long double x);
 class HFunction {
 public:
     explicit HFunction(double albedo);
-    // Of a direction of cosine mu from 0 to 1.
+    // The H function at a direction of cosine mu from 0 to 1.
     double at(double mu) const;
     double plane_albedo(double mu) const;
     double diffuse_albedo() const;  // 1 - 2 sqrt(1-w) alpha_1
