@@ -18,8 +18,8 @@ namespace pt {
 
 using Json = nlohmann::json;
 
-// What people write by hand, scenes, suites and texts to import, is smaller by far; what we write stays below the
-// second.
+// Most bytes of a file that people write by hand (scenes, suites and texts to import, which are smaller by far) and of
+// a result, which is what we write.
 inline constexpr std::uint64_t largest_input = std::uint64_t{64} << 20;
 inline constexpr std::uint64_t largest_result = std::uint64_t{1} << 30;
 

@@ -30,7 +30,7 @@ bool names_meshes(const std::string& scene_name_or_file);
 std::vector<Scene> find_scenes(const std::vector<std::string>& names_or_files);
 // A suite's file; an old name of a shipped suite is found too.
 std::string find_suite_file(const std::string& name_or_file);
-// What the shipped suite is called now that had this name; empty: none had it, or a suite has it again.
+// The name that a shipped suite has now which had another; empty: no suite had this name, or one has it again.
 std::string_view new_name_of_suite(std::string_view old_name);
 
 }  // namespace pt

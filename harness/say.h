@@ -14,7 +14,7 @@ namespace pt {
 // handler.
 void write_to_stderr(std::string_view text) noexcept;
 
-// Formats as fmt::print does; the text has its own line ends.
+// Prints on stderr, formatted as fmt::print does; the text has its own line ends.
 template <class... Values>
 void say(fmt::format_string<Values...> format, Values&&... values) noexcept {
     try {

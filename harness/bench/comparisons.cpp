@@ -66,7 +66,7 @@ std::optional<Question> question_of_tunable(const std::string& name, const Cells
     return Question{name, std::to_string(tunables_of(first).at(name)), true};
 }
 
-// What the cell has of the question's axis or tunable; empty: it has no such tunable.
+// The cell's choice on the question's axis, or its value of the question's tunable; empty: it has no such tunable.
 std::string value_of(const Cell& cell, const Question& question) {
     if (!question.is_tunable) {
         return cell.variant[question.axis];
@@ -91,7 +91,7 @@ bool is_same_setting(const Cell& cell, const Cell& other, const Question& questi
            });
 }
 
-// How the two are tuned differently, in what both have and the question is not about.
+// How two cells are tuned differently, in tunables that both have and that the question is not about.
 struct TuningDifference {
     bool is_comparable = true;  // values are equal, or both cells are at their choices' standards
     int differences = 0;
@@ -246,7 +246,7 @@ private:
                          [&](const Cell* a, const Cell* b) { return ranks[group_of(*a)] < ranks[group_of(*b)]; });
         return sorted;
     }
-    // Nobody knows what a cell that failed timed.
+    // A cell that failed does not count as measured: nobody knows what its samples timed.
     bool has_failed(const Cell& cell) const { return journal_.has_failed(cell.name); }
     bool is_measured(const Cell& cell) const { return !has_failed(cell) && !journal_.samples(cell.name).empty(); }
 

@@ -45,7 +45,7 @@ public:
             ends_[1] = -1;
         }
     }
-    // False when every writer is gone.
+    // Reads the next number; false when every writer is gone.
     bool read(std::uint32_t& value) const { return ::read(ends_[0], &value, sizeof value) == sizeof value; }
 
 private:

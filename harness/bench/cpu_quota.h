@@ -34,16 +34,16 @@ private:
     std::vector<std::string> folders_;
 };
 
-// "1.5", or "none": the context's ptbench.cpu_quota.
+// The quota for the context's ptbench.cpu_quota: "1.5", or "none".
 std::string quota_in_words(std::optional<double> quota);
 
-// Processors that the process's threads may run on (taskset, cpusets).
+// The number of processors that the process's threads may run on (taskset, cpusets).
 int available_processors();
 
 // What a run says first of the machine's share that it has, a line each; empty: nothing is amiss. `threads`: those of a
 // render on the CPU, or 0 where the renders are not there.
 std::vector<std::string> cpu_warnings(int threads, int processors, std::optional<double> quota);
-// Says them on stderr, of this process.
+// Says on stderr what limits the processors of this process.
 void say_cpu_warnings(Backend backend);
 
 }  // namespace pt

@@ -18,7 +18,7 @@ namespace pt {
 
 namespace {
 
-// What decides the error curve; the other axes shift it in time.
+// The axes that decide the curve of error against samples; the other axes shift it in time.
 constexpr std::string_view estimator_axes[] = {"first_bounce", "direct_light",        "russian_roulette",
                                                "sampler",      "subsurface_sampling", "precision"};
 
@@ -37,7 +37,7 @@ RatioInterval expanded_interval(std::vector<double> drawn, std::size_t count) {
             drawn[static_cast<std::size_t>(std::ceil((1 - tail) * last))]};
 }
 
-// Error times time of the seeds that were drawn.
+// Mean error times median time over the seeds that were drawn.
 double work_of(const std::vector<double>& errors, const std::vector<double>& ms,
                const std::vector<std::uint32_t>& drawn) {
     double error = 0;
@@ -122,7 +122,7 @@ std::optional<ErrorEfficiency> LastErrors::efficiency_by_rel_mse(const LastError
 
 namespace {
 
-// Nothing where the cell has failed, a sample has no errors, or there is one seed alone.
+// The errors of a cell; nothing where it has failed, a sample has no errors, or there is one seed alone.
 std::optional<LastErrors> errors_of(const Cell& cell, const Journal& journal) {
     if (journal.has_failed(cell.name)) {
         return std::nullopt;

@@ -12,7 +12,7 @@
 
 namespace pt {
 
-// Error times time: the baseline's over this cell's.
+// Efficiency of a cell beside its baseline: the baseline's error times time over the cell's.
 struct ErrorEfficiency {
     double value = 1;
     std::optional<RatioInterval> interval = {};  // 95 %, bootstrap over seeds
@@ -25,7 +25,8 @@ struct LastErrors {
     std::vector<double> ms_per_spp = {};         // of the same renders without checkpoints where those were timed
     bool is_contended = false;                   // those times
 
-    // Nothing where either side's mean error is not above 0, or their seeds are not the same.
+    // The efficiency beside a baseline; nothing where either side's mean error is not above 0, or their seeds are not
+    // the same.
     std::optional<ErrorEfficiency> efficiency_by_mse(const LastErrors& baseline) const;
     std::optional<ErrorEfficiency> efficiency_by_rel_mse(const LastErrors& baseline) const;
 };

@@ -21,13 +21,14 @@ std::string bitwise_group(const Cell& cell) {
     if (cell.convergence && !stops_matter(cell)) {
         name.erase(name.rfind('/'));
     }
-    // Two kernels that round freely need not agree: each is a group of its own.
+    // The variant is in the name, since two kernels that round freely need not agree: each is a group of its own.
     return bitwise_reference(cell).spelled_out() + name;
 }
 
 bool is_its_own_reference(const Cell& cell) { return bitwise_reference(cell) == cell.variant; }
 
-// What is rendered for every seed: where there are meshes, a tree, because every triangle in turn takes hours.
+// The reference that is rendered for every seed. It has a tree where there are meshes, because every triangle in turn
+// takes hours.
 Variant quick_reference(const Cell& cell) {
     return is_its_own_reference(cell) ? cell.variant : fast_reference_on(*cell.scene, cell.variant, cell.backend);
 }

@@ -22,7 +22,7 @@ namespace pt {
 // every time.
 Variant bitwise_reference(const Cell& cell);
 
-// "sample 2 (seed 3)"
+// A sample in words, as "sample 2 (seed 3)".
 std::string sample_in_words(std::size_t index, std::uint64_t seed);
 
 // A cell that is found wrong.
@@ -33,7 +33,8 @@ struct FailedCell {
 
 class FilmLedger {
 public:
-    // What `variant` leaves at the cell's own size and with its checkpoints. Throws what a render throws.
+    // Renders `variant` at the cell's own size and with its checkpoints, and returns the imprint. Throws what a render
+    // throws.
     using Render =
         std::function<Imprint(const Cell& cell, const Variant& variant, std::uint32_t samples, std::uint64_t seed)>;
 

@@ -1,4 +1,4 @@
-// What two renders that agree bit for bit leave alike.
+// The imprint of a render: film hashes and counts that two renders which agree bit for bit have alike.
 #pragma once
 
 #include <cstdint>

@@ -10,11 +10,11 @@
 namespace pt {
 
 bool is_complete_result(const Json& result);
-// "a complete result of 2026-11-22T10:00:00+0000", "an interrupted result ..", or "a file that is no result of
-// ptbench".
+// What a file holds, in words: "a complete result of 2026-11-22T10:00:00+0000", "an interrupted result ..", or "a file
+// that is no result of ptbench".
 std::string describe_result(const Json& result);
 
-// Throws InputError if `file` is a result: for commands that write something else.
+// Throws InputError if `file` is a result, for commands that write something else.
 void refuse_result(const std::string& file);
 
 // What an earlier result at `file` is to a run of this `run` (ptbench.run of a result: run_identity.h).

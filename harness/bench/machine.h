@@ -13,11 +13,12 @@ std::string machine_name();
 // Keys ("ptbench." prefixed) and values for the context of a result file.
 std::vector<std::pair<std::string, std::string>> machine_context();
 
-// Now, as ISO 8601 in local time, and in seconds since 1970. A clock that may be set: for dates, never for durations.
+// The time now, as ISO 8601 in local time, and in seconds since 1970. The clock may be set: it is for dates, never for
+// durations.
 std::string iso_date();
 double seconds_since_1970();
 
-// "1.0.0 (commit 0123abc, with changes that are not committed)".
+// The version and the commit, as "1.0.0 (commit 0123abc, with changes that are not committed)".
 std::string version_text();
 std::string git_sha();
 bool git_dirty();

@@ -103,7 +103,7 @@ void PhaseWatch::end() {
     clear();
 }
 
-// Precondition of both: the lock is held.
+// Tells the line that is due. Precondition: the lock is held.
 void PhaseWatch::tell() {
     const std::string line = lines_.due(steady_seconds());
     if (!line.empty()) {

@@ -35,7 +35,7 @@ private:
     std::optional<double> expected_;
 };
 
-// Tells them by a thread of its own, which sleeps but for some microseconds every quarter of a second.
+// Tells phases that last, by a thread of its own, which sleeps but for some microseconds every quarter of a second.
 class PhaseWatch {
 public:
     // PTBENCH_PATIENCE in the environment, in seconds, is for tests: with 0 each phase is told as it begins.
@@ -46,7 +46,7 @@ public:
 
     void begin(const std::string& what, std::optional<double> expected = {});
     void reached(double share);
-    // Nothing is told until the next phase begins, and a line that stands on the terminal is gone.
+    // Ends the phase: nothing is told until the next one begins, and a line that stands on the terminal is gone.
     void end();
 
 private:

@@ -33,7 +33,7 @@ double size_of(const Cell& cell) {
     return static_cast<double>(cell.settings.width) * cell.settings.height * cell.samples_to_prepare();
 }
 
-// Remembers what cells of one scene and size have in common.
+// Prepares cells, and remembers what those of one scene and size have in common.
 class CellPreparer {
 public:
     CellPreparer(std::uint64_t seed, FilmLedger& films, ErrorBook& errors)
@@ -144,7 +144,7 @@ std::vector<const Cell*> unknown_cells(const Plan& plan, const Journal& journal)
 
 void add_compilations(const Cell& cell, std::vector<CompileTask>& tasks) {
     tasks.push_back({.scene = cell.scene.get(), .variant = cell.variant});
-    // What its samples are held to (FilmLedger).
+    // The variants that the cell's samples are held to (FilmLedger) are compiled too.
     const Variant twin = exact_twin(cell.variant, cell.backend);
     tasks.push_back({.scene = cell.scene.get(), .variant = fast_reference_on(*cell.scene, twin, cell.backend)});
 }

@@ -17,14 +17,15 @@ double steady_seconds();
 // them; steps of a name that has none yet, as long as their size says at the rate of the names that have.
 class TimeLeft {
 public:
-    // `steps` of the name are to come; `size`, above 0, is how large each of them is beside those of other names.
+    // Tells that `steps` of this name are to come; `size`, above 0, is how large each of them is beside those of other
+    // names.
     void expect(const std::string& name, std::size_t steps, double size);
     // A step was measured: one of those to come, or (`was_expected` false) one of an earlier session.
     void took(const std::string& name, double seconds, bool was_expected = true);
     // A step will not come after all.
     void drop(const std::string& name);
 
-    // Nothing if nothing was measured yet.
+    // Seconds that are left; nothing if nothing was measured yet.
     std::optional<double> seconds() const;
 
 private:
@@ -72,7 +73,7 @@ inline constexpr const char* erase_line = "\r\033[K";
 // Prints a line on stderr, in the place of a bar that may stand there; the bar goes on below.
 void say_below_progress(const std::string& line);
 
-// "0:07", "12:34", "3:04:05".
+// A duration as "0:07", "12:34" or "3:04:05".
 std::string clock_text(double seconds);
 
 }  // namespace pt

@@ -272,7 +272,8 @@ nlohmann::ordered_json machine_json(Backend backend) {
     return json;
 }
 
-// Judged over the whole run: a sample's clock against the highest that was seen, its foreign load against its own time.
+// Marks low clocks and foreign load, judged over the whole run: a sample's clock against the highest that was seen, its
+// foreign load against its own time.
 void mark_low_clocks(OrderedJson& rows) {
     const auto clocks = [](const OrderedJson& row, double missing) {
         return std::pair(row.value("pt_clock_mhz_before", missing), row.value("pt_clock_mhz_after", missing));
@@ -350,7 +351,8 @@ std::string in_words(const Disturbance& d) {
 
 namespace {
 
-// `read()`, which reads of a journal what only another program, or an editor, can have written otherwise.
+// Calls `read()`, which reads of a journal what only another program, or an editor, can have written otherwise; what it
+// throws becomes an InputError that names the journal.
 template <class Read>
 auto guarded(const Journal& journal, const Read& read) {
     try {
@@ -440,7 +442,7 @@ std::string result_json(const Plan& plan, const Suite& suite, const Journal& jou
 
 void check_journal(const Plan& plan, const Suite& suite, const Journal& journal) {
     guarded(journal, [&] {
-        // What the runner reads besides what goes into the result.
+        // These facts are checked too, for the runner reads them besides what goes into the result.
         for (const Cell& cell : plan.cells) {
             const Json* facts = journal.cell(cell.name);
             if (facts != nullptr && facts->at("status").get<std::string>() == "ok" && cell.convergence) {

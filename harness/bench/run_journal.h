@@ -34,9 +34,9 @@ public:
     // on.
     LastLine fails_if_crashed(const Cell& cell, const std::string& place) const;
 
-    // No change from now on: a thread that adds to the journal waits until the process ends.
+    // Ends all changes: a thread that adds to the journal from now on waits until the process ends.
     void close() { mutex_.lock(); }
-    // Removes the file: the result file is in place.
+    // Removes the journal's file, once the result file is in place.
     void finish() { journal_.finish(); }
 
 private:

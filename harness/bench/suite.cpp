@@ -59,7 +59,7 @@ std::vector<std::string> names_of(const std::vector<const Choice*>& choices) {
     return names;
 }
 
-// {0, 0} stands for the scene's own size.
+// The image sizes of a study; {0, 0} stands for the scene's own size.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> sizes_of(const Study& study, Backend backend) {
     if (const auto own = study.sizes_on.find(backend); own != study.sizes_on.end()) {
         return own->second;
@@ -159,7 +159,7 @@ void check_choices(const AxisChoices& axes, const std::string& file, const std::
 
 namespace {
 
-// `list`: choices with commas between them, or "all".
+// Adds choices of an axis. `list`: choices with commas between them, or "all".
 void add_choices(AxisChoices& axes, const std::string& axis, const std::string& list, const char* option,
                  Backend backend) {
     std::vector<std::string> names;

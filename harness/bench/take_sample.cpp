@@ -20,7 +20,7 @@ namespace pt {
 
 namespace {
 
-// Nothing where it cannot be known.
+// The clock of the backend's processor in MHz; nothing where it cannot be known.
 std::optional<double> clock_mhz(Backend backend) {
     return backend == Backend::cuda ? cuda::measure_clock_mhz() : clock_of(measure_clock_evidence());
 }
@@ -154,12 +154,13 @@ void SampleTaker::warm_up(const Cell& cell, RenderRequest request) {
 // What is wrong with a sample's film or counters, or nothing.
 std::string SampleTaker::fault(const Cell& cell, std::size_t index, const RenderResult& result,
                                std::vector<FailedCell>& others) {
-    // Several ranks have each checked their own.
+    // With several ranks, each has checked its own counters.
     if (const std::string missing = check_counters(cell.variant, result.work, cell.spp, cell.backend);
         ranks().count == 1 && !missing.empty()) {
         return fmt::format("{}: {}", place_of(index), missing);
     }
-    // Whatever the claim, and of a variant that rounds freely too, whose rays nobody else's can be held to.
+    // The number of paths is checked whatever the claim, also for a variant that rounds freely, whose rays cannot be
+    // held to anybody else's.
     const std::uint64_t paths = std::uint64_t{cell.settings.width} * cell.settings.height * cell.spp;
     if (result.work.paths != paths) {
         return fmt::format("{}: {} paths, not {}", place_of(index), result.work.paths, paths);

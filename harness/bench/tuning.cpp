@@ -169,7 +169,7 @@ std::vector<std::uint32_t> candidates(const Tunable& tunable) {
     };
     const std::uint32_t range = tunable.highest - tunable.lowest;
     if (tunable.highest <= 64) {
-        // Evenly over a short range.
+        // Over a short range values lie evenly.
         const std::uint32_t steps = std::min<std::uint32_t>(8, range);
         for (std::uint32_t step = 0; step <= steps; ++step) {
             offer(tunable.lowest + std::uint64_t{range} * step / std::max(1u, steps));

@@ -32,16 +32,16 @@ Command add_replay_command(CLI::App& app);
 Command add_stability_command(CLI::App& app, const std::string& command_line);
 Command add_rays_command(CLI::App& app, const std::string& command_line);
 
-// What `new` makes: "compaction", ..
+// The kinds of things that `ptbench new` makes, "compaction" for instance.
 std::vector<std::string> kinds_of_new();
-// "--axis", "--backend", ..: a command's options, for suggestions.
+// A command's options, "--axis" for instance, for suggestions.
 std::vector<std::string> option_names(const CLI::App& command);
-// "WxH" -> {W, H}; throws InputError.
+// Reads a resolution, "WxH"; throws InputError.
 std::pair<std::uint32_t, std::uint32_t> parse_resolution(const std::string& text);
-// "WxH,WxH" -> each once.
+// Reads resolutions, "WxH,WxH", each of which may stand once; throws InputError.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> parse_resolutions(const std::string& text);
-// "2,4,8" -> {2, 4, 8}; `flag` is for the messages. Throws InputError for what is no whole number from `low` to `high`,
-// or stands twice.
+// Reads whole numbers, "2,4,8"; `flag` is for the messages. Throws InputError for what is no whole number from `low` to
+// `high`, or stands twice.
 std::vector<std::uint32_t> parse_whole_numbers(const std::string& text, const std::string& flag, std::uint32_t low,
                                                std::uint32_t high);
 // Splits "A,B", the names of `flag`, into {A, B}; throws InputError for an empty name, or one that stands twice.

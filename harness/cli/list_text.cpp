@@ -21,7 +21,7 @@ std::string joined(const OrderedJson& names, const char* between) {
     return fmt::format("{}", fmt::join(names.get<std::vector<std::string>>(), between));
 }
 
-// Words with a space between them, in lines of at most 110 columns.
+// The words with a space between them, in lines of at most 110 columns.
 std::string wrapped(const std::vector<std::string>& words) {
     constexpr std::size_t width = 110;
     std::string text, line = " ";

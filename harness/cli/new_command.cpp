@@ -53,7 +53,7 @@ constexpr TemplateFile shape_files[] = {
 };
 constexpr std::string_view shape_list = "kernels/shape_list.h";
 
-// What can be new.
+// A kind of thing that `ptbench new` makes.
 struct Kind {
     std::string_view name;  // also of its folder of templates
     std::span<const TemplateFile> files;
@@ -93,7 +93,7 @@ std::string replaced(std::string text, std::string_view placeholder, std::string
     return text;
 }
 
-// my_ball: MyBallShape.
+// The name of the class that a shape has: MyBallShape for my_ball.
 std::string type_of(const std::string& name) {
     std::string type;
     bool begins = true;
@@ -149,9 +149,9 @@ constexpr std::string_view reserved_names[] = {
     "unsigned",      "using",       "virtual",   "void",      "volatile",     "wchar_t",
     "while",         "xor",         "xor_eq"};
 
-constexpr std::size_t longest_name = 32;  // a variant's name spells it beside thirteen others
+constexpr std::size_t longest_name = 32;  // a variant's name spells it beside its other choices
 
-// Words of small letters and digits, joined by single underscores; the first character is a letter.
+// Whether a name is words of small letters and digits, joined by single underscores, the first character a letter.
 bool is_snake_case(const std::string& name) {
     constexpr std::string_view allowed = "abcdefghijklmnopqrstuvwxyz0123456789_";
     return !name.empty() && name.front() >= 'a' && name.front() <= 'z' && name.back() != '_' &&

@@ -17,11 +17,11 @@ std::string aov_names_text();
 
 class RenderAovs {
 public:
-    // "albedo,variance" or "all"; "": none. Throws InputError for other names.
+    // Reads the AOVs asked for, "albedo,variance" or "all"; "": none. Throws InputError for other names.
     static RenderAovs parse(const std::string& text);
 
     bool none() const { return names_.empty(); }
-    // Throws InputError where the file's format, the variant or the number of samples cannot have them.
+    // Throws InputError where the file's format, the variant or the number of samples cannot have these AOVs.
     void check(const std::string& file, const RenderRequest& request) const;
 
     // What the render has to feed from its checkpoints, which it makes at variance_stops; null if none needs it.

@@ -158,7 +158,7 @@ RankedRender render_aloud(const Scene& scene, RenderRequest request, const Trial
         say("render: {}x{}, {} spp, {}{}\n", request.settings.width, request.settings.height, request.samples,
             shown_name(request.variant, request.backend), seconds ? ": about " + clock_text(*seconds) : "");
     }
-    // Several ranks would meet at each stop.
+    // A render on several ranks does not stop, since they would meet at each stop.
     if (stops_change_film(request.variant, request.backend) || (ranks().count > 1 && variance == nullptr)) {
         return render_on_ranks(scene, request);
     }
@@ -184,7 +184,8 @@ struct Chosen {
     std::string by;  // whom
 };
 
-// What the call names; the fastest integrator and accelerator that go with it, where it names none.
+// The variant that the call names; where it names none, it has the fastest integrator and accelerator that go with the
+// rest.
 Chosen choose_variant(const RenderArguments& arguments, const Scene& scene, Backend backend) {
     const AxisChoices asked = parse_axis_arguments(arguments.axes, arguments.devices, backend);
     const TunableValues tunables = parse_tunable_arguments(arguments.tunables);

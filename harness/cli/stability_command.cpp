@@ -103,7 +103,7 @@ std::string evaluated(const Task& task, bool quiet) {
     return stability::Json{{"rows", to_json(task, rows)}, {"text", std::move(text)}}.dump();
 }
 
-// "cuda 17": the call's 17th task on that backend.
+// The function by which a worker answers a question such as "cuda 17": the call's 17th task on that backend.
 stability::Answer worker_of(const StabilityArguments& arguments) {
     auto tasks = std::make_shared<std::vector<Task>>();
     return [&arguments, tasks](const std::string& question) {

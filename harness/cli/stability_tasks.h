@@ -32,7 +32,7 @@ std::vector<Variant> asked_variants(const StabilityRequest& request, Backend bac
 std::vector<Variant> variants_of_case(const std::vector<Variant>& variants, const stability::Case& stiff_case,
                                       const StabilityRequest& request, Backend backend);
 
-// Case after case.
+// The tasks that a call asks for, case after case.
 std::vector<stability::Task> all_tasks(const StabilityRequest& request, Backend backend);
 
 }  // namespace pt

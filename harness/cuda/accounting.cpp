@@ -102,7 +102,7 @@ DeviceCounts download_counts(const Job& job, const IntegratorTraits& integrator)
         counts.live = sum_of_copies(counts.live, job.segments.copies);
         counts.in_play = sum_of_copies(counts.in_play, job.segments.copies);
     } else {
-        // Others count path lengths in the place of `live`, without copies.
+        // Integrators without a queue count path lengths in the place of `live`, without copies.
         counts.live.resize(job.longest_path);
         counts.live = alive_by_segment(std::move(counts.live));
     }

@@ -49,7 +49,7 @@ void require_counters();
 // "launches": [..]}.
 nlohmann::ordered_json batch_counters(const std::vector<std::string>& arguments,
                                       const std::vector<std::pair<std::string, double>>& batches);
-// Under ncu: whether what is launched from here on is counted.
+// Switches, under ncu, whether what is launched from here on is counted.
 void switch_counting(bool on);
 
 // What is wrong with the name of an architecture ("sm_90"); empty: nothing.

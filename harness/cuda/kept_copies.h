@@ -23,7 +23,7 @@ public:
         entries_.splice(entries_.begin(), entries_, known->second);
         return entries_.front().copy;
     }
-    // Precondition: there is none.
+    // Copies a host's object. Precondition: find() has none.
     template <class Host>
     std::shared_ptr<const Copy> make(const Host& host) {
         const auto copy = std::make_shared<const Copy>(host);

@@ -21,7 +21,7 @@ struct KernelCounters {
     double thread_instructions = 0;                      // instructions times the lanes that were active
     double fma = 0, alu = 0, xu = 0, lsu = 0, fp64 = 0;  // of the instructions, by pipe
     double memory_bytes = 0;                             // to and from device memory
-    // Weighted by time, 0 to 1. Of the caches: the busiest part of the unit, of its peak as ncu knows it.
+    // Averages from 0 to 1, weighted by time. For a cache: the busiest part of the unit, of its peak as ncu knows it.
     double occupancy = 0;   // achieved, of the most warps
     double l1 = 0, l2 = 0;  // throughput
     double l1_hit_rate = 0, l2_hit_rate = 0;

@@ -30,7 +30,7 @@ std::vector<KernelCode> count_instructions(const std::string& disassembly);
 // home; empty: it is in none of them.
 std::string find_nvdisasm();
 
-// Throws MachineError if nvdisasm fails.
+// Disassembles a cubin. Throws MachineError if nvdisasm fails.
 std::string disassemble(const std::string& nvdisasm, const std::string& cubin);
 
 }  // namespace pt::cuda

@@ -33,7 +33,7 @@ private:
 
 constexpr double converged = 4e-16;
 
-// lgamma(a) less Stirling's formula for it, for a >= 16.
+// The difference between lgamma(a) and Stirling's formula for it, for a >= 16.
 double stirling_rest(double a) {
     const double square = a * a;
     return (1.0 / 12 - (1.0 / 360 - (1.0 / 1260 - 1.0 / 1680 / square) / square) / square) / a;
@@ -69,7 +69,7 @@ double upper_gamma(double a, double x) {
     return gamma_front(a, x) / fraction.value();
 }
 
-// x^a (1-x)^b / (a B(a, b)).
+// The factor x^a (1-x)^b / (a B(a, b)) before the continued fraction of I_x(a, b).
 double beta_front(double a, double b, double x, double complement) {
     const double log_beta = std::lgamma(a) + std::lgamma(b) - std::lgamma(a + b);
     return std::exp(a * std::log(x) + b * std::log(complement) - log_beta) / a;

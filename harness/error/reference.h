@@ -19,7 +19,7 @@ Image image_of(const Film& film);
 // A variance that every reference has: what decides is the error that it leaves (ReferenceNoise::dual_error).
 inline constexpr double any_variance = 1e300;
 
-// Which image, and how well it is to be known.
+// The image that a reference is of, and how well it is to be known.
 struct ReferenceTask {
     std::shared_ptr<const Scene> scene;
     std::uint32_t width = 0, height = 0, depth = 0;
@@ -27,7 +27,7 @@ struct ReferenceTask {
     std::map<std::string, std::string> axes = {};  // choices that take the place of reference_variant's own
     double variance = 0;                           // of the mean of the halves, a pixel and channel
     std::uint64_t most_spp = 1;                    // of each half
-    // "cornell_open/64x64/depth:8/cpu", and "/AXIS=CHOICE" for each of `axes`.
+    // The task's name, as "cornell_open/64x64/depth:8/cpu", and "/AXIS=CHOICE" for each of `axes`.
     std::string name() const;
 };
 
@@ -84,7 +84,7 @@ private:
     Hooks hooks_;
 };
 
-// $XDG_CACHE_HOME/ptbench/references, or below ~/.cache.
+// The folder of kept references: $XDG_CACHE_HOME/ptbench/references, or below ~/.cache.
 std::string default_reference_folder();
 
 }  // namespace pt

@@ -7,7 +7,7 @@ namespace pt {
 
 namespace {
 
-// n x n x 2 triangles; a, b, c, d go round it counter-clockwise, seen from where its normal points.
+// Adds n x n x 2 triangles of a quad; a, b, c, d go round it counter-clockwise, seen from where its normal points.
 void add_quad(Mesh& mesh, std::uint32_t n, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
               const glm::dvec3& d) {
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());

@@ -67,7 +67,7 @@ public:
         const double x = uniform(low, high), y = uniform(low, high), z = uniform(low, high);
         return {x, y, z};
     }
-    // Evenly on the unit sphere (Archimedes).
+    // A random direction, evenly on the unit sphere (Archimedes).
     glm::dvec3 direction() {
         const double z = uniform(-1.0, 1.0), r = std::sqrt(1.0 - z * z);
         const SineCosine angle = exact_sine_cosine(uniform(0.0, 2.0 * exact_pi));

@@ -26,7 +26,7 @@ std::span<const Generator> generators();
 // Finds a generator; nullptr where there is none of that name.
 const Generator* find_generator(std::string_view name);
 
-// Throws InputError for a name that is none of theirs, or a size out of its range.
+// Generates a mesh. Throws InputError for a name that is no generator's, or a size out of its range.
 Mesh generate_mesh(std::string_view name, std::uint32_t size);
 
 }  // namespace pt

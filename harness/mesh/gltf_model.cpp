@@ -52,14 +52,15 @@ void check_binary_chunk(std::string_view content, const std::string& file) {
     }
 }
 
-// "2.1" as 2.1; 0 where it is no such text.
+// The number of a version such as "2.1"; 0 for a text that is none.
 double version_number(const std::string& text) {
     double number = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
     return error == std::errc() && end == text.data() + text.size() ? number : 0;
 }
 
-// What a later version means by the same words, nobody here knows; what it may be read as, minVersion says.
+// Refuses later versions: nobody here knows what they mean by the same words; as what version a file may be read,
+// minVersion says.
 void check_version(const tinygltf::Asset& asset, const std::string& file) {
     const bool has_least = !asset.minVersion.empty();
     const std::string& needed = has_least ? asset.minVersion : asset.version;

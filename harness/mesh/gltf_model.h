@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 #include <glm/mat4x4.hpp>
 
-// Images are not decoded, and no file is read that no reader is given for.
+// The library is told to decode no images, and to read no file that no reader is given for.
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
 #define TINYGLTF_NO_EXTERNAL_IMAGE
@@ -27,7 +27,8 @@ namespace pt {
 // The content of a file that the model names; throws InputError.
 using GltfFileReader = std::function<std::string(const std::string& name)>;
 
-// Binary or JSON, by its first bytes. Without a reader of files, all data must be within. Throws InputError.
+// Parses glTF, binary or JSON by its first bytes. Without a reader of files, all data must be within. Throws
+// InputError.
 tinygltf::Model parse_gltf_model(std::string_view content, const std::string& file,
                                  const GltfFileReader& read = nullptr);
 

@@ -83,7 +83,7 @@ private:
 
     void warn(std::size_t line, std::string_view text) { mesh_.warnings.add(fmt::format("line {}", line), text); }
 
-    // Joined to the next where it ends in a backslash.
+    // Goes to the next line, joined to the one behind it where it ends in a backslash. False at the file's end.
     bool next_line() {
         if (at_ >= content_.size()) {
             return false;
@@ -116,7 +116,7 @@ private:
         return line;
     }
 
-    // Empty at the line's end.
+    // The next word of the line; empty at the line's end.
     std::string_view next_word() {
         const std::size_t start = std::min(text_.find_first_not_of(obj_white), text_.size());
         const std::size_t end = std::min(text_.find_first_of(obj_white, start), text_.size());
@@ -209,7 +209,7 @@ private:
         }
     }
 
-    // Names may have spaces; how many does not count.
+    // The rest of the line as a name, which may have spaces; how many does not count.
     std::string rest_of_line() {
         std::string rest(next_word());
         for (std::string_view word = next_word(); !word.empty(); word = next_word()) {
@@ -239,7 +239,7 @@ private:
         }
     }
 
-    // What comes after it, a weight or a colour, is passed over.
+    // Reads three numbers; what comes after them, a weight or a colour, is passed over.
     template <class T>
     std::array<T, 3> read_triple(std::string_view line) {
         std::array<T, 3> triple;
@@ -286,7 +286,7 @@ private:
         }
     }
 
-    // V, V/T, V//N or V/T/N.
+    // Reads a corner of a face: V, V/T, V//N or V/T/N.
     ObjCorner read_corner(std::string_view word) {
         const std::size_t first = std::min(word.find('/'), word.size());
         const std::size_t second = std::min(word.find('/', first + 1), word.size());
@@ -302,7 +302,7 @@ private:
         return corner;
     }
 
-    // Scenes without images have no use for them: where one cannot be read, there are none.
+    // Reads texture coordinates. Scenes without images have no use for them: where one cannot be read, there are none.
     void read_texture() {
         std::array<float, 2> at{};
         const std::string_view u = next_word(), v = next_word();

@@ -227,7 +227,7 @@ private:
         }
     }
 
-    // -1 where the element has none of that name.
+    // The place of a property in an element; -1 where there is none of that name.
     static int place_of(const PlyElement& element, std::string_view name, bool is_list) {
         for (std::size_t i = 0; i < element.properties.size(); ++i) {
             if (element.properties[i].name == name && element.properties[i].is_list == is_list) {
@@ -296,7 +296,7 @@ private:
         }
     }
 
-    // -1: it has none.
+    // The place of the list of corners in an element; -1 where it has none.
     static int list_of_corners(const PlyElement& element) {
         const int plural = place_of(element, "vertex_indices", true);
         return plural >= 0 ? plural : place_of(element, "vertex_index", true);

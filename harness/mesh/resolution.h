@@ -13,7 +13,7 @@ namespace pt {
 // How far vertices lie from where double precision has them.
 class RoundingLoss {
 public:
-    // `place`: of the vertex, by the reader's own count.
+    // Takes note of a vertex. `place`: its number, by the reader's own count.
     void add(const std::array<double, 3>& exact, const std::array<float, 3>& rounded, std::size_t place);
 
     double largest() const { return largest_; }  // along one axis

@@ -42,17 +42,17 @@ constexpr PipeRow spout[] = {{1.7, 1.425, 1.7, 0.6, 0.66},       {2.6, 1.425, 3.
 using PatchRow = std::array<glm::dvec3, 4>;
 using Patch = std::array<PatchRow, 4>;
 
-// Exact at both ends and between equal points: what patches share has the same bits in each.
+// A point between two, exact at both ends and between equal points: what patches share has the same bits in each.
 glm::dvec3 between(const glm::dvec3& a, const glm::dvec3& b, double t) { return a == b ? a : (1.0 - t) * a + t * b; }
 
-// De Casteljau's.
+// A point of a Bezier curve by De Casteljau's algorithm.
 glm::dvec3 on_curve(const PatchRow& points, double t) {
     const glm::dvec3 a = between(points[0], points[1], t), b = between(points[1], points[2], t);
     const glm::dvec3 c = between(points[2], points[3], t);
     return between(between(a, b, t), between(b, c, t), t);
 }
 
-// Newell's z is up: it becomes y.
+// Adds a patch. Newell's z is up, which becomes y.
 void add_patch(Mesh& mesh, const Patch& patch, std::uint32_t n) {
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     for (std::uint32_t i = 0; i <= n; ++i) {

@@ -22,7 +22,7 @@ void join_rings(Mesh& mesh, std::uint32_t first, std::uint32_t rings, std::uint3
     }
 }
 
-// Round `centre`; `forward`, `side` and their cross product are a right-handed frame.
+// Adds a ring of vertices round `centre`; `forward`, `side` and their cross product are a right-handed frame.
 void add_ring(Mesh& mesh, const glm::dvec3& centre, const glm::dvec3& forward, const glm::dvec3& side, double radius,
               std::uint32_t corners) {
     const glm::dvec3 other = glm::cross(forward, side);
@@ -32,7 +32,7 @@ void add_ring(Mesh& mesh, const glm::dvec3& centre, const glm::dvec3& forward, c
     }
 }
 
-// Columns of a rotation drawn evenly of all (Shoemake 1992).
+// A rotation drawn evenly of all (Shoemake 1992), as its columns.
 struct Turn {
     glm::dvec3 x, y, z;
 };

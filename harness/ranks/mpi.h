@@ -20,7 +20,7 @@ void finish();
 
 // Sends rank 0's text to every rank, and returns it there.
 std::string broadcast(const std::string& text);
-// Every rank's text by rank, on rank 0; elsewhere nothing.
+// Collects every rank's text on rank 0, by rank; elsewhere the result is empty.
 std::vector<std::string> gather(const std::string& text);
 
 void barrier();

@@ -11,7 +11,7 @@
 
 namespace pt::rays {
 
-// `mesh` must outlive it.
+// Makes a tracer of batches on the CPU, which `mesh` must outlive.
 std::unique_ptr<BatchTracer> make_cpu_tracer(const MeshView& mesh, const std::string& accelerator,
                                              MeetMesh<float> meet);
 

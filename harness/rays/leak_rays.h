@@ -49,7 +49,7 @@ private:
     std::uint64_t state_;
 };
 
-// Up to 4 numbers of single precision away; what is almost 0 stays.
+// The number up to 4 numbers of single precision away; what is almost 0 stays.
 PT_HD inline float nudged(float x, LeakRandom& random) {
     const std::int32_t by = static_cast<std::int32_t>(random.below(9)) - 4;
     return absolute(x) < 0x1p-100f ? x : number_of(bits_of(x) + by);
@@ -134,7 +134,7 @@ struct LeakCounts {
     }
 };
 
-// Rays first .. first + count - 1, and which of them `misses(ray)` is true of.
+// Makes the rays first to first + count - 1 and counts those for which `misses(ray)` is true.
 template <class Misses>
 LeakCounts count_leaks(const LeakView& view, std::uint64_t first, std::uint64_t count, const Misses& misses) {
     LeakCounts counts;

@@ -28,7 +28,7 @@ struct Hit {
     bool operator==(const Hit&) const = default;
 };
 
-// What rays are about: a class by its name, and whether any hit will do.
+// A set of rays of one class, by its name, and whether any hit will do.
 struct RaySet {
     std::string name;
     bool any = false;
@@ -59,7 +59,7 @@ public:
     virtual std::vector<Hit> hits() = 0;                  // of the last trace
     virtual std::optional<Work> count() = 0;              // nothing: the accelerator counts nothing
 
-    // Rays of leak_rays.h instead of a set: the source, then batches of its rays, made where they are traced.
+    // Takes a source of rays at edges and vertices (leak_rays.h), then makes batches of its rays where they are traced.
     virtual void take_leak_source(const LeakSource& source) = 0;
     virtual void make_leak_rays(std::uint64_t first, std::uint32_t count) = 0;
     virtual LeakCounts leaks() = 0;  // of the last trace

@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Order-independent: a sum over rays of a hash of (ray, t, primitive).
+// A checksum that does not depend on the rays' order: a sum over rays of a hash of (ray, t, primitive).
 std::uint64_t checksum(const std::vector<Hit>& hits) {
     std::uint64_t sum = 0;
 #pragma omp parallel for reduction(+ : sum)
@@ -38,7 +38,7 @@ std::uint64_t count_hits(const std::vector<Hit>& hits) {
         std::count_if(hits.begin(), hits.end(), [](const Hit& hit) { return hit.primitive != no_primitive; }));
 }
 
-// Which rays of a set are held to brute force, evenly over it, and what they must hit.
+// The rays of a set that are held to brute force, evenly over it, and what they must hit.
 struct Expected {
     std::vector<std::size_t> rays;
     std::vector<Hit> hits;

@@ -65,7 +65,7 @@ private:
     std::size_t place_ = 0;
 };
 
-// What the library throws, as the project says it.
+// Calls `read`, and turns what the library throws into an error of ours.
 template <class Read>
 auto read_exr_file(std::string_view content, const std::string& name, const Read& read) {
     try {

@@ -10,7 +10,7 @@
 
 namespace pt {
 
-// Channels "name.R", "name.G", .. or, of the layer without a name, "R", "G", ..
+// A layer of an EXR file: channels "name.R", "name.G", .. or, if it has no name, "R", "G", ..
 struct ExrLayer {
     std::string name;
     std::string channels;       // a letter each

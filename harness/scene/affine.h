@@ -16,7 +16,7 @@ struct Affine {
     Vec3d point(const Vec3d& p) const { return direction(p) + origin; }
 };
 
-// First the right one, then the left one.
+// The map that applies first the right one, then the left one.
 Affine operator*(const Affine& left, const Affine& right);
 
 Affine translation(const Vec3d& offset);

@@ -27,7 +27,8 @@ struct CourseWord {
     CourseUse use = CourseUse::value;
 };
 
-// `section`: MATERIAL, CAMERA, OBJECT or SETTINGS; of the JSON format also ROOT. Null where the word is not known.
+// Finds a word of the format; null where it is not known. `section`: MATERIAL, CAMERA, OBJECT or SETTINGS; of the JSON
+// format also ROOT.
 const CourseWord* find_course_word(const std::string& section, const std::string& word);
 
 // The words that have a place in scene files, for messages.

@@ -17,7 +17,7 @@ struct EnvironmentImage {
     bool was_multiplied = false;      // in the file, by an exposure or a colour correction that it tells
 };
 
-// Rows beyond it would be less than a rounding of a cosine apart at the poles.
+// Most rows and columns: beyond these, rows would be less than a rounding of a cosine apart at the poles.
 inline constexpr std::uint32_t most_environment_rows = 4096;
 inline constexpr std::uint32_t most_environment_columns = 8192;
 

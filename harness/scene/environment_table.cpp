@@ -35,7 +35,7 @@ double share_at(const std::vector<std::uint32_t>& beginnings, std::size_t i) {
 
 double mean_of(const Vec3d& colour) { return (colour.x + colour.y + colour.z) / 3; }
 
-// Cosines between rows of equal angles, as a number of the kernel's precision: of it are solid angles made too.
+// The cosines between rows of equal angles, as numbers of the kernel's precision, of which solid angles are made too.
 template <class Real>
 std::vector<Real> tops_of(std::uint32_t rows) {
     std::vector<Real> tops;

@@ -21,7 +21,7 @@ std::string number(double value) { return fmt::format("{}", value + 0.0); }
 
 std::string triple(const Vec3d& v) { return fmt::format("{}, {}, {}", number(v.x), number(v.y), number(v.z)); }
 
-// What maps a shape's own space to the scene's: columns of the matrix.
+// The map from a shape's own space to the scene's, as the columns of a matrix.
 struct Matrix {
     Vec3d x, y, z, origin;
 
@@ -288,7 +288,7 @@ private:
         xml_.close();
     }
 
-    // What every shape ends with.
+    // Writes what every shape ends with: its material, emission and medium.
     void write_surface(const SceneObject& object) {
         const SceneMaterial& material = scene_.materials[object.material];
         xml_.leaf("ref", {{"name", "bsdf"}, {"id", id_of(object.material)}});

@@ -28,7 +28,7 @@ double guide_decay(double albedo, double g, double depth) {
     }
     const double remaining = 1 - albedo * g;  // of sigma_t, by similarity
     const double similar = albedo * (1 - g) / remaining;
-    // Below, the root is 1 in double precision.
+    // The root is 1 in double precision below this.
     const double root = similar > 0.04 ? similar * artanh_of_decay(similar) : 1;
     const double in_half_space = root * remaining;
     return std::clamp(in_half_space * std::tanh(in_half_space * depth), least_decay, most_decay);

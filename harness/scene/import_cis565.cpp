@@ -36,7 +36,7 @@ public:
           import_{.sections = &sections, .source = &source, .result = &result, .files = CourseFileFinder(source.file)} {
     }
 
-    // Their lines live as long as this does.
+    // The parts of the scene, whose lines live as long as this object does.
     SceneParts parts();
 
 private:
@@ -109,7 +109,7 @@ ScenePart SceneImporter::root() {
     return root;
 }
 
-// Whatever else a dialect says of its environment: the file that its light is in.
+// Adds the environment: the file that its light is in, whatever else a dialect says of it.
 void SceneImporter::add_environment(ScenePart& root, CourseFileFinder& files) {
     const auto line = sections_->camera->lines.find("ENVIRONMENT");
     if (line == sections_->camera->lines.end() || is_course_off("ENVIRONMENT", line->second.values())) {

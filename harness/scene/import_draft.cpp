@@ -19,10 +19,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Columns that meet at other than right angles by less are a matter of a file's digits.
+// Deviations from right angles between columns: one smaller than the first is a matter of a file's digits.
 constexpr double slight_shear = 1e-6, shear_of_rounding = 1e-12;
 
-// Letters, digits, '_' and '-' of a text, up to 64 of them.
+// The letters, digits, '_' and '-' of a text, up to 64 of them.
 std::string plain_part_of(const std::string& text) {
     std::string plain;
     for (const char c : text.substr(0, 64)) {
@@ -181,7 +181,8 @@ bool ImportDraft::add_mesh(const std::string& file, const Affine& map, std::size
     return true;
 }
 
-// Moved by nothing: far off, single precision would have few digits left for its shape.
+// Keeps a mesh that is placed by a map, but for its translation: far off, single precision would have few digits left
+// for its shape.
 std::optional<std::string> ImportDraft::keep_placed(const std::string& file, const Affine& map, bool has_normals,
                                                     const Cis565Line* at) {
     try {

@@ -22,8 +22,8 @@ public:
 
     std::size_t count() const { return count_; }
     const std::vector<ImportFinding>& listed() const { return listed_; }
-    // "FILE:LINE: KIND: TEXT" of each that is kept, and how many more there are. An empty `kind` goes without its
-    // colon.
+    // A message for each finding that is kept, "FILE:LINE: KIND: TEXT", and how many more there are. An empty `kind`
+    // goes without its colon.
     std::vector<std::string> messages(const std::string& file, const std::string& kind) const;
 
 private:

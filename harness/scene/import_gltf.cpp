@@ -17,7 +17,7 @@ namespace pt {
 
 namespace {
 
-// What glTF leaves to whoever shows it.
+// Settings that glTF leaves to whoever shows a scene.
 constexpr int gltf_picture_height = 600, gltf_max_depth = 8;
 constexpr double gltf_aspect = 4.0 / 3.0, gltf_view_degrees = 45;
 

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t largest_library = std::uint64_t{1} << 24;  // in bytes
 
-// Letters, digits, '_' and '-', up to 64 of them.
+// A name for scene files: the letters, digits, '_' and '-' of a text, up to 64 of them.
 std::string name_for_scene(const std::string& text) {
     std::string plain;
     for (const char c : text.substr(0, 64)) {

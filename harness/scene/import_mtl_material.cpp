@@ -217,7 +217,7 @@ void MtlImporter::make_glass(ScenePart& part) {
     warn_if_coloured("kd", fmt::format("is not used: it is glass, by illum {}", illumination_));
 }
 
-// Kd and a mirror of Ks: each is drawn as often as it is bright, and divided by that.
+// Makes a mix of Kd and a mirror of Ks: each is drawn as often as it is bright, and divided by that.
 void MtlImporter::make_shiny(ScenePart& part) {
     const Vec3d albedo = colour("kd", 0), reflectance = colour("ks", 0);
     const double of_mirror = brightest_of(reflectance), sum = brightest_of(albedo) + of_mirror;

@@ -158,7 +158,7 @@ void ObjectImporter::add_own_parts(const std::filesystem::path& file, const Cis5
     }
 }
 
-// Triangles, three corners each.
+// Adds the object's vertices as triangles of three corners each.
 void ObjectImporter::add_vertices() {
     part_.add("shape", "\"mesh\"", nullptr);
     const Cis565Line& line = *reader_.line("VERTICES");

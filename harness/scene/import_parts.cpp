@@ -18,7 +18,7 @@ namespace pt {
 
 namespace {
 
-// Parts are checked within a scene that has these for all else.
+// The rest of a scene within which a part is checked.
 constexpr const char* other_root = "\"name\": \"other\", \"max_depth\": 1";
 constexpr const char* other_camera =
     "{\"eye\": [0, 0, 1], \"look_at\": [0, 0, 0], \"up\": [0, 1, 0], \"vertical_fov_degrees\": 60, "
@@ -147,7 +147,8 @@ void PartsChecker::check_camera() {
     has_camera_ = is_good && parts_.camera.is_whole;
 }
 
-// What an unreadable line would have made of the others, nobody knows.
+// Checks a material by itself. One with an unreadable line is not checked: nobody knows what that would have made of
+// its other lines.
 void PartsChecker::check_material(std::size_t index) {
     const ScenePart& material = parts_.materials[index];
     const std::string name = json_of(material.name);

@@ -30,9 +30,9 @@ struct ScenePart {
              const std::string& stand_in = "") {
         members.push_back({.key = key, .value = value, .line = line, .stand_in = stand_in});
     }
-    // "KEY": VALUE, ..
+    // The part's members as JSON, "KEY": VALUE, .., with a separator between them.
     std::string members_json(const std::string& separator) const;
-    // {"KEY": VALUE, ..}
+    // The part as a JSON object.
     std::string json() const;
 };
 

@@ -104,7 +104,7 @@ std::map<std::string, std::size_t> lines_of_json(const std::string& text) { retu
 
 namespace {
 
-// "scene.json:12", or the scene's name alone where its text is not in a file.
+// The place of a value for messages: "scene.json:12", or the scene's name alone where its text is not in a file.
 std::string place_of(const JsonValue& value) {
     try {
         const std::map<std::string, std::size_t> lines = lines_of_json(read_file(value.file()));

@@ -43,7 +43,7 @@ std::vector<double> power_shares(std::span<const LightExtent> lights) {
 
 double sum_of(const Vec3d& v) { return v.x + v.y + v.z; }
 
-// What a light shows, of what all do; equal where no power is known.
+// The share of what all lights show that each light shows, by axis; equal where no power is known.
 std::vector<Vec3d> shown_shares(std::span<const LightExtent> lights) {
     const double largest = largest_power(lights);
     const bool is_known = has_known_power(lights);

@@ -10,7 +10,8 @@
 
 namespace pt {
 
-// Which tree: the hooks of the choices, and their names for what is kept.
+// The trees that meshes get: the hooks of the choices of accelerator, builder and levels, and their names, by which
+// trees are kept.
 struct Acceleration {
     std::string accelerator, builder;
     AcceleratorHook accelerator_hook;
@@ -68,7 +69,7 @@ struct MeshFacts {
 };
 MeshFacts facts_of(const std::vector<MeshGeometry>& meshes);
 
-// `placement` null: in the mesh's own space.
+// The tree and arrays of a mesh. `placement` null: in the mesh's own space.
 MeshGeometry geometry_of(const std::shared_ptr<const SceneMesh>& mesh, const Placement* placement,
                          const Acceleration& acceleration);
 

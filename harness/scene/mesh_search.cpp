@@ -66,7 +66,7 @@ void plant_over_objects(SceneTree& tree, const std::vector<InstanceBoxes>& insta
         margin = std::max(margin, instance.margin_by_origin());
     }
     tree.nodes = hook.build(boxes);
-    // Four roundings of the box test's own, and those of this.
+    // The margin covers four roundings of the box test, and those of this sum.
     tree.margin = static_cast<float>(margin + gamma<float>(8)) * (1.0f + gamma<float>(4));
     tree.build_ms = milliseconds_since(start);
 }

@@ -27,7 +27,7 @@ struct SceneTree {
     FlatTree flat_view() const;
 };
 
-// Slots of a flat tree; a scene with more triangles, instances included, is refused.
+// Most slots of a flat tree; a scene with more triangles, instances included, is refused.
 inline constexpr std::uint64_t most_flat_slots = std::uint64_t{1} << 25;
 
 // The tree over all meshes; null where the choice has none. `meshes`: by number of the objects that show one. Throws

@@ -9,7 +9,8 @@
 
 namespace pt {
 
-// Small or capital letters alike.
+// The index of refraction of a material of Mitsuba's, by its name in small or capital letters; nothing where there is
+// none.
 std::optional<double> mitsuba_index_of(const std::string& name);
 std::string names_of_mitsuba_indices();
 

@@ -33,7 +33,7 @@ Extent extent_of(const Scene& scene, const SceneObject& object);
 // three more mean free paths on its side.
 std::uint64_t roulette_depth(const Scene& scene);
 
-// contains_point where the object stands while the shutter is open.
+// Whether an object contains a point, where it stands while the shutter is open.
 bool contains_as_it_stands(const Scene& scene, const SceneObject& object, const Vec3d& point);
 
 // What makes a lamp as bright in Mitsuba as here: n^2 of each dielectric that holds it, since every path to the lamp

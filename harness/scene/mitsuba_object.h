@@ -31,7 +31,7 @@ struct MitsubaFile {
     }
 };
 
-// Numbers with commas or white space between them; nothing where something else is there.
+// Reads numbers with commas or white space between them; nothing where something else is there.
 std::optional<std::vector<double>> mitsuba_numbers(const std::string& text);
 
 class MitsubaObject {
@@ -54,7 +54,8 @@ public:
     // says in words.
     void refuse_property(const std::string& name, const std::string& allowed);
 
-    // What is not there has the value `otherwise`; what cannot be read is a problem.
+    // These read a property of this name. One that is not there has the value `otherwise`; one that cannot be read is a
+    // problem.
     double number(const std::string& name, double otherwise);
     std::optional<double> optional_number(const std::string& name);
     bool boolean(const std::string& name, bool otherwise);
@@ -82,7 +83,7 @@ private:
     bool is_good_ = true;
 };
 
-// Mitsuba's look_at: columns left, up, forward.
+// Mitsuba's look_at as a map, with the columns left, up and forward.
 Affine look_at_map(const Vec3d& origin, const Vec3d& target, const Vec3d& up);
 
 }  // namespace pt

@@ -265,7 +265,7 @@ std::uint32_t append(std::vector<T>& array, const std::vector<T>& values) {
     return first;
 }
 
-// Images that are put among the texels once each.
+// The images whose texels are placed already, so that each is placed once.
 class PlacedImages {
 public:
     explicit PlacedImages(std::vector<Vec3<float>>& texels) : texels_(texels) {}
@@ -414,7 +414,7 @@ SceneBuffers<Real>::SceneBuffers(const Scene& scene, const RenderSettings& setti
     make_search(acceleration);
 }
 
-// Each image once, and each mesh's coordinates once, however many objects show them.
+// Places each image once, and each mesh's coordinates once, however many objects show them.
 template <class Real>
 void SceneBuffers<Real>::make_textures(const Scene& scene) {
     PlacedImages images(arrays_.texels);
@@ -436,7 +436,7 @@ void SceneBuffers<Real>::make_textures(const Scene& scene) {
     }
 }
 
-// Each image once, and each mesh's normals once.
+// Places each image of normals once, and each mesh's normals once.
 template <class Real>
 void SceneBuffers<Real>::make_normals(const Scene& scene) {
     PlacedImages images(arrays_.texels);

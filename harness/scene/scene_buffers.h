@@ -13,7 +13,7 @@
 
 namespace pt {
 
-// Roulette, and splitting, by what a path is expected to bring (harness/render/adjoint_table.h).
+// Settings of adjoint-driven roulette and splitting (harness/render/adjoint_table.h).
 struct AdjointSettings {
     std::uint32_t paths = 0;     // that are traced to learn it; 0: there is none
     std::uint32_t cells = 8;     // of the grid, along each axis
@@ -26,7 +26,7 @@ struct RenderSettings {
     std::uint32_t width = 0, height = 0;
     std::uint32_t depth = 0;
     std::uint64_t seed = 0;
-    // What the variant asks for (settings_for).
+    // Settings that follow from the variant (settings_for).
     bool final_bounce = false;
     bool next_event = false;
     std::uint32_t mis_exponent = 0;
@@ -65,12 +65,12 @@ struct SceneStorage {
 template <class Real>
 class SceneBuffers {
 public:
-    // `acceleration`: over the scene's meshes.
+    // Makes the arrays of a scene. `acceleration`: the trees over its meshes.
     SceneBuffers(const Scene& scene, const RenderSettings& settings,
                  const Acceleration& acceleration = Acceleration::none());
     // Valid as long as this object lives and stays where it is.
     const SceneView<Real>& view() const { return view_; }
-    // What the view shows from here on; null: none.
+    // Sets the estimates for adjoint-driven roulette that the view shows from here on; null: none.
     void set_adjoint(const AdjointCache<Real>* adjoint) { view_.adjoint = adjoint; }
     SceneBuffers(const SceneBuffers&) = delete;
     SceneBuffers& operator=(const SceneBuffers&) = delete;

@@ -282,7 +282,7 @@ void check_ellipsoid(const SceneObject& object, const JsonValue& scale) {
     }
 }
 
-// No more of them than fit a message.
+// The materials' names for a message, no more of them than fit.
 std::string names_of(const std::vector<SceneMaterial>& materials) {
     constexpr std::size_t most = 20;
     std::vector<std::string> names;
@@ -293,7 +293,7 @@ std::string names_of(const std::vector<SceneMaterial>& materials) {
                        materials.size() > most ? fmt::format(" and {} more", materials.size() - most) : "");
 }
 
-// What takes the whole scene to tell; `index`: in the file.
+// Checks what takes the whole scene to tell about an object; `index` is its place in the file.
 void check_object(const Scene& scene, const SceneObject& object, std::size_t index, const std::string& file) {
     check_motion(scene, object, index, file);
     const bool is_body = scene.materials[object.material].type == MaterialType::subsurface;
@@ -360,7 +360,8 @@ std::uint32_t index_of(const std::shared_ptr<const SceneMesh>& mesh, Scene& scen
     return index;
 }
 
-// What a shape can be made of: a dielectric has an inside, and a walk through a body meets its surface once.
+// Checks that the shape can be made of the material: a dielectric has an inside, and a walk through a body meets its
+// surface once.
 void check_material(const JsonValue& value, const SceneMaterial& material, const SceneObject& object,
                     const Scene& scene) {
     const bool is_mesh = object.mesh != SceneObject::no_mesh;
@@ -497,7 +498,8 @@ std::shared_ptr<const SceneEnvironment> environment_of(EnvironmentImage image, d
     return environment;
 }
 
-// {"radiance": [r, g, b]} or {"file": NAME, "scale": s, "rotation": degrees}; the name is relative to the scene's file.
+// Reads an environment, {"radiance": [r, g, b]} or {"file": NAME, "scale": s, "rotation": degrees}; the name is
+// relative to the scene's file.
 std::shared_ptr<const SceneEnvironment> read_environment(const JsonValue& value) {
     if (value.json().contains("radiance")) {
         const JsonObject object(value, {"radiance"});

@@ -126,7 +126,7 @@ CornerNormals normals_from_least_corner(const Mesh& mesh, std::size_t triangle) 
     return is_own ? CornerNormals{} : normals;
 }
 
-// Nothing where each corner has a normal.
+// What is wrong with a mesh's normals; empty where each corner has one.
 std::string fault_of_normals(const Mesh& mesh, const std::string& source) {
     if (mesh.normals.empty()) {
         return fmt::format("the mesh {} has no normals of its vertices", source);

@@ -10,7 +10,8 @@
 
 namespace pt {
 
-// {"image": NAME}; the name is relative to the scene's file. Of normals there may be a "scale" too. Throws InputError.
+// Reads an image, {"image": NAME}; the name is relative to the scene's file. One of normals may have a "scale" too.
+// Throws InputError.
 std::shared_ptr<const SceneTexture> read_texture(const JsonValue& value, TexelMeaning meaning);
 // The material's key "normal", where it has one. Throws InputError.
 void read_normal_map(const JsonObject& object, SceneMaterial& material);

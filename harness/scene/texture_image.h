@@ -52,7 +52,7 @@ TextureImage parse_texture_image(std::string_view content, const std::string& fi
 // Whether an image of these bytes, which parse_texture_image can read, says how much of each texel is seen through.
 bool texture_has_alpha(std::string_view content);
 
-// IEC 61966-2-1: from 0 to 1.
+// The linear value of an sRGB value from 0 to 1 (IEC 61966-2-1).
 double srgb_to_linear(double encoded);
 
 }  // namespace pt

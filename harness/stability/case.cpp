@@ -21,7 +21,7 @@ std::size_t family_index(const Case& stiff_case) {
                                     std::begin(families));
 }
 
-// "S5" before "S12".
+// The case's number in the catalogue, by which "S5" comes before "S12".
 int number_in_catalogue(const Case& stiff_case) { return std::stoi(stiff_case.catalogue.substr(1)); }
 
 }  // namespace

@@ -116,7 +116,7 @@ struct Case {
     std::vector<std::map<std::string, std::string>> joint_estimators = {};
     // Whether the plainest variant is also run with every accelerator and every builder of the backend.
     bool over_accelerators = false;
-    // Exactly one of these.
+    // The check of a case, which is exactly one of these.
     std::function<std::vector<Rendering>(const Values&)> renderings = {};
     std::function<std::vector<Twins>(const Values&)> twins = {};
     std::function<std::vector<Measurement>(const Values&, const DirectSetting&)> direct = {};

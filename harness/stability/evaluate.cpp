@@ -48,7 +48,7 @@ Row without_measurement(Status status, std::string reason) {
     return row;
 }
 
-// What a render did, added to what a row's renders did.
+// Adds the work of a render to that of a row's renders.
 void count_work(Row& row, const RenderResult& result) {
     row.paths += result.work.paths;
     row.rays += result.work.rays;
@@ -158,7 +158,7 @@ std::optional<Row> compared_with_reference(const Task& task, const Scene& scene,
     return row;
 }
 
-// Everything of a rendering for one look.
+// Measures every quantity of a rendering once.
 std::vector<Row> look(const Task& task, const Rendering& rendering, const Scene& scene, std::uint64_t seed,
                       std::uint64_t paths) {
     const bool estimates = std::any_of(rendering.quantities.begin(), rendering.quantities.end(),
@@ -219,7 +219,7 @@ std::vector<Row> evaluate_renderings(const Task& task) {
         const bool again = std::any_of(first.begin(), first.end(),
                                        [](const Row& row) { return row.status == Status::failed && row.is_estimate; });
         if (again) {
-            // Four times the samples, none of them the first look's.
+            // The second look has four times the samples, none of them the first look's.
             std::vector<Row> second =
                 look(task, rendering, scene, task.seed + 1000003, std::min<std::uint64_t>(4 * paths, 1u << 28));
             for (std::size_t i = 0; i < first.size(); ++i) {

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double not_found = std::numeric_limits<double>::infinity();
 
-// What the loader makes of an index, entering or leaving.
+// The boundary that the loader makes of an index, entering or leaving.
 template <class Real>
 Boundary<Real> boundary_of(double ior, bool leaving) {
     SceneText text("boundary");
@@ -41,7 +41,7 @@ double worst_reflectance(double ior, bool leaving, bool is_quick) {
     const int steps = is_quick ? 20000 : 1000000;
     double worst = 0;
     for (int i = 0; i <= steps; ++i) {
-        // Half of them evenly from 0 to 1, half by decades from 1e-8.
+        // Half of the cosines lie evenly from 0 to 1, half by decades from 1e-8.
         const double share = static_cast<double>(i) / steps;
         const auto cosine = static_cast<Real>(i % 2 == 0 ? share : std::pow(10.0, -8 * share));
         const long double exact = reflectance(excess, cosine);
@@ -67,7 +67,7 @@ std::vector<Measurement> index_near_one(const Values& v, const DirectSetting& se
     });
 }
 
-// 2 int R mu dmu with the kernel's R.
+// The diffuse average of the reflectance, the integral of 2 R mu dmu, with the kernel's R.
 template <class Kernel>
 double diffuse_average(double ior, bool leaving) {
     using Real = typename Kernel::Real;
@@ -109,7 +109,7 @@ public:
     }
     const Ray<Real>& ray() const { return ray_; }
     const SceneView<Real>& view() const { return scene_.view(); }
-    // False: the ray left the body.
+    // Takes the ray to its next reflection; false: it left the body.
     bool reflect_once() {
         const Hit<Real> hit = closest_hit<Kernel>(view(), ray_);
         if (!hit.side.exists() || !hit.side.inside()) {

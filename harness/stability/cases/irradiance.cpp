@@ -21,7 +21,7 @@ SceneText receiver(const std::string& name, double camera_height) {
     return scene;
 }
 
-// `single`, `fp64`: relative.
+// A rendering of a lit receiver. `single`, `fp64`: the relative errors allowed.
 std::vector<Rendering> lit(const SceneText& scene, double irradiance, double single, double fp64,
                            const std::string& origin) {
     const double exact = albedo * irradiance / pi<double>;
@@ -52,7 +52,7 @@ std::vector<Rendering> disk(const Values& v) {
                1e-12 + 0x1p-51 / flatness, "numerics.md S7, and four roundings of the distance in half thicknesses");
 }
 
-// Half of the way along the normal to the sphere's surface, or, where it is far, half of that to its centre.
+// Half of the way along the normal to the sphere's surface or, where that is far, half of the way to its centre.
 double height_within_gap(double distance, double angle) {
     const double b = distance * std::cos(angle), discriminant = b * b - (distance * distance - 1);
     double gap = std::max(distance, 1.0);

@@ -50,7 +50,7 @@ SceneText slab_scene(double depth, double albedo, double g, double mu, double si
     return scene;
 }
 
-// Under the slab, so close that nothing passes by.
+// Adds a quad under the slab, so close that nothing passes by.
 void add_below(SceneText& scene, const std::string& material, double depth, double sigma) {
     const double width = 4e5 * (1 + depth) / sigma;
     scene.quad(material, {0, -(depth * (1 + 0x1p-10) + 0.0625) / sigma, 0}, width, width);
@@ -65,7 +65,7 @@ double albedo_of(const Values& v) { return 1 - std::exp2(-v["k"]); }
 
 std::vector<Rendering> half_space(const Values& v) {
     const double w = albedo_of(v), mu = v["mu"];
-    // e^-40 of the light comes back from below it.
+    // The slab is so deep that e^-40 of the light comes back from below it.
     const double depth = 20 / std::sqrt(3 * (1 - w));
     const auto cap = static_cast<std::uint32_t>(std::min(1e9, std::max(1e6, 64 / (1 - w))));
     SceneText scene = slab_scene(depth, w, 0, mu, 1, cap);

@@ -39,7 +39,7 @@ std::vector<Rendering> stays_dark(const SceneText& scene) {
                              .is_estimate = false}}}};
 }
 
-// Degrees of a field of view that is 2 x `half` wide at distance 1.
+// The angle in degrees of a field of view that is 2 x `half` wide at distance 1.
 double view_of(double half) { return std::atan(half) * 360 / pi<double>; }
 
 // ---- edges and vertices

@@ -72,7 +72,7 @@ private:
     SceneBuffers<Real> buffers_;
 };
 
-// check.template operator()<Real, formula>() in what the setting asks for.
+// Calls check.template operator()<Real, formula>() in the precision and formula that the setting asks for.
 template <class Check>
 auto in_setting(const DirectSetting& setting, const Check& check) {
     constexpr auto naive = static_cast<FeatureSet>(Feature::naive);
@@ -151,7 +151,7 @@ Chord exact_chord(const OrientedBox<Real>& box, const Vec3l& origin, const Vec3l
     return box_chord(Vec3l(box.half), in_frame(axis, origin - Vec3l(box.centre)), in_frame(axis, direction));
 }
 
-// Nothing is inside a flat shape, and no case asks for the chord of another body.
+// There is no chord here: nothing is inside a flat shape, and no case asks for the chord of another body.
 template <class Shape>
 Chord exact_chord(const Shape&, const Vec3l&, const Vec3l&) {
     return {0, 1};

@@ -37,7 +37,7 @@ inline double sphere_irradiance(double distance, double angle) {
 // A disk of radius r, parallel to the receiver at height h, its centre `offset` to the side.
 inline double disk_irradiance(double r, double h, double offset) {
     const double square = h * h + offset * offset + r * r;
-    // 1 - (square - 2 r^2) / root, without the cancellation of a small disk.
+    // This is 1 - (square - 2 r^2) / root, without the cancellation of a small disk.
     const double root = std::sqrt(square * square - 4 * offset * offset * r * r);
     return 0.5 * pi<double> * (2 * r * r - 4 * offset * offset * r * r / (square + root)) / root;
 }

@@ -37,7 +37,7 @@ struct SlabShares {
     double error = 0;  // of either: the last step of the extrapolation
 };
 
-// `mu` is the cosine of incidence; 0: diffuse incidence.
+// The shares of light that a slab reflects and transmits. `mu` is the cosine of incidence; 0: diffuse incidence.
 SlabShares slab_shares(double optical_depth, double albedo, double mu);
 
 }  // namespace pt::stability
