@@ -49,7 +49,7 @@ class Picture:
 
     @property
     def file_name(self) -> str:
-        """Of its PNG."""
+        """Name of the picture's PNG file."""
         return safe_name("-".join([self.scene, *(f"{axis}_{choice}" for axis, choice in self.axes.items())])) + ".png"
 
 

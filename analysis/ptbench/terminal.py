@@ -30,7 +30,7 @@ def say(text: object) -> None:
     print(visible(str(text)))
 
 
-# As a shell reports a program that the signal ended.
+# The exit code that a shell reports for a program that the signal ended.
 READER_LEFT = 128 + signal.SIGPIPE
 
 

@@ -67,8 +67,8 @@ struct Quantity {
     double exact = 0;
     Tolerance tolerance;
     Relation relation = Relation::equal;
-    // true: the mean over batches of samples, with its standard error. false: every sample must give the same number;
-    // the batch that is farthest from it counts.
+    // Whether it is the mean over batches of samples, with its standard error. If not, every sample must give one
+    // number; the batch that is farthest from it counts.
     bool is_estimate = true;
 };
 

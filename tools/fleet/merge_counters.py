@@ -64,7 +64,7 @@ def kernels_of(lines: Iterable[str]) -> dict[str, dict[str, float]]:
 
 
 def counters_of(sums: dict[str, float], rays: float, ceilings: dict[str, float]) -> dict:
-    """As `ptbench inspect` writes a kernel's."""
+    """The counters of a kernel as `ptbench inspect` writes them."""
     seconds = sums["seconds"]
     reached = {
         "issue": sums["warp_instructions"] / ceilings["issue_g_warp_instructions_per_second"],

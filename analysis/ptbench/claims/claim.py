@@ -37,7 +37,7 @@ class Span:
 
 
 def span_of(ends: Sequence[float | None]) -> Span:
-    """From [low, high], where null is an open end."""
+    """A span from [low, high], where null is an open end."""
     low, high = ends
     return Span(-math.inf if low is None else low, math.inf if high is None else high)
 

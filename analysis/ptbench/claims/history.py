@@ -58,7 +58,7 @@ class Order:
         return self.grade in (TEST, BY_DATE)
 
     def document(self) -> dict[str, str]:
-        """As it is kept beside the verdict, for who has no history."""
+        """The history as it is kept beside the verdict, for who has no repository."""
         return asdict(self)
 
 

@@ -75,7 +75,7 @@ class Told:
 
     @property
     def authors(self) -> str:
-        """Of three authors and more the first."""
+        """The publication's authors; of three and more the first, "et al."."""
         authors = self.claim["source"]["authors"]
         return f"{authors.split(',')[0]} et al." if len(_AUTHOR.findall(authors)) > 2 else authors
 
@@ -116,7 +116,7 @@ def _counts(told: Sequence[Told]) -> dict[str, int]:
 
 
 def _foreseen(told: Sequence[Told]) -> tuple[int, int]:
-    """Of the numbers that could have contradicted their prediction: how many lie in it, of how many."""
+    """How many numbers lie in their prediction, and how many could have contradicted it."""
     scores = [one.verdict.foreseen for one in told if one.order is not None and one.order.is_test]
     return sum(right for right, _ in scores), sum(of for _, of in scores)
 

@@ -119,7 +119,7 @@ class Assessment:
 
     @property
     def crossing_spp(self) -> float | None:
-        """From where on more samples gain little: the noise is as large as the bias."""
+        """Samples a pixel from which on more gain little: the noise is as large as the bias."""
         if not self.has_noise or self.verdict.plateau is None or self.verdict.is_bound:
             return None
         return self.fit.sigma2.value / self.plateau_bias2
@@ -228,7 +228,7 @@ def _doubts(curve: Curve, fit: Fit, slope: Slope | None) -> tuple[str, ...]:
 
 
 def convergence_cells(cells: Sequence[Cell]) -> list[Cell]:
-    """Those that have checkpoints."""
+    """The cells that have checkpoints."""
     return [cell for cell in cells if cell.convergence is not None]
 
 

@@ -141,7 +141,7 @@ def _varied_tunables(cells: Sequence[Cell]) -> set[str]:
 def _settings(cell: Cell) -> dict[str, str]:
     scene = cell.scene
     if cell.convergence is not None and scene.startswith(f"{cell.convergence.reference.scene}_"):
-        # The same name in every scene, so that it is one line's.
+        # The scene has one name in all cells, so that they make one line.
         scene = "…" + scene.removeprefix(cell.convergence.reference.scene)
     return {"scene": scene, **cell.axes, **cell.tuned}
 

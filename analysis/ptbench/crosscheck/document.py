@@ -78,7 +78,7 @@ def as_scene(checked: Checked) -> dict:
 
 
 def spp_of(scene: dict) -> str:
-    """Of a scene of a file, for a table."""
+    """The samples a pixel of a scene in a file, for a table."""
     return f"{scene['spp_here']} here, {scene['spp']} there" if "spp_here" in scene else str(scene["spp"])
 
 

@@ -64,20 +64,20 @@ class Settings:
 
     @property
     def size(self) -> str:
-        """As the programs take it."""
+        """The size as the programs take it, WxH."""
         return f"{self.resolution[0]}x{self.resolution[1]}"
 
 
 @dataclass(frozen=True)
 class Images:
-    """Of one renderer: seeds, rows, columns, channels; and what its last summary said."""
+    """The images of one renderer (seeds, rows, columns, channels), and what its last summary said."""
 
     images: np.ndarray
     about: dict
 
 
 def shipped_scenes(program: Program) -> list[str]:
-    """By name; those of scenes/stability are cases with expectations of their own, and no pictures to look at."""
+    """Names of the shipped scenes; those of scenes/stability are cases with expectations, and no pictures."""
     names = program.output("list", "--names", "scenes").split()
     binary = program.binary.resolve()
     homes = [Path(os.environ["PTBENCH_HOME"])] if "PTBENCH_HOME" in os.environ else [binary.parent, binary.parents[1]]

@@ -21,7 +21,7 @@ FAMILY = 0.01
 POWER = 0.9
 # What two programs may round differently where nothing is random, of a value: about 170 units of single precision.
 ROUNDING = 1e-5
-# Of pixels' z, for reading.
+# Edges of the classes in which pixels' z are counted, for reading.
 EDGES = (-4.0, -3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0, 4.0)
 
 
@@ -158,13 +158,13 @@ def _mean_test(here: np.ndarray, there: np.ndarray, allowed: float, family: floa
 
 
 def _largest(sees: np.ndarray, mean: np.ndarray) -> float:
-    """Of what is not black."""
+    """The largest value where the image is not black; 0 where it is black throughout."""
     lit = sees[mean > 0]
     return lit.max() if lit.size else 0.0
 
 
 def block_means(images: np.ndarray) -> np.ndarray:
-    """Of images whose sides are multiples of SIDE: seeds, rows and columns of blocks, channels."""
+    """Block means (seeds, rows and columns of blocks, channels) of images whose sides are multiples of SIDE."""
     seeds, height, width, channels = images.shape
     return images.reshape(seeds, height // SIDE, SIDE, width // SIDE, SIDE, channels).mean(axis=(2, 4))
 

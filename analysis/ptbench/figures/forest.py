@@ -19,7 +19,7 @@ LOOKS = {
     FASTER: style.Look(style.COLOURS[1], "s", "-"),
     SAME: style.Look(style.COLOURS[0], "o", "-"),
     UNSURE: style.Look("#6e6e6e", "D", "-"),
-    # Of ratios that are better when high.
+    # The looks of ratios that are better when high.
     "lower": style.Look(style.COLOURS[2], "^", "-"),
     "higher": style.Look(style.COLOURS[1], "s", "-"),
     "not told apart from 1": style.Look("#6e6e6e", "D", "-"),
@@ -131,7 +131,7 @@ _NARROW_PLOT = 1.5
 
 
 def draw_narrow(data: Data) -> Figure:
-    """The same for a narrow screen: each label above its row, the ratio beside it."""
+    """Draws the forest plot for a narrow screen: each label above its row, the ratio beside it."""
     inner = _NARROW - 2 * style.MARGIN
     labels = [[style.wrapped(item.label, _NARROW_SIZE, inner) for item in group.items] for group in data.groups]
     titles = [style.wrapped(group.title, style.LABEL_SIZE, inner, "bold") for group in data.groups]

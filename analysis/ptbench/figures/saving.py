@@ -44,7 +44,7 @@ def save_pictures(figure: Figure, target: Path, dpi: float) -> Path:
 
 
 def webp_of(png: bytes) -> bytes:
-    """The same page as WebP, which is lossy: text stays sharp, and the grain of a render is nobody's number."""
+    """A page as WebP, which is lossy: text stays sharp, and the grain of a render is nobody's number."""
     with io.BytesIO() as written, Image.open(io.BytesIO(png)) as image:
         image.convert("RGB").save(written, "WEBP", quality=_WEBP_QUALITY, method=6)
         return written.getvalue()

@@ -91,7 +91,7 @@ class Place:
 
 
 def numbered_scenes(scenes: Sequence[str]) -> dict[str, Place] | None:
-    """By the number that ends a scene's name: `materials_08` is 8 of `materials`. None: some have no such number."""
+    """Places by the number that ends a scene's name: `materials_08` is 8 of `materials`; None: some have none."""
     places = {}
     for scene in dict.fromkeys(scenes):
         match = re.fullmatch(r"(.*?)[_-]?(\d+)", scene)

@@ -100,7 +100,7 @@ def _character_width(character: str, size: float, weight: str) -> float:
 
 
 def _may_exceed(text: str, size: float, weight: str, width: float) -> bool:
-    """False where the sum of the characters' widths leaves far more room than kerning and hinting could take."""
+    """Whether a text may be wider, by the sum of its characters' widths and some for kerning and hinting."""
     return 1.1 * sum(_character_width(character, size, weight) for character in text) > width
 
 

@@ -37,7 +37,7 @@ class CpuRays:
         return self.rates[self.best] / self.rates[PEER]
 
     def rate(self, name: str) -> str:
-        """Of a contender, in 10^6 rays a second."""
+        """The rate of a contender, in 10^6 rays a second."""
         return figures(self.rates[name], 3)
 
     @property

@@ -45,7 +45,7 @@ class CrosscheckSource:
 
     @property
     def agreeing(self) -> int:
-        """Of them, those that agree, at the power that was asked for."""
+        """Number of scenes that agree, at the power that was asked for."""
         return len(self._of("agrees"))
 
     @property
@@ -168,7 +168,7 @@ class CrosscheckSource:
 
     @property
     def largest_bias(self) -> str:
-        """Of the means of images that agree."""
+        """The largest bias of the means of images that agree."""
         biases = [bias for scene in self._of("agrees") for bias in scene["image"]["bias"]]
         return _percent(max(map(abs, biases)))
 

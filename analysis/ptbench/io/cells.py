@@ -106,7 +106,7 @@ class Instrumented:
     unaccounted_ms: float | None
 
     def live_share(self, depth: int) -> float | None:
-        """Of paths times depth, the slots of all rounds where ended paths stay, those alive; None: not counted."""
+        """Share of live paths in the slots of all rounds, paths times depth, if ended paths stay; None: not counted."""
         return sum(self.live_paths) / (self.paths * depth) if self.live_paths and self.paths else None
 
 

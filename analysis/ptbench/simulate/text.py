@@ -58,7 +58,7 @@ def sections(study: Study) -> list[Section]:
 
 
 def shown_ranks(study: Study) -> list[int]:
-    """Of the simulated numbers of GPUs, those that tables show."""
+    """The simulated numbers of GPUs that tables show."""
     return [count for count in SHOWN_RANKS if count in study.parts.definition["ranks"]]
 
 

@@ -36,12 +36,12 @@ class Scaled:
 
     @property
     def efficiency(self) -> Estimate:
-        """With the reduction."""
+        """Efficiency with the time of the reduction."""
         return self._over(self.cell.ms_per_spp)
 
     @property
     def without_reduction(self) -> Estimate:
-        """As if adding up the films took no time."""
+        """Efficiency as if adding up the films took no time."""
         return self._over(np.array([sample.render_ms / sample.spp for sample in self.cell.samples]))
 
     @property

@@ -24,7 +24,7 @@ THROTTLED = "a CPU quota or other processes took CPU time during more than a ten
 
 @dataclass(frozen=True)
 class Disturbance:
-    """Of `samples`, `disturbed` were contended, at a low clock, or both."""
+    """How many of the `samples` were disturbed: contended, at a low clock, or both."""
 
     samples: int
     disturbed: int

@@ -44,12 +44,12 @@ class Withdrawal:
 
     @property
     def mark(self) -> str:
-        """For the line of a verdict."""
+        """The withdrawal's text for the line of a verdict."""
         return f"{_MARK}{self.gist}"
 
     @property
     def short(self) -> str:
-        """For a caption."""
+        """The withdrawal's text for a caption."""
         limits = ", ".join(f"{value:.2f} ({choice})" for choice, value in self.bound.items())
         bound = f"; bound: {limits} {self.bound_is}" if limits else ""
         spared = f", except with {self._spared}" if self.spares else ""
@@ -58,7 +58,7 @@ class Withdrawal:
 
     @property
     def full(self) -> str:
-        """For a summary: everything."""
+        """The withdrawal's text for a summary: everything."""
         where = f" ({self.source})" if self.source else ""
         body = self.short.removeprefix("Withdrawn: ").removesuffix(".")
         return f"{body}{where}. What stays valid: {self.stays}. Withdrawn until {self.until}."
@@ -119,12 +119,12 @@ def withdrawals() -> tuple[Withdrawal, ...]:
 
 
 def between(one: Cell, other: Cell) -> tuple[Withdrawal, ...]:
-    """Those that concern a verdict on these two."""
+    """The withdrawals that concern a verdict on these two cells."""
     return tuple(entry for entry in withdrawals() if entry.is_between(one, other))
 
 
 def among(cells: Sequence[Cell]) -> tuple[Withdrawal, ...]:
-    """Those that concern a verdict on any two of these."""
+    """The withdrawals that concern a verdict on any two of these cells."""
     return tuple(
         entry
         for entry in withdrawals()
@@ -134,12 +134,12 @@ def among(cells: Sequence[Cell]) -> tuple[Withdrawal, ...]:
 
 
 def _one_a_choice(entry: Withdrawal, cells: Iterable[Cell]) -> list[Cell]:
-    """As many cells as there can be verdicts between, so that not every pair of a large study is asked."""
+    """As few cells as have every verdict between them, so that not every pair of a large study is asked."""
     if entry.scenes:
         return [cell for cell in cells if cell.scene in entry.scenes]
     return list({(cell.backend, cell.axes.get(entry.axis), entry.concerns(cell)): cell for cell in cells}.values())
 
 
 def concerning(cells: Sequence[Cell]) -> tuple[Withdrawal, ...]:
-    """Those of any of these cells, whatever stands beside it."""
+    """The withdrawals that concern any of these cells, whatever stands beside it."""
     return tuple(entry for entry in withdrawals() if any(entry.concerns(cell) for cell in cells))

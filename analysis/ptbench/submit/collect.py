@@ -57,7 +57,7 @@ def read_shard(file: Path) -> ShardFile | None:
 
 
 def groups_of(submission: Submission, array: Array) -> list[Group]:
-    """By machine, what an array's folder holds; of a shard that is there twice the earlier one counts.
+    """The shards in an array's folder, grouped by machine; of a shard that is there twice the earlier one counts.
 
     Raises InputError where the two do not hold the same cells with the same films.
     """

@@ -29,7 +29,7 @@ def _asked(options: argparse.Namespace) -> Submission:
 
 
 def _known(asked: Submission) -> Submission:
-    """That of the folder, if it is the same; else what is asked."""
+    """The folder's submission, if it is the one asked for; without one in the folder, what is asked."""
     if not (asked.folder / "submission.json").exists():
         return asked
     known = read_submission(asked.folder)

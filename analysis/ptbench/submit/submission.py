@@ -64,7 +64,7 @@ class Submission:
 
 
 def read_submission(folder: Path) -> Submission:
-    """That of a folder; raises InputError."""
+    """Reads the submission of a folder; raises InputError."""
     file = folder / "submission.json"
     try:
         document = json.loads(read_whole(file))

@@ -85,7 +85,7 @@ CELL = {
     "path_bytes": INTEGER,
     "path_state_bytes": INTEGER,
     "prepare_ms": NUMBER,
-    # Of scenes with meshes; builds and encodings are outside every sample's clock.
+    # These columns are filled for scenes with meshes; builds and encodings are outside every sample's clock.
     "mesh_triangles": INTEGER,
     "mesh_nodes": INTEGER,
     "mesh_node_bytes": INTEGER,

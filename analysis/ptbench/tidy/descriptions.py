@@ -9,7 +9,7 @@ import sys
 
 from ptbench.tidy.columns import CATEGORY, FLAG, FROM_FILES, GROUPS, INTEGER, NUMBER, TEXT
 
-# By column. Where tables have a column of one name, it says one thing in all of them.
+# The meaning of each column. Where tables have a column of one name, it says one thing in all of them.
 MEANINGS = {
     # the file
     "file": "path of the result file, as given",

@@ -184,7 +184,7 @@ def _rows_at(layout: Layout, place: Place, formula: dict[str, str]) -> list[Row]
 
 
 def _quantities(layout: Layout, places: Sequence[Place]) -> list[str]:
-    """Those that are measured at enough points; where none is, None stands for the worst of each point's."""
+    """The quantities measured at enough points; where none is, the empty one stands for the worst of each point's."""
     seen: dict[str, set[Place]] = {}
     for place in places:
         for row in _rows_at(layout, place, {}) or [r for _, formula in LINES for r in _rows_at(layout, place, formula)]:
