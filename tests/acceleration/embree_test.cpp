@@ -229,7 +229,8 @@ TEST(EmbreeNativeTest, MeetsWhatBruteForceMeets) {
         if (same_place(wanted, found)) {
             ++same;
             if (wanted.side.exists()) {
-                // Of the distance, or of the coordinates (about 1), whose rounding a short distance has too.
+                // The error is relative to the distance, or to the coordinates (about 1), whose rounding a short
+                // distance has too.
                 EXPECT_NEAR(found.t, wanted.t, 1e-5f * std::max(wanted.t, 1.0f));
             }
         }

@@ -200,7 +200,8 @@ TYPED_TEST_SUITE(ConnectionTest, Reals);
 
 using AddLight = std::function<void(SceneBuilder&, std::uint32_t)>;
 
-// Of every shape, around the floor's normal; from the origin none hides another. Light that scatters meets them rarely.
+// Small lights of every shape, around the floor's normal; from the origin none hides another. Light that scatters meets
+// them rarely.
 const AddLight small_lights[] = {
     [](auto& b, auto m) {
         b.sphere(m, {0.9, 1.4, -0.6}, 0.6);

@@ -99,7 +99,7 @@ TYPED_TEST(IrradianceTest, RectangleAboveTheCorner) {
 
 TYPED_TEST(IrradianceTest, RectangleAboveTheCentre) {
     this->expect(lit(10, [](auto& b) { b.quad(b.emitter(Vec3d(1.0)), {0, 1, 0}, 2, 2); }), 1.740839502734206, "quad");
-    // Of a box straight above only the face below is seen.
+    // A box straight above shows only its face below.
     this->expect(lit(10,
                      [](auto& b) {
                          b.box(b.emitter(Vec3d(1.0)), {0, 1.25, 0}, {2, 0.5, 2});

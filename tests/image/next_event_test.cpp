@@ -138,8 +138,8 @@ TYPED_TEST(NextEventTest, OneSampleOfTwoTechniques) {
     }
 }
 
-// Of the numbers that are drawn the same for both, one sample counts twice what two samples count by the technique that
-// was chosen, and nothing by the other; each is chosen about as often.
+// One-sample MIS draws the same numbers as the sum of both techniques: a sample counts twice what the technique that
+// was chosen brings there, and nothing by the other; each is chosen about as often.
 TYPED_TEST(NextEventTest, OneSampleCountsTheChosenTechniqueTwice) {
     const Scene scene = stage(lamp);
     RenderOptions both{.depth = 2, .seed = 5, .next_event = true, .mis_exponent = 1};

@@ -41,7 +41,7 @@ RenderRequest request_for(const std::string& direct_light, const std::string& li
     return request;
 }
 
-// As pt::render has it, by this file's kernel. Connections are counted.
+// Renders as pt::render does, by this file's kernel. Connections are counted.
 Film film_of_closest_hits(const Scene& scene, const RenderRequest& request, PathCounters& counters) {
     const KernelChoice kernel = choose_kernel(scene, request.variant);
     EXPECT_TRUE(is_superset(features, kernel.needed)) << scene.name;

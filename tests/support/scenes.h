@@ -34,10 +34,10 @@ struct SceneBuilder {
     std::uint32_t emitter(const Vec3d& radiance);
     // Has the material show an image in place of its colour: texels from the bottom, row by row.
     void texture(std::uint32_t material, std::uint32_t width, std::uint32_t height, const std::vector<Vec3d>& texels);
-    // The same in place of its roughness.
+    // Gives a material an image in place of its roughness.
     void roughness_texture(std::uint32_t material, std::uint32_t width, std::uint32_t height,
                            const std::vector<double>& texels);
-    // Likewise normals in tangent space.
+    // Gives a material an image of normals in tangent space.
     void normal_map(std::uint32_t material, std::uint32_t width, std::uint32_t height, const std::vector<Vec3d>& texels,
                     double scale = 1);
     std::uint32_t dielectric(double ior, const Vec3d& sigma_a = Vec3d(0.0), const Vec3d& tint = Vec3d(1.0));

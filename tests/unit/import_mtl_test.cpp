@@ -39,7 +39,7 @@ public:
                               .out = folder.file("out.json"),
                               .name = ""});
     }
-    // Of the material `right` with these lines.
+    // The problems of an import whose material `right` has these lines.
     static Lines problems_of(const std::string& lines, const std::string& mesh = two_squares) {
         return Course(left + "newmtl right\n" + lines, mesh).import().problems.messages("a", "");
     }

@@ -278,7 +278,7 @@ TYPED_TEST(LightSelectionTest, EveryLightIsWithinReachFromEverywhere) {
     }
 }
 
-// Where every cut takes one light off, the levels would run out.
+// Lights of which every cut would take one off, so that the levels would run out.
 TYPED_TEST(LightSelectionTest, TreesEndWithinTheirLevels) {
     std::vector<LightExtent> lights;
     for (int i = 0; i < 300; ++i) {

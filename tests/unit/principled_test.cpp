@@ -195,7 +195,7 @@ TYPED_TEST(PrincipledTest, AnEvenLightIsKeptAsQuadratureHasIt) {
                 if (kind.ior == 1 && kind.transmission > 0) {
                     exact = kind.colour.y;
                 }
-                // As if the points were independent.
+                // The error is taken as if the points were independent.
                 const double error = std::sqrt(std::max(0.0, square - kept * kept)) / side;
                 EXPECT_NEAR(kept, exact, test::tolerated_errors * error + 1e-4)
                     << roughness << " " << cosine << " m " << kind.metallic << " t " << kind.transmission << " n "
@@ -205,7 +205,7 @@ TYPED_TEST(PrincipledTest, AnEvenLightIsKeptAsQuadratureHasIt) {
     }
 }
 
-// Of white: no more than there is, at any roughness, index and angle.
+// A white material reflects and transmits no more light than there is, at any roughness, index and angle.
 TEST(PrincipledEnergy, AWhiteOneGainsNothing) {
     for (const double alpha : {1e-6, 0.01, 0.1, 0.3, 1.0}) {
         for (const double ior : {1.0, 1.02, 1.33, 1.5, 2.5, 20.0}) {

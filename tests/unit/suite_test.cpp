@@ -308,7 +308,7 @@ TEST_F(SuiteTest, TellsTwoScenesOfOneNameApartByTheirHashes) {
         }
         EXPECT_EQ(names.size(), 2u);
     }
-    // The same scene from two places is one scene.
+    // One scene's text in two places is one scene.
     test::write_text(other, scene_text("still", false));
     EXPECT_EQ(plan(R"({"name": "a", "scenes": ["still", ")" + other + "\"]}").cells.size(), 1u);
 }

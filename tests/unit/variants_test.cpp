@@ -798,7 +798,7 @@ TEST(ApplicabilityTest, SaysWordForWordWhatDoesNotApply) {
     }
 }
 
-// For programs: neither changes when a sentence does.
+// Programs read the code and the axis: neither changes when a sentence does.
 TEST(ApplicabilityTest, ReasonsHaveACodeAndTheAxisThatDoesNotApply) {
     const struct {
         std::vector<std::pair<std::string, std::string>> choices;
@@ -1133,7 +1133,7 @@ TEST(WorkTest, EveryCheckIsTriedAbove) {
     }
 }
 
-// As many camera rays are kept as there are samples, or fewer: both are the cache's work.
+// The cache's work is right with as many camera rays kept as there are samples, or fewer.
 TEST(WorkTest, ACacheOfSeveralRaysMayBeFilledByEverySample) {
     const Descriptor& d = registry().find("first_bounce", "cached_jitters")->descriptor;
     EXPECT_EQ(d.check_counters({.paths = 200, .rays = 500, .cache_fills = 200, .cache_hits = 0}, 2), "");

@@ -15,7 +15,7 @@ namespace pt {
 namespace {
 
 constexpr std::uint32_t width = 16, height = 12, spp = 3;
-// Where faults are planted: one pixel, one sample, one place along the path.
+// The place of planted faults: one pixel, one sample, one place along the path.
 constexpr std::uint32_t bad_pixel = 77, bad_sample = 2;  // pixel 13,4
 
 // ---- Faulty choices ----
@@ -264,7 +264,7 @@ Scene closed_room() {
     return builder.scene;
 }
 
-// The same without walls, in a bright environment: paths leave at any segment.
+// A scene without walls, in a bright environment: paths leave at any segment.
 Scene open_scene() {
     test::SceneBuilder builder;
     builder.environment(0.5);

@@ -37,7 +37,7 @@ class Pooled:
 
 
 def pooled(scenes: list[tuple[dict, int]]) -> Pooled:
-    """Pools scenes of reports, with their numbers of seeds; raises FindingError unless it is one scene, by other seeds."""
+    """Pools scenes of reports with their numbers of seeds; FindingError unless it is one scene, by other seeds."""
     _check(scenes)
     images = [scene["image"] for scene, _ in scenes]
     bias, errors = (np.array([image[name] for image in images]) for name in ("bias", "errors"))
