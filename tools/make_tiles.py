@@ -17,7 +17,7 @@ Colour = tuple[int, int, int]
 
 
 def _colour(column: int, row: int) -> Colour:
-    """`row`: from the bottom, as texture coordinates go."""
+    """The colour of a texel. `row`: from the bottom, as texture coordinates go."""
     if column % TILE == 0 or row % TILE == 0:
         return (90, 80, 70)
     tile = (column // TILE, row // TILE)

@@ -35,7 +35,7 @@ _COLUMNS = 4
 _PICTURE = 2.0  # inches
 _GAP = 0.18
 _LEAST_DPI = 128.0
-# What a render may report as wrong; shown where it is not zero.
+# Faults that a render may report, which are shown where they are not zero.
 _COUNTERS = ("nonfinite", "negative", "unfinished_walks")
 
 
@@ -55,7 +55,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class Row:
-    """One figure of the texts: pictures that are held against each other."""
+    """One row of a gallery: pictures that are held against each other."""
 
     title: str
     pictures: tuple[Picture, ...]

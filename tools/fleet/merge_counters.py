@@ -86,7 +86,7 @@ def counters_of(sums: dict[str, float], rays: float, ceilings: dict[str, float])
 
 
 def merged(folder: Path) -> list[dict]:
-    """All entries, those of one file after those of another."""
+    """The entries of all files, those of one after those of another."""
     read = [
         (folder / "csv" / f"{file.stem.removeprefix('inspect_')}-{number}.csv", entry)
         for file in sorted(folder.glob("inspect_*.json"))

@@ -21,7 +21,7 @@ from ptbench.program import Program
 
 @dataclass(frozen=True)
 class Call:
-    """The options of one call."""
+    """The options of one call of `ptbench claims`."""
 
     root: Path = Path()
     names: tuple[str, ...] = ()

@@ -28,7 +28,7 @@ class Measured:
 
 @dataclass(frozen=True)
 class Order:
-    """Which came first, with what shows it."""
+    """Which came first, the data or the prediction, with what shows it."""
 
     grade: str
     predicted: str = ""  # commit
@@ -38,7 +38,7 @@ class Order:
 
     @property
     def said(self) -> str:
-        """In a sentence."""
+        """The order of data and prediction in a sentence."""
         if self.grade == UNCOMMITTED:
             return "the prediction is not committed: whatever is measured now proves nothing"
         if self.grade == UNKNOWN:

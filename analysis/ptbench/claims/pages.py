@@ -54,12 +54,12 @@ class Told:
 
     @property
     def machine(self) -> str:
-        """The folder of results/; empty where nothing was run."""
+        """The machine's folder in results/; empty where nothing was run."""
         return "" if self.evidence is None else self.evidence.machine
 
     @property
     def device(self) -> str:
-        """GPU or CPU."""
+        """Whether the result is a GPU's or a CPU's, as a word."""
         return "—" if self.evidence is None else self.evidence.device
 
     @property
@@ -81,7 +81,7 @@ class Told:
 
     @property
     def foreseen(self) -> str:
-        """ "5 of 8" predictions were right."""
+        """How many predictions were right, as "5 of 8"."""
         right, of = self.verdict.foreseen
         return f"{right} of {of}" if of else "—"
 
@@ -136,7 +136,7 @@ def _rendered(ledger: Ledger, template: str, **names: object) -> str:
 
 
 def span_text(span: Span) -> str:
-    """ "1.06 to 1.32", "at least 1.36", "at most 1"."""
+    """A span in words: "1.06 to 1.32", "at least 1.36", "at most 1"."""
     if math.isinf(span.low) and math.isinf(span.high):
         return "any"
     if math.isinf(span.high):

@@ -32,7 +32,7 @@ class LastErrors:
     timed: Cell  # whose times those are: the cell's, or of the same render without checkpoints
 
     def mean(self, metric: str) -> float:
-        """Over seeds; may be below 0."""
+        """The mean error over seeds, which may be below 0."""
         return float(self.errors[metric].mean())
 
     def work(self, metric: str, drawn: np.ndarray) -> np.ndarray:

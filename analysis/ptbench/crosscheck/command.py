@@ -39,7 +39,7 @@ SCALAR_BLOCK = 32  # pixels of a side of Mitsuba's blocks
 
 
 def crosscheck_command(options: argparse.Namespace) -> int:
-    """The exit code; raises InputError."""
+    """Runs `ptbench crosscheck` and returns the exit code; raises InputError."""
     if options.out is not None:
         check_output_file(options.out, options.scenes)
     settings = _settings(options)

@@ -30,7 +30,7 @@ class Pooled:
 
     @property
     def verdict(self) -> str:
-        """One of three words; of the mean alone."""
+        """The verdict on the pooled mean alone, one of three words."""
         if self.worst_p < self.limit_p:
             return DIFFERS
         return AGREES if self.sees <= self.aim else WEAK

@@ -39,7 +39,7 @@ class MeanTest:
 
     @property
     def differs(self) -> bool:
-        """Whether any channel does."""
+        """Whether any channel of the image's mean differs."""
         return self.worst_p < self.limit_p
 
 
@@ -59,7 +59,7 @@ class BlockTest:
 
     @property
     def differs(self) -> bool:
-        """Whether any block does."""
+        """Whether any block of the images differs."""
         return self.beyond > 0
 
 
@@ -79,7 +79,7 @@ class PixelTest:
 
     @property
     def differs(self) -> bool:
-        """Whether they do."""
+        """Whether the images differ pixel by pixel."""
         return self.p < self.limit_p or self.still_beyond > 0
 
 
@@ -94,7 +94,7 @@ class Comparison:
 
     @property
     def differs(self) -> bool:
-        """Whether any of the three tests says so."""
+        """Whether any of the three tests says that the images differ."""
         return self.image.differs or self.blocks.differs or self.pixels.differs
 
 
@@ -120,7 +120,7 @@ class _Welch:
 
 
 def _welch(here: np.ndarray, there: np.ndarray) -> _Welch:
-    """Over axis 0, the seeds."""
+    """Welch's test over axis 0, the seeds."""
     means = here.mean(axis=0), there.mean(axis=0)
     of_mean = here.var(axis=0, ddof=1) / len(here), there.var(axis=0, ddof=1) / len(there)
     variance = of_mean[0] + of_mean[1]

@@ -79,7 +79,7 @@ def pages(groups: Sequence[Group], most: int) -> list[tuple[Group, ...]]:
 
 
 def draw(data: Data) -> Figure:
-    """The page of what is given."""
+    """Draws the page of a forest plot."""
     texts = [
         [f"{_ratio_text(item.ratio, data.threshold)} {item.word}" for item in group.items] for group in data.groups
     ]
@@ -140,7 +140,7 @@ def draw_narrow(data: Data) -> Figure:
     body = sum(heads) + sum(map(sum, rows)) + 0.5
     page = style.Page(_NARROW, body, data.title, data.caption)
     limits, log = _limits(data)
-    # One axes under all rows: what a row is lies at inches from its bottom.
+    # The page has one axes under all rows: what a row is lies at inches from its bottom.
     height = body - 0.5
     axes = page.axes(style.MARGIN, 0.5, _NARROW_PLOT, height)
     axes.set_ylim(0, height)
@@ -184,7 +184,7 @@ def _limits(data: Data) -> tuple[tuple[float, float], bool]:
 
 
 def _scale(axes: Axes, limits: tuple[float, float], log: bool, most: int = 5) -> None:
-    """`most`: that many ticks, or about it on a log scale."""
+    """Sets the axis' ticks: at most `most`, or about that many on a log scale."""
     if log:
         axes.set_xscale("log")
         axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if limits[1] < 12 * most * limits[0] else (1,)))

@@ -21,7 +21,7 @@ _MOST_COLUMNS = 11
 
 @dataclass(frozen=True)
 class Line:
-    """One scene: entry k is after k bounces, so entry 0 is the camera rays."""
+    """Live paths of one scene: entry k is after k bounces, so entry 0 is the camera rays."""
 
     scene: str
     fractions: tuple[float, ...]

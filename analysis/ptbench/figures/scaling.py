@@ -69,7 +69,7 @@ _BY_ORDER = Sweep("", "Scene, by its number in the caption", "", "{}".format)
 
 @dataclass(frozen=True)
 class Scaling:
-    """The figure of one sweep."""
+    """The figure of one sweep, such as over the number of materials."""
 
     figure: str
 
@@ -84,7 +84,7 @@ class Scaling:
 
 @dataclass(frozen=True)
 class Place:
-    """Where a cell stands; no x: it has nothing of what the figure follows."""
+    """The place of a cell in a sweep; no x: it has nothing of what the figure follows."""
 
     panel: str
     x: int | None

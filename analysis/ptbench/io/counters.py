@@ -33,7 +33,7 @@ class Counters:
 
 
 def counters_of(node: Node) -> Counters:
-    """The object, checked; raises InputError."""
+    """Reads the counters of a kernel from an object; raises InputError."""
     of_ceiling = ceilings_reached(node)
     return Counters(
         **{name: node.need(name).number() for name in MEASURED},

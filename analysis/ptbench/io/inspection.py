@@ -19,7 +19,7 @@ from ptbench.io.names import tuned_in
 from ptbench.io.nodes import Node, read_json, shown
 from ptbench.io.older import before, filled_in
 
-# What older files lack at the end of their choices, the last axis first.
+# The axes that older files lack at the end of their choices, the last axis first.
 _LAST = tuple(
     before(axis)
     for axis in (
@@ -133,7 +133,7 @@ def _word_of_rates(root: Node) -> str:
 
 
 def _with_rates(root: Node) -> Iterator[Node]:
-    """The objects that have such fields."""
+    """The objects of a file that have fields of rates."""
     for report in root.items():
         kernels = list(report.need("kernels").items())
         yield from kernels
@@ -187,7 +187,7 @@ def _plain(choices: tuple[str, ...]) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class PriceOfARay:
-    """Ratios, B over A; their product is `time`."""
+    """Ratios that the price of a ray is made of, B over A; their product is `time`."""
 
     instructions: float
     lanes: float  # of 1 / active lanes

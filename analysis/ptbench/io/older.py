@@ -22,7 +22,7 @@ class OlderAxis:
     filled_after: str = ""  # cells without the axis get `before` when they are read, behind this axis
 
 
-# In the order in which a variant's name spells them.
+# The axes that older files leave out, in the order in which a variant's name spells them.
 _AXES: dict[str, dict[str, OlderAxis]] = {
     "1": {
         "integrator": OlderAxis("wavefront"),

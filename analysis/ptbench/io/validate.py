@@ -99,7 +99,7 @@ def kind_of(path: Path, value: object) -> str:
 def complaints(value: object, kind: str, place: str = "$") -> Iterator[str]:
     """What is wrong with a value of a kind of file, one line each: "PLACE: found .., allowed: .."."""
     errors = validator(kind).iter_errors(value)
-    # Two rules may ask for one thing.
+    # Complaints are listed once, since two rules may ask for one thing.
     yield from dict.fromkeys(line for error in errors for line in _lines(error, place))
 
 

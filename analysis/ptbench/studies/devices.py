@@ -18,7 +18,7 @@ DEVICES, PARTITION, WHOLE = "devices", "partition", "samples"
 
 
 def devices_of(cell: Cell) -> int:
-    """How many GPUs rendered it."""
+    """The number of GPUs that rendered the cell."""
     return int(cell.axes.get(DEVICES, "1"))
 
 
@@ -46,7 +46,7 @@ class Scaled:
 
     @property
     def reduce_ms(self) -> Estimate:
-        """What adding up the films takes."""
+        """Milliseconds that adding up the films takes."""
         return median_estimate(np.array([sample.device_reduce_ms or 0.0 for sample in self.cell.samples]))
 
     @property
@@ -73,7 +73,7 @@ def strong(cells: Sequence[Cell]) -> list[Scaled]:
 
 
 def weak(cells: Sequence[Cell]) -> list[Scaled]:
-    """Every one whose like with that part of its samples is."""
+    """Every cell on several GPUs beside the one on a single GPU that takes its part of the samples."""
     return _scaled(cells, lambda cell: cell.spp / devices_of(cell))
 
 

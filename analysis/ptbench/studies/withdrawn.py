@@ -21,7 +21,7 @@ _MARK = "withdrawn: "
 
 @dataclass(frozen=True)
 class Withdrawal:
-    """One entry of withdrawn.json."""
+    """One entry of withdrawn.json, by which verdicts on a choice do not count."""
 
     axis: str
     choices: tuple[str, ...]
@@ -39,7 +39,7 @@ class Withdrawal:
 
     @property
     def named(self) -> str:
-        """ "axis=choice,choice"."""
+        """The choices that are concerned, as "axis=choice,choice"."""
         return f"{self.axis}={','.join(self.choices)}"
 
     @property
@@ -74,7 +74,7 @@ class Withdrawal:
         return is_there and cell.axes.get(self.axis) in self.choices and not is_spared
 
     def is_between(self, one: Cell, other: Cell) -> bool:
-        """Whether it concerns a verdict on these two."""
+        """Whether the withdrawal concerns a verdict on these two cells."""
         if self.scenes:
             differ = one.scene == other.scene and (one.variant, one.tuned) != (other.variant, other.tuned)
         else:
@@ -83,7 +83,7 @@ class Withdrawal:
 
 
 def withdrawals_of(root: Node) -> tuple[Withdrawal, ...]:
-    """The file's entries, checked; raises InputError."""
+    """The entries of a file of withdrawals, checked; raises InputError."""
     return tuple(
         Withdrawal(
             axis=node.need("axis").name(),
@@ -114,7 +114,7 @@ def is_marked(note: str) -> bool:
 
 @cache
 def withdrawals() -> tuple[Withdrawal, ...]:
-    """The package's entries."""
+    """The package's withdrawals."""
     return withdrawals_of(read_json(FILE))
 
 

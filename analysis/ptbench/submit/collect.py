@@ -34,7 +34,7 @@ class Group:
     twice: list[Path] = field(default_factory=list)  # left out: the same shard is there already
 
     def missing(self, count: int) -> list[int]:
-        """The shards that are not there."""
+        """The numbers of the shards that are not there."""
         return [shard for shard in range(1, count + 1) if shard not in self.shards]
 
 

@@ -17,7 +17,7 @@ def _called(*command: str) -> subprocess.CompletedProcess:
 
 
 def submit(script: Path, shards: list[int]) -> str:
-    """Has the tasks of an array queued; returns the job's number."""
+    """Queues the tasks of an array; returns the job's number."""
     answer = _called("sbatch", "--parsable", f"--array={','.join(map(str, shards))}", str(script))
     if answer.returncode != 0:
         said = answer.stderr.strip().splitlines() or [f"exit code {answer.returncode}"]

@@ -36,7 +36,7 @@ _LONGEST_EQUAL = 1.25
 
 @dataclass(frozen=True)
 class Shot:
-    """One variant's image; `error` is its mean signed error over the channels."""
+    """One variant's image at equal time; `error` is its mean signed error over the channels."""
 
     label: str
     facts: str

@@ -36,7 +36,7 @@ _CAPTION = (
 
 @dataclass(frozen=True)
 class HeatRow:
-    """A case at a point: a cell a column."""
+    """A row of the heat map: a case at a point, with a cell a column."""
 
     label: str
     cells: tuple[HeatCell, ...]
@@ -85,7 +85,7 @@ def number(over_allowed: float) -> str:
 
 
 def collect(stability: Stability) -> list[HeatPage]:
-    """One page, or one a family where that would have too many rows."""
+    """Collects one page, or one a family where that would have too many rows."""
     if not stability.rows:
         raise NotDrawable("the file has no rows")
     layout = Layout(stability)

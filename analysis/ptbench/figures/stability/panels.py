@@ -35,7 +35,7 @@ _CAPTION = (
 
 @dataclass(frozen=True)
 class Line:
-    """`errors` may be 0 or infinite."""
+    """The errors of one formula along a sweep; `errors` may be 0 or infinite."""
 
     label: str
     xs: tuple[float, ...]
@@ -82,7 +82,7 @@ def _alike(one: Line, other: Line) -> bool:
 
 
 def collect(stability: Stability) -> list[SweepPage]:
-    """One page a case, or a family where there are many; raises NotDrawable."""
+    """Collects one page a case, or a family where there are many; raises NotDrawable."""
     layout = Layout(stability)
     swept: dict[Case, list[Place]] = {}
     for place in layout.places:
@@ -105,7 +105,7 @@ _Page = tuple[str, str, Sequence[Case], Sequence[Panel]]
 
 
 def _pages(panels: dict[Case, list[Panel]]) -> Iterable[_Page]:
-    """(file name, title, cases, panels) of each."""
+    """The pages, each as file name, title, cases and panels."""
     if len(panels) <= MOST_FIGURES:
         for case, found in panels.items():
             yield from _split(f"sweep_{case.name}", f"{case.shown}: {case.title}".rstrip(": "), [case], found)
@@ -193,7 +193,7 @@ def _quantities(layout: Layout, places: Sequence[Place]) -> list[str]:
 
 
 def _panel(layout: Layout, case: Case, places: Sequence[Place], quantity: str, others: str) -> Panel | None:
-    """None: nothing is off anywhere, or there are too few points."""
+    """A panel; None where nothing is off anywhere, or there are too few points."""
     rows = {
         label: [(place, row) for place in places if (row := _row_of(layout, place, formula, quantity)) is not None]
         for label, formula in LINES

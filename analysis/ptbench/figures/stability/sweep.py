@@ -20,7 +20,7 @@ _BOUND_LINES = {"robust float": (0, (5, 2)), "robust double": (0, (1, 1.6))}
 
 
 def looks() -> dict[str, style.Look]:
-    """One look a formula, whichever of them a panel has."""
+    """The looks of the formulas' lines, one each, whichever of them a panel has."""
     return {label: style.look(index) for index, (label, _) in enumerate(LINES)}
 
 
