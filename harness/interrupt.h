@@ -14,13 +14,13 @@ inline constexpr int exit_interrupted = 130;  // 128 + SIGINT, as shells report 
 
 class Interrupt {
 public:
-    // Handles the signals while it lives. A process has at most one Interrupt at a time.
+    // Handles the interrupting signals while this object lives. A process has at most one Interrupt at a time.
     explicit Interrupt(std::chrono::milliseconds grace = std::chrono::seconds(1));
     ~Interrupt();
     Interrupt(const Interrupt&) = delete;
     Interrupt& operator=(const Interrupt&) = delete;
 
-    // Whether there was a signal.
+    // Whether there was an interrupting signal.
     bool requested() const;
     // If the program still runs `grace` after a signal, `end` is called on a thread of its own and the process exits
     // with what it returns. Without this call the process then exits with exit_interrupted.

@@ -74,7 +74,8 @@ std::string in_words(const CLI::ParseError& error) {
                                                     message.substr(message.find_last_of(' ') + 1));
 }
 
-// The others would leave all ranks but one with nothing to do, and time the one.
+// Refuses several ranks for commands other than run and render, which would leave all ranks but one with nothing to do,
+// and time the one.
 void check_ranks(const std::string& command) {
     if (pt::ranks().count > 1 && command != "run" && command != "render") {
         throw pt::InputError(

@@ -21,9 +21,9 @@ std::vector<std::string> suite_names();
 // A shipped scene by name, or any file by a path that ends in .json. Says on stderr how many triangles without area
 // its meshes were read without. Throws InputError.
 Scene find_scene(const std::string& name_or_file);
-// Whether its file is one of those that come with the program: who has the program finds it by its name.
+// Whether the scene's file is one of those that come with the program: who has the program finds it by its name.
 bool is_shipped(const Scene& scene);
-// Whether its file names a mesh, which reading it would load or generate. Throws InputError.
+// Whether the scene's file names a mesh, which reading it would load or generate. Throws InputError.
 bool names_meshes(const std::string& scene_name_or_file);
 // Several for one run, in the order given. Different scenes may have one name in their files (the course's call theirs
 // "cornell"): each of these is called NAME@H here, H the first 8 digits of its hash, which no file can call itself.

@@ -63,7 +63,7 @@ PT_HD inline Real sum_of_channels(const Vec3<Real>& colour) {
     return colour.x + colour.y + colour.z;
 }
 
-// What a path that has arrived at a vertex, after `segments`, is expected to bring from there, in units of its pixel.
+// The share of its pixel that a path at a vertex, after `segments`, is expected to bring from there.
 template <class Real>
 PT_HD inline Real expected_share(const AdjointCache<Real>& cache, const Path<Real>& path, const Vertex<Real>& vertex,
                                  std::uint32_t segments) {
@@ -73,7 +73,8 @@ PT_HD inline Real expected_share(const AdjointCache<Real>& cache, const Path<Rea
            static_cast<Real>(cache.by_pixel[path.pixel]);
 }
 
-// 1 within the window and above it. A number that is none is no reason to end a path: the film will count it.
+// Probability with which a path survives: 1 within the window and above it. A share that is not a number is no reason
+// to end a path: the film will count it.
 template <class Real>
 PT_HD inline Real survival_probability(Real share, Real lowest, const Vec3<Real>& throughput) {
     const Real wanted = min(share / lowest, Real(1));
@@ -81,7 +82,7 @@ PT_HD inline Real survival_probability(Real share, Real lowest, const Vec3<Real>
     return min(max(wanted, max(least_survival<Real>, carried * (Real(1) / most_carried<Real>))), Real(1));
 }
 
-// Into how many paths one is split: 1 within the window and below it.
+// Number of branches that a path splits into: 1 within the window and below it.
 template <class Real>
 PT_HD inline std::uint32_t branch_count(Real share, Real highest, std::uint32_t most) {
     return share > highest ? 1 + static_cast<std::uint32_t>(min(share / highest, static_cast<Real>(most - 1))) : 1u;
@@ -101,7 +102,7 @@ PT_HD inline bool survives_by_share(Path<Real>& path, Real share, Real lowest, R
     return true;
 }
 
-// What befalls a path at a vertex before it scatters: in kernels without adjoint-driven roulette nothing.
+// The branch of kernels without adjoint-driven roulette, to which nothing happens before it scatters at a vertex.
 struct OneBranch {
     template <class Config>
     static constexpr bool acts_in = has<Config>(Feature::adjoint_roulette);

@@ -77,7 +77,8 @@ enum class Feature : FeatureSet {
     // and one with both chooses at run time (SceneView::light_selection).
     power_selection = feature_bit::light << 7,
     tree_selection = feature_bit::light << 8,
-    // A connection or light that is met, one of the two, chosen at random (SceneView::one_sample).
+    // One-sample MIS: either the connection to a light counts or the light that is met, chosen at random
+    // (SceneView::one_sample).
     one_sample = feature_bit::light << 9,
     // An environment that is drawn as lights are (kernels/environment_map.h): an image, or one number all round.
     environment_map = feature_bit::light << 10,
@@ -95,11 +96,10 @@ enum class Feature : FeatureSet {
     // Roulette, and splitting, by what a path is expected to bring (kernels/adjoint.h, kernels/path_tree.h).
     adjoint_roulette = feature_bit::sampling << 8,
     splitting = feature_bit::sampling << 9,
-    // Features that are shortcuts: a scene that has one does not need it, and a kernel that has it leaves the same
-    // film.
+    // Features that only make a kernel faster: it leaves the same film with them, and no scene needs them.
     enclosure = feature_bit::traversal << 0,
-    // Other formulas too, and so other roundings: intersection in double within single precision (kernels/widen.h), and
-    // textbook forms throughout (kernels/naive.h).
+    // Features that compute by other formulas, and so round otherwise: intersection in double within single precision
+    // (kernels/widen.h), and textbook forms throughout (kernels/naive.h).
     double_intersection = feature_bit::traversal << 1,
     naive = feature_bit::traversal << 2,
     // Other ways to the objects that show meshes than each in turn: a tree over them (kernels/object_tree.h), and one
@@ -143,12 +143,14 @@ inline constexpr FeatureSet samplers = set_of(Feature::philox, Feature::sobol_ow
 // not even a generic one, pays for it.
 inline constexpr FeatureSet samplings = samplers | static_cast<FeatureSet>(Feature::guided_walk);
 
-// A kernel has it only for a scene that has it: the way through an accelerator takes registers from every other shape.
+// Features by which a kernel traverses meshes. It has one only for a scene with meshes: the way through an accelerator
+// takes registers from every other shape.
 inline constexpr FeatureSet traversals = set_of(Feature::mesh);
 // The trees over all meshes (TLAS, or one flat tree), at most one of them, for a variant and a scene that has meshes.
 inline constexpr FeatureSet mesh_levels = set_of(Feature::object_tree, Feature::flat_tree);
 
-// A kernel has it only for a variant that asks for it: the branches that wait take registers and memory.
+// Features of kernels whose paths split. A kernel has one only for a variant that asks for it: the branches that wait
+// take registers and memory.
 inline constexpr FeatureSet path_trees = set_of(Feature::splitting);
 
 // Features that change what is computed: a kernel has exactly those of them that it is asked for.

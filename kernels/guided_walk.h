@@ -80,7 +80,7 @@ struct GuidedStep {
         }
         return scattered ? thinned(decay) : Real(1);
     }
-    // How much thinner the medium is that guided flights are drawn in.
+    // Factor by which the medium is thinner in which guided flights are drawn.
     PT_HD Real thinned(Real decay) const { return Real(1) - decay * cosine; }
 };
 

@@ -157,7 +157,7 @@ public:
             const Real sum = path.throughput.x + path.throughput.y + path.throughput.z;
             counters_.gains += sum > Real(3) * (Real(1) + Real(0x1p-20)) ? 1u : 0u;
         }
-        // A path that leaves on the other side of what it met has gone through.
+        // Notes on which side of a surface a path goes on: one that leaves on the other side has gone through.
         if (met_.exists() && path.origin_surface.exists() && path.origin_surface.object() == met_.object() &&
             path.origin_surface.inside() != met_.inside() && met_.object() < 64) {
             inside_ ^= BodySet{1} << met_.object();

@@ -149,7 +149,8 @@ PT_HD inline void keep_nearer_flat(Hit<Real>& best, const Interval<Real>& crossi
     }
 }
 
-// Shapes of which a line that passes by is met at 0, and so not at all: nobody needs to ask whether it hits.
+// Whether a shape's intersection gives distance 0 for a line that passes it by: 0 is never a hit, so `hits` needs no
+// test.
 template <class Shape>
 inline constexpr bool misses_at_zero = requires {
     Shape::misses_at_zero;
@@ -267,7 +268,8 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
             }
             return;
         }
-        // Past all of them: rounding is monotonic, so no box is met where the box round them all is not.
+        // The axis boxes are passed over where the box round all of them is not met: rounding is monotonic, so none of
+        // them is met there.
         const Interval<Real> reach =
             slab_interval(scene.enclosure.reach_low, scene.enclosure.reach_high, ray.origin, inverse);
         if (!in_wall && (!reach.hits || reach.far < Real(0))) {

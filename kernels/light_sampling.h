@@ -44,7 +44,7 @@ struct SeenFaces {
     }
 
     PT_HD bool any() const { return height.x > Real(0) || height.y > Real(0) || height.z > Real(0); }
-    // Inside the box or on it, and in the plane of a quad within its edges.
+    // Whether the observer is inside the box or on it; for a quad, in its plane within its edges.
     PT_HD bool inside() const {
         return absolute(observer.x) <= half.x && absolute(observer.y) <= half.y && absolute(observer.z) <= half.z;
     }
@@ -70,7 +70,7 @@ struct SeenFaces {
                           (!(of_height > Real(0)) || height.z * of_direction > of_height * absolute(direction.z));
         return by_z ? 2 : axis;
     }
-    // The face that `pick`, from 0 to the sum of the shares, falls to; none without a share.
+    // The face that `pick`, from 0 to the sum of the shares, falls to; a face without a share is never picked.
     PT_HD static int picked(const Vec3<Real>& share, Real pick) {
         if (share.z > Real(0) && pick >= share.x + share.y) {
             return 2;
@@ -153,7 +153,8 @@ struct OneFaceNear {
         const Real back = component_of(faces.observer, axes.across) > Real(0) ? -point.z : point.z;
         const Vec3<Real> to_light{coordinate(axes, 0, point, back), coordinate(axes, 1, point, back),
                                   coordinate(axes, 2, point, back)};
-        // A thread's end may be so near that the square of its distance is 0.
+        // The vector is scaled first, since the end of a light as thin as a thread may be so near that the square of
+        // its distance is 0.
         const Real scale = power_to_one(max(max(absolute(to_light.x), absolute(to_light.y)), absolute(to_light.z)));
         const Vec3<Real> scaled = to_light * scale;
         const RootAndInverse<Real> length = nearly_root_and_inverse_in_range(dot(scaled, scaled));

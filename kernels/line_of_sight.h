@@ -49,7 +49,8 @@ struct Segment {
     }
 };
 
-// Kernels that meet objects by the robust forms of the shapes; others ask for the closest hit.
+// Whether a kernel has occlusion tests: one that meets objects by the robust forms of the shapes. Others ask for the
+// closest hit.
 template <class Config>
 inline constexpr bool has_lines_of_sight =
     !has<Config>(Feature::naive) && !has<Config>(Feature::matrix) && !has<Config>(Feature::double_intersection);

@@ -49,7 +49,8 @@ private:
     // What squares of lengths count as at least, so that they have a reciprocal.
     static constexpr Real least_square = Real(0x1p-100);
 
-    // The line of one x: the sines of its ends' angles to the plane across it that the observer lies in.
+    // The line across the rectangle at one x, as the sines of its ends' angles to the plane across it that the observer
+    // lies in.
     struct Stretch {
         Real square;  // of the distance to the endless line
         Real low, high;

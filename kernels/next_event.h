@@ -29,7 +29,7 @@ PT_HD inline Real mis_weight_light(Real ratio, std::uint32_t exponent) {
     return nearly_divide(Real(1), Real(1) + (exponent == 2 ? ratio * ratio : ratio));
 }
 
-// What light counts that the path meets at `hit`, at the end of its ray. `traced`: the same scene, as rays walk through
+// Weight of the light that the path meets at `hit`, at the end of its ray. `traced`: the same scene as rays traverse
 // it.
 template <class Config>
 PT_HD inline typename Config::Real encounter_weight(const SceneView<typename Config::Real>& scene,

@@ -11,7 +11,7 @@
 
 namespace pt {
 
-// An object that emits, for sampling points on it.
+// An object that emits, with what sampling points on it needs.
 struct Light {
     std::uint32_t object;
 };
@@ -93,7 +93,7 @@ struct SceneView;
 template <class Real>
 using MeetMeshes = void (*)(Hit<Real>&, const SceneView<Real>&, const Ray<Real>&, Real);
 
-// Light from all round that is drawn as lights are.
+// An environment from which directions are drawn as from lights.
 template <class Real>
 struct EnvironmentMap;
 // The estimates of what paths bring, for adjoint-driven roulette and splitting (kernels/adjoint.h).
@@ -110,7 +110,7 @@ struct FlatTree {
     const FlatSlot* slots = nullptr;
 };
 
-// How rays find the objects that show meshes.
+// The functions and trees by which rays find the objects that show meshes.
 template <class Real>
 struct MeshSearch {
     // Functions of the host's accelerator: for one mesh, and for all by its tree over objects or triangles (null: each

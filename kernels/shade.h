@@ -19,7 +19,7 @@
 
 namespace pt {
 
-// What one thread counts while it runs stages; summed by whoever runs it.
+// Counters of one thread while it runs stages, which are summed by whoever runs it.
 template <class Count>
 struct PathCountersOf {
     Count paths = 0;
@@ -301,7 +301,7 @@ PT_HD inline bool scatter(const SceneView<typename Config::Real>& scene, const S
     return false;
 }
 
-// Takes the path one step further on its walk. False: the path is lost.
+// Takes the path one step further on its subsurface walk. False: the path is lost.
 template <class Config>
 PT_HD inline bool walk_on(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
                           WalkOf<Config>& walk, auto& counters) {
@@ -386,7 +386,7 @@ PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const Sce
     path.bsdf_pdf = Real(0);
     const RandomWords words =
         random_words<Config>(scene.seed, {path.pixel, path.sample, path.segment, random_block::scatter});
-    // A call that does nothing gives some kernels other registers.
+    // The branch is not called where it does nothing, since even such a call gives some kernels other registers.
     if constexpr (Branch::template acts_in<Config>) {
         if (!branch.template goes_on<Config>(scene, path, vertex, hit, unit_interval<Real>(words.w))) {
             return false;

@@ -82,14 +82,15 @@ PT_HD inline Vec3<Real> rounded_to(const Vec3<double>& v) {
 
 PT_HD inline Vec3<double> widened(const Vec3<float>& v) { return Vec3<double>(v); }
 
-// The way out of a body for a ray that starts on it and runs inside: its own surface lies at t = 0 on the near side.
+// The distance through a body for a ray that starts on it and runs inside: its own surface lies at t = 0 on the near
+// side.
 template <class Shape, class Real>
 PT_HD inline Real chord(const Shape& shape, const Vec3<Real>& origin, const Vec3<Real>& direction) {
     return max(interval(shape, origin, direction).far, Real(0));
 }
 
-// The way out of a body from a point inside it or on its surface. Nothing is inside a flat shape: the loader refuses a
-// body of one.
+// The distance to the surface of a body from a point inside it or on its surface. Nothing is inside a flat shape: the
+// loader refuses a body of one.
 template <class Shape, class Real>
 PT_HD inline Real distance_out_of(const Shape& shape, const Vec3<Real>& origin, const Vec3<Real>& direction,
                                   bool on_surface) {

@@ -101,7 +101,7 @@ PT_HD inline bool is_guided(const Material<Real>& medium) {
     return medium.guided_share > Real(0);
 }
 
-// The sigma_t that the next flight is drawn by.
+// The extinction coefficient sigma_t that the next flight is drawn by.
 template <class Config>
 PT_HD inline typename Config::Real sigma_of_flight(const Path<typename Config::Real>& path, const WalkOf<Config>& walk,
                                                    const Material<typename Config::Real>& medium,

@@ -64,7 +64,7 @@ PT_HD inline Vec2<Real> face_coordinates(const Vec3<Real>& p, std::uint32_t axis
                        : Vec2<Real>{half + sign * p.x, half + p.y};
 }
 
-// The axis of the box that the normal is along, but for rounding: by the squares of its cosines.
+// The axis of the box that the normal is along, but for rounding: the one with the largest square of a cosine.
 template <class Real>
 PT_HD inline std::uint32_t axis_along(const Transform<Real>& box, const Vec3<Real>& normal) {
     const Real x = dot(box.row[0], normal) * dot(box.column[0], normal);

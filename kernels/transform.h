@@ -53,7 +53,7 @@ PT_HD inline Interval<Real> interval(const Transform<Real>& object, const Vec3<R
                          Vec3<Real>(Real(1) / d.x, Real(1) / d.y, Real(1) / d.z));
 }
 
-// The way out of a convex body for a ray that starts on it and runs inside.
+// The distance through a convex body for a ray that starts on it and runs inside.
 template <class Real>
 PT_HD inline Real chord(const Transform<Real>& object, const Vec3<Real>& origin, const Vec3<Real>& direction) {
     if (object.shape == UnitShape::sphere) {

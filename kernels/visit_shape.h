@@ -17,8 +17,8 @@ PT_HD constexpr bool is_last(ShapeKind kind, FeatureSet features) {
                              !contains(features, Feature::mesh));
 }
 
-// One of an array. A kernel that is compiled for a scene's numbers of objects need not ask which one it is if there is
-// one alone.
+// Shape i of an array. A kernel that is compiled for a scene's numbers of objects need not ask which one it is if there
+// is one alone.
 template <class Config, class Shapes>
 PT_HD inline decltype(auto) shape_in(const Shapes& shapes, std::uint32_t i) {
 #if defined(__CUDA_ARCH__)

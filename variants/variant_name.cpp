@@ -37,7 +37,7 @@ std::string joined(const Variant& variant, Backend backend, char between, char i
     return text;
 }
 
-// Every tunable of the choices that the backend has; one that a choice lacks there has no value.
+// The values of all tunables of the variant's choices that the backend has; one that a choice lacks there has no value.
 Pairs tunable_values(const Variant& variant, Backend backend) {
     Pairs values;
     for (const std::string_view axis : axis_names) {

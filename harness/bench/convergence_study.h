@@ -14,7 +14,7 @@ inline constexpr std::string_view without_checkpoints_suffix = "_without_checkpo
 
 // The keys that only a convergence study has in a suite's file.
 inline const std::vector<std::string> convergence_keys{"reference", "images", "without_checkpoints"};
-// Reads the keys of such a study from its object; throws InputError.
+// Reads the keys of a convergence study from its object; throws InputError.
 ConvergenceSettings read_convergence(const JsonObject& study);
 
 // The checkpoints 1, 2, 4, ... and the last sample.

@@ -11,7 +11,7 @@
 
 namespace pt {
 
-// Samples that a cell may have where more are taken, as a multiple of those that every cell has.
+// Most samples that a cell may have where more are taken, as a multiple of the number that every cell has.
 inline constexpr int most_times_repetitions = 4;
 
 struct WantedSamples {

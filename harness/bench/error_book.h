@@ -11,7 +11,7 @@
 
 namespace pt {
 
-// A render at one of its checkpoints, copied.
+// The state of a render at one of its checkpoints, copied.
 struct Snapshot {
     std::uint32_t samples;
     double wall_ms, device_ms, cpu_ms;
@@ -46,7 +46,7 @@ public:
     Json rows(const Cell& cell, const std::vector<Snapshot>& snapshots);
 
 private:
-    // A film and its hash: of all samples so far or, where that was kept, of their first half.
+    // A film with its hash: that of all samples so far or, where it was kept, of their first half.
     struct Hashed {
         const Snapshot* snapshot = nullptr;
         std::string hash;

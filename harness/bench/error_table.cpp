@@ -145,7 +145,7 @@ std::optional<LastErrors> errors_of(const Cell& cell, const Journal& journal) {
     return found;
 }
 
-// The cell that renders the same without checkpoints.
+// The cell that makes the same render as this one without checkpoints.
 const Cell* companion_of(const Plan& plan, const Cell& cell) {
     const std::string name = cell.name.substr(0, cell.name.size() - checkpoints_suffix.size());
     const auto found =

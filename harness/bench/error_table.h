@@ -34,7 +34,7 @@ struct LastErrors {
 // The errors of those of a study's cells that have errors and at least two seeds, with the times of `plan`'s cells
 // without checkpoints where every one of them has such.
 std::vector<LastErrors> last_errors(const Plan& plan, const Cells& cells, const Journal& journal);
-// The cell with the plain estimator that is most like the others; null where there is none.
+// The cell with the plain estimator that is most like the other cells of the group; null where there is none.
 const LastErrors* baseline_of(const std::vector<LastErrors>& group, const Journal& journal);
 // Groups cells of one image (the reference's scene and depth, resolution and backend), in the order of the cells.
 std::vector<Cells> by_image(const Cells& cells);

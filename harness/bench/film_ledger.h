@@ -25,7 +25,7 @@ Variant bitwise_reference(const Cell& cell);
 // A sample in words, as "sample 2 (seed 3)".
 std::string sample_in_words(std::size_t index, std::uint64_t seed);
 
-// A cell that is found wrong.
+// A cell whose film or work is found wrong, and why.
 struct FailedCell {
     const Cell* cell = nullptr;
     std::string reason;

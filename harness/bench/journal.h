@@ -19,12 +19,12 @@ public:
     // damaged line, other identity: what differs), MachineError (cannot write).
     Journal(std::string file, const Json& identity, bool resume, const std::vector<std::string>& that_may_differ = {});
 
-    // One sample of a cell, in the order of its index.
+    // Adds one sample of a cell; samples come in the order of their index.
     void add_sample(const std::string& cell, const Json& sample);
     // A sample again: it takes the place of the cell's sample with its pt_seed, which retaken() has from then on.
     // Precondition: there is one.
     void retake_sample(const std::string& cell, const Json& sample);
-    // What is known of a cell besides its samples; a later call replaces an earlier one.
+    // Sets the facts that are known of a cell besides its samples; a later call replaces an earlier one.
     void set_cell(const std::string& cell, const Json& facts);
     // Begins a session: facts about the process that takes the samples that follow.
     void add_session(const Json& facts);
@@ -62,7 +62,7 @@ private:
     void keep_sample(const std::string& cell, const Json& sample);
     void keep_retake(const std::string& cell, const Json& sample);
     void count_sample();
-    // The cell's sample with this one's seed, or null.
+    // The cell's sample that has the seed of `sample`, or null.
     Json* taken_before(const std::string& cell, const Json& sample);
     void keep_session(Json facts);
 

@@ -27,7 +27,8 @@ struct EarlierResult {
     std::vector<std::string> images = {};  // that it names, relative to its folder
     std::string description;               // describe_result of it
 
-    // Whether it stays until the run's own is complete: not what this very run left when it was interrupted.
+    // Whether the earlier result stays until the run's own is complete; what this very run left when it was interrupted
+    // does not.
     bool is_kept() const { return is_there && !(is_of_this_run && !is_complete); }
 };
 // Throws MachineError if another command wrote `file` since it had this stamp. `where` says where the run's own samples
@@ -35,8 +36,8 @@ struct EarlierResult {
 void check_untouched(const std::string& file, const FileStamp& stamp, const std::string& where);
 EarlierResult earlier_result(const std::string& file, const nlohmann::ordered_json& run);
 
-// Throws InputError if `file` is there and the call does not say that it may be overwritten. A result takes seconds to
-// parse: the second one is for who has done so.
+// Throws InputError if `file` is there and the call does not say that it may be overwritten. The second form is for
+// callers who have read the earlier result, since a result takes seconds to parse.
 void check_overwrite(const std::string& file, bool overwrite);
 void check_overwrite(const std::string& file, const EarlierResult& earlier, bool overwrite);
 

@@ -28,7 +28,7 @@ std::string image_sources_hash();
 
 // The hash (FNV-1a) of the running program's file, which tells two builds of one commit apart.
 std::string program_hash();
-// The OMP_* and GOMP_* variables that are set, "NAME=value" with spaces between.
+// The OMP_* and GOMP_* variables of the environment that are set, as "NAME=value" with spaces between.
 std::string openmp_environment();
 
 // What else the machine did: CPU time of other processes (and time stolen by a hypervisor's), and how often this

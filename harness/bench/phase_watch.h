@@ -23,7 +23,7 @@ public:
     void reached(double share, double now);
     void end() { is_over_ = true; }
 
-    // The line that is due; empty: none.
+    // The line about the phase that is due now; empty: none is.
     std::string due(double now);
 
 private:

@@ -45,11 +45,11 @@ public:
     // `what` names the phase; `total` steps are expected. Nothing is shown in the first `patience` seconds, and so
     // nothing at all of what takes no longer.
     Progress(std::string what, std::size_t total, Lines lines = Lines::shown, double patience = 0);
-    // The step of that name begins: a terminal says so, a log does not.
+    // Tells that a step of that name begins: a terminal says so, a log does not.
     void begin(const std::string& name);
     // Tells that the step is done. The steps so far are taken to say how long the others last.
     void step(const std::string& name);
-    // `seconds_left` is called where a line is shown only.
+    // Tells that the step is done. `seconds_left` is called only where a line is shown.
     void step(const std::string& name, const std::function<std::optional<double>()>& seconds_left);
 
 private:

@@ -13,7 +13,8 @@ namespace pt {
 
 class RunJournal {
 public:
-    // Opens it: Journal's constructor. `go_on`: the command that goes on with the run, for what a crash says.
+    // Opens the journal of a run, as Journal's constructor does. `go_on`: the command that goes on with the run, for
+    // what a crash says.
     RunJournal(std::string file, const Json& identity, bool resume, const std::vector<std::string>& that_may_differ,
                std::string go_on);
 

@@ -1,4 +1,4 @@
-// Suites from their files.
+// Reads suites from their files.
 #include "harness/bench/suite.h"
 
 #include <algorithm>

@@ -144,7 +144,7 @@ TakenSample SampleTaker::render_sample(const Cell& cell, std::size_t index) {
 
 void SampleTaker::warm_up(const Cell& cell, RenderRequest request) {
     if (warm_.insert(cell.name).second) {
-        // One for each rank, and of it for each device.
+        // The warm-up takes one sample for each device of each rank.
         request.samples =
             static_cast<std::uint32_t>(ranks().count) * traits_of(cell.variant, cell.backend).devices.count;
         (void)render_on_ranks(*cell.scene, request);

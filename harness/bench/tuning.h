@@ -26,7 +26,7 @@ class Tuning {
 public:
     // An absent file is an empty tuning. Throws InputError for a file that is not a tuning.
     static Tuning load(const std::string& file, Backend backend);
-    // Replaces the entry of that variant, or adds one.
+    // Replaces the entry of a variant, or adds one.
     void put(const TunedVariant& tuned);
     // Writes the file. Throws MachineError if it cannot be written.
     void save(const std::string& file, const std::string& machine) const;

@@ -32,8 +32,8 @@ public:
     // is also held to the CPU's. A variant that rounds freely has its twin in exact arithmetic held to the reference's
     // bits, and its own mean to its twin's. Precondition: the variant applies to the scene.
     Verdict check(const Variant& variant);
-    // A part of it, for large sizes: the faults, the bits and the work alone, of a variant that rounds freely those of
-    // its twin; no means, and nothing of the CPU's on CUDA.
+    // Checks at large sizes the faults, the bits and the work alone (for a variant that rounds freely, those of its
+    // twin): no means, and nothing of the CPU's on CUDA.
     Verdict check_film(const Variant& variant);
 
 private:

@@ -53,7 +53,7 @@ OrderedJson everything(const ListArguments& arguments) {
             {"backends", list_backends()}};
 }
 
-// One axis, the scenes or the suites.
+// The text about one topic of `ptbench list`: an axis, the scenes or the suites.
 std::string topic_text(const ListArguments& arguments) {
     const std::string& topic = arguments.topic;
     if (topic == "scenes") {

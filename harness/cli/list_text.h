@@ -7,7 +7,7 @@
 
 namespace pt {
 
-// A line an axis with its choices, the names of scenes and suites, and the backends.
+// The overview of `ptbench list`: a line an axis with its choices, the names of scenes and suites, and the backends.
 std::string overview_text();
 // The choices of an axis, with origins, claims and tunables.
 std::string axis_text(const nlohmann::ordered_json& axis);

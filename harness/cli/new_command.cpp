@@ -183,7 +183,7 @@ fs::path file_named(const fs::path& folder, const std::string& name) {
     throw InputError("new", "NAME", "\"" + name + "\"", "a name that is not taken: " + by);
 }
 
-// A shape's name is a feature's too, and with an s an array's.
+// The name of a shape is also that of a feature and, with an s, of an array: both must be free.
 void check_shape_is_free(const std::string& name) {
     const std::vector<std::string> features = feature_names(~FeatureSet{0});
     if (std::find(features.begin(), features.end(), name) != features.end()) {

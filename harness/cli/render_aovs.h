@@ -24,7 +24,7 @@ public:
     // Throws InputError where the file's format, the variant or the number of samples cannot have these AOVs.
     void check(const std::string& file, const RenderRequest& request) const;
 
-    // What the render has to feed from its checkpoints, which it makes at variance_stops; null if none needs it.
+    // The variance that a render feeds from its checkpoints, which it makes at variance_stops; null if no AOV needs it.
     PixelVariance* variance() { return has("variance") ? &variance_ : nullptr; }
 
     // Makes the layers after the render, and adds to the summary what they were made from.

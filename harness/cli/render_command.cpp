@@ -102,7 +102,7 @@ Trial try_small(const Scene& scene, const RenderRequest& request) {
     return trial;
 }
 
-// One sample a pixel, after one that warms up; where that alone would take long, of a small image.
+// Times one sample a pixel, after one that warms up; where that alone would take long, of a small image.
 Trial try_out(const Scene& scene, RenderRequest request) {
     constexpr std::uint32_t fewest_samples = 32;
     Trial trial = try_small(scene, request);

@@ -146,7 +146,8 @@ Variant with_choices(Variant variant, const std::map<std::string, std::string>& 
     return variant;
 }
 
-// The kernels that are timed: each without estimators and accelerators, and these with two of them at a time.
+// Adds the kernels that are timed: each without estimators and accelerators, and these with two of the kernels at a
+// time.
 void add_timed(std::vector<Variant>& all, const Case& stiff_case, const StabilityRequest& request, Backend backend) {
     const std::vector<Case>& catalogue = stability::catalogue();
     const auto turn = static_cast<std::size_t>(&stiff_case - catalogue.data());

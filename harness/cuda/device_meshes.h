@@ -26,11 +26,11 @@ private:
     DeviceArrays arrays_;
 };
 
-// The copy that there is on the current device, or a new one. What was used longest ago is let go where all together
-// pass a quarter of the device's memory. Returns after the copy has been made.
+// The current device's copy of a mesh, made if there is none yet. What was used longest ago is let go where all
+// together pass a quarter of the device's memory. Returns after the copy has been made.
 std::shared_ptr<const DeviceMesh> device_mesh(const MeshGeometry& host);
 
-// The tree of the axis `levels` over them, kept likewise.
+// The tree of the axis `levels` over meshes in device memory, kept as the meshes are.
 class DeviceTree {
 public:
     explicit DeviceTree(const std::shared_ptr<const SceneTree>& host);
@@ -49,7 +49,8 @@ private:
     DeviceArrays arrays_;
 };
 
-// The copy that there is, or a new one; null for null. Returns after the copy has been made.
+// The device's copy of a tree over meshes, made if there is none yet; null for null. Returns after the copy has been
+// made.
 std::shared_ptr<const DeviceTree> device_tree(const std::shared_ptr<const SceneTree>& host);
 
 }  // namespace pt::cuda

@@ -9,7 +9,7 @@
 
 namespace pt::cuda {
 
-// The copy that was used last in front. Copy::key_of(host) says what a copy is of, copy.bytes() what it takes.
+// An LRU cache of copies on a device. Copy::key_of(host) tells what a copy is of, copy.bytes() what it takes.
 template <class Copy>
 class KeptCopies {
 public:

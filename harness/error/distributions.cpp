@@ -16,7 +16,7 @@ constexpr double tiny = 1e-290;  // stands for 0 in a denominator
 class Lentz {
 public:
     explicit Lentz(double b0) : value_(b0 == 0 ? tiny : b0), c_(value_) {}
-    // Adds a/(b + ...) and returns by how much it changed the value, relatively.
+    // Adds the fraction's next term a/(b + ...) and returns by how much it changed the value, relatively.
     double add(double a, double b) {
         d_ = b + a * d_;
         d_ = 1 / (d_ == 0 ? tiny : d_);
@@ -61,7 +61,7 @@ double lower_gamma(double a, double x) {
     return sum * gamma_front(a, x);
 }
 
-// The upper one by its continued fraction, for x >= a + 1.
+// The upper incomplete gamma function by its continued fraction, for x >= a + 1.
 double upper_gamma(double a, double x) {
     Lentz fraction(x + 1 - a);
     for (int n = 1; n < most_terms && fraction.add(-n * (n - a), x + 1 - a + 2 * n) > converged; ++n) {

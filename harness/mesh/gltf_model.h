@@ -54,10 +54,10 @@ public:
     static glm::dmat4 matrix_of(const tinygltf::Node& node);
     // Whether a node is hidden by a scale of 0 along all axes, which hides what hangs on it too.
     static bool is_hidden(const tinygltf::Node& node);
-    // Whether its own weights, or without any its mesh's, move its vertices.
+    // Whether a node's weights, or without any its mesh's, move its vertices.
     bool is_morphed(const tinygltf::Node& node) const;
 
-    // Whether it has triangles: points and lines have none, nor has what has no place.
+    // Whether a primitive has triangles: points and lines have none, nor has one without positions.
     static bool is_surface(const tinygltf::Primitive& primitive);
     void add_primitive(const tinygltf::Primitive& primitive, const glm::dmat4& matrix, const std::string& place);
     Mesh take();

@@ -23,7 +23,7 @@ Mesh read_mesh(const std::filesystem::path& path);
 Mesh parse_ply(std::string_view content, const std::string& file);
 Mesh parse_obj(std::string_view content, const std::string& file);
 Mesh parse_glb(std::string_view content, const std::string& file);
-// Reads the files of data that it names, from the folder of `file`.
+// Reads a glTF text, and the files of data that it names, from the folder of `file`.
 Mesh parse_gltf(std::string_view content, const std::string& file);
 
 // Whether the build found what reads .glb (tinygltf); without it parse_glb throws InputError that says so.

@@ -59,7 +59,7 @@ private:
         }
     }
 
-    // An index may come before what it means: the largest, and where it stands.
+    // The largest index so far of a kind, and where it stands: an index may come before what it means.
     struct Pending {
         std::uint64_t count = 0;
         std::size_t line = 0;
@@ -219,7 +219,7 @@ private:
         return rest;
     }
 
-    // The number of the part that faces belong to now.
+    // The number of the part that the next faces belong to, which is begun here if it is new.
     std::uint32_t part() {
         if (!has_current_) {
             const auto [place, is_new] = part_numbers_.try_emplace({current_.material, current_.group},

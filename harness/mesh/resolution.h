@@ -28,8 +28,8 @@ private:
 // 2^-7 of the mean length of its edges, which is when neither its outline nor its shading shows it.
 std::optional<std::string> resolution_warning(const Mesh& mesh, double largest);
 
-// Whether rounding numbers as large as its coordinates could be worth a warning: only then need a reader look at them
-// in double precision.
+// Whether rounding numbers as large as the mesh's coordinates could be worth a warning: only then need a reader look at
+// them in double precision.
 bool may_have_lost_digits(const Mesh& mesh);
 
 }  // namespace pt

@@ -103,7 +103,7 @@ PT_HD inline Ray leak_ray(const LeakView& view, std::uint64_t number) {
             0.0f};
 }
 
-// What rays to make: the same for every accelerator of a mesh.
+// The source of the rays that look for leaks, which is the same for every accelerator of a mesh.
 struct LeakSource {
     std::vector<Triangle<float>> triangles;
     std::vector<InnerCube> cubes;

@@ -43,7 +43,8 @@ struct Work {
 struct LeakSource;
 struct LeakCounts;
 
-// Traces batches through one tree. Of a set where any hit will do, the hits say {0, 0} or {t_max, no_primitive}.
+// Traces batches of rays through one tree. For a set where any hit will do, the hits say {0, 0} or {t_max,
+// no_primitive}.
 class BatchTracer {
 public:
     BatchTracer() = default;
@@ -51,9 +52,9 @@ public:
     BatchTracer& operator=(const BatchTracer&) = delete;
     virtual ~BatchTracer() = default;
 
-    // The ways there are to trace a set, the fastest as a rule first.
+    // The kernels by which a set can be traced, as a rule the fastest first.
     virtual std::vector<std::string> kernels(const RaySet& set) const = 0;
-    // The set that the calls after it are about; it must outlive them.
+    // Loads the set of rays that the calls after this one are about; it must outlive them.
     virtual void load(const RaySet& set) = 0;
     virtual double trace(const std::string& kernel) = 0;  // milliseconds
     virtual std::vector<Hit> hits() = 0;                  // of the last trace

@@ -64,7 +64,7 @@ std::array<float, 3> bounds_end(const Mesh& mesh, int axis) {
     return {low, high, 0.0f};
 }
 
-// A cube round it, of twice its extent.
+// Puts a mesh into a cube of twice its extent.
 void put_in_box(Mesh& mesh) {
     if (mesh.vertices.empty()) {
         return;

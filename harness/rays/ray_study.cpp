@@ -84,7 +84,7 @@ Json batch_json(const RaySet& set, const std::string& kernel, const std::vector<
               {"query", set.any && kernel != "meet" ? "any" : "closest"},
               {"ms", ms},
               {"median_ms", median}};
-    // The median over that of two ones: its own interval.
+    // The interval is that of a ratio to two ones, which is the median's own.
     const RatioEstimate estimate = ratio_estimate(ms, {1.0, 1.0});
     json["interval_ms"] = estimate.interval ? Json{estimate.interval->low, estimate.interval->high} : Json();
     json["grays_per_s"] = rays / median * 1e-6;

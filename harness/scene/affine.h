@@ -31,7 +31,7 @@ bool is_finite(const Affine& map);
 // The greatest cosine between two columns: 0 where they are perpendicular, as translate * rotate * scale has them.
 double shear_of(const Affine& map);
 
-// The decimal of least digits that is off a number by no more than that.
+// The decimal of fewest digits that is off a number by no more than the error given.
 double shortest_within(double value, double tolerance);
 
 struct TranslateRotateScale {

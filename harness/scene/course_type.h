@@ -15,7 +15,7 @@ enum class CourseType {
     subsurface,
 };
 
-// Whether it is a type, be it one that scene files have nothing for.
+// Whether a word is a TYPE of the course's, be it one that scene files have nothing for.
 bool is_course_type(const std::string& word);
 
 // Reads a TYPE line. What is no type, or one that scene files have nothing for, is a problem of the line.

@@ -32,7 +32,7 @@ public:
     // The scene's name: the call's, else `wanted` if it can be one, else of the file.
     void begin(const std::string& wanted, const Cis565Line* head);
 
-    // The name is made one that no other material has. Returns the material's number.
+    // Adds a material under a name that no other one has. Returns the material's number.
     std::size_t add_material(ScenePart part, const std::string& name);
     const std::string& material_name_of(std::size_t material) const { return parts.materials[material].name; }
 
@@ -48,7 +48,7 @@ public:
     // Keeps an image file's content that is to be written beside the scene; `ending` with its dot. Returns the name
     // that the scene has for it.
     std::string keep_image(const std::string& content, const std::string& ending);
-    // Whether a material is one that needs texture coordinates.
+    // Whether a material shows an image, and so needs texture coordinates.
     bool shows_image(std::size_t material) const;
 
     // The path of a file that the source names, and the name by which the scene has a file.
@@ -62,8 +62,8 @@ public:
 private:
     ScenePart object(const std::string& shape, std::size_t material, const Cis565Line* at) const;
     void add_placement(ScenePart& object, const TranslateRotateScale& parts, const Cis565Line* at);
-    // The mesh in the shape that a map gives it, as a file beside the scene: its name there. Nothing, and told, where
-    // that leaves none.
+    // Keeps the mesh in the shape that a map gives it, as a file beside the scene, and returns its name there. Nothing,
+    // and told, where that leaves no triangle.
     std::optional<std::string> keep_placed(const std::string& file, const Affine& placed, bool has_normals,
                                            const Cis565Line* at);
 

@@ -68,7 +68,7 @@ private:
     void add_node(int index, const glm::dmat4& parent, int depth);
     void refuse_of_node(const tinygltf::Node& node, const std::string& pointer);
     void add_mesh(int index, const Affine& map, const Cis565Line* at);
-    // The name to add it by; empty where there is none, and told.
+    // The name of a mesh file to add a primitive by; empty where there is none, which is told.
     const std::string& file_of(int mesh, std::size_t primitive, const std::string& pointer);
     void add_camera(int index, const Affine& map, const std::string& node);
     void add_view(const Vec3d& eye, const Vec3d& look_at, const Vec3d& up, double degrees, double aspect,

@@ -39,7 +39,7 @@ bool is_file_name(const std::string& word) {
     return false;
 }
 
-// The key that may not stand beside this one; empty: there is none.
+// The key that may not stand beside `key`; empty: there is none.
 std::string rival_of(const std::string& key) {
     static const std::map<std::string, std::string> rivals{
         {"cube", "sphere"}, {"sphere", "cube"}, {"LOOKAT", "VIEW"}, {"VIEW", "LOOKAT"}};

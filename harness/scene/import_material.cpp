@@ -368,7 +368,7 @@ void MaterialImporter::apply_layers() {
     }
 }
 
-// Whether it is what no material of a scene file is.
+// Refuses what no material of a scene file can be; returns whether it did.
 bool MaterialImporter::refuse() {
     if (is_set("EMITTANCE")) {
         return false;

@@ -44,7 +44,7 @@ private:
         bool is_good = true, is_black = false, is_glass = false;
         MitsubaImage image = MitsubaImage::none;
     };
-    // One colour, or an image.
+    // A colour of a material: one colour, or an image.
     struct Colour {
         Vec3d value{0.0};
         std::string json;  // as scene files have it

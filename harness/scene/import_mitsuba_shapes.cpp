@@ -355,7 +355,7 @@ void MitsubaShapes::dim_lamps_in_glass(const Scene& scene) {
     }
 }
 
-// What reflects or shines on one side there, and on both here.
+// Warns of shapes that reflect or shine on one side in Mitsuba, and on both here.
 void MitsubaShapes::warn_of_sides(const Scene& scene) {
     std::map<const XmlElement*, std::size_t> one_sided;
     for (const Placed& shape : shapes_) {

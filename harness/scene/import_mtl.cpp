@@ -72,7 +72,7 @@ std::optional<fs::path> OwnMaterials::library_called(const std::string& name) {
     return fs::is_regular_file(beside, error) ? std::optional(beside) : import_->files.find(name);
 }
 
-// A line names one, which may have spaces in it, or several.
+// Reads the libraries of a line, which names one whose name may have spaces in it, or several.
 void OwnMaterials::read_libraries(const std::vector<std::string>& names) {
     for (const std::string& whole : names) {
         const std::string name = library_called(whole) ? whole : without_comment(whole);

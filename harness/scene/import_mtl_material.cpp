@@ -131,7 +131,7 @@ std::vector<double> MtlImporter::numbers(const std::string& key, std::size_t mos
     return values;
 }
 
-// One number is grey.
+// Reads a colour; a single number is a grey.
 Vec3d MtlImporter::colour(const std::string& key, double otherwise) {
     if (!has(key)) {
         return Vec3d(otherwise);

@@ -203,7 +203,8 @@ void PartsChecker::check_all() {
 
 }  // namespace
 
-// Adding 0 turns -0 into 0. What a product has made infinite is as large as JSON has numbers: too large too.
+// Writes a number. Adding 0 turns -0 into 0. A number that a product has made infinite is written as the largest that
+// JSON has, which is refused as too large too.
 std::string json_of(double value) {
     constexpr double largest = std::numeric_limits<double>::max();
     return fmt::format("{}", std::clamp(value, -largest, largest) + 0.0);

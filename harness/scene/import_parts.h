@@ -47,10 +47,11 @@ struct SceneParts {
 std::string json_of(double value);
 std::string json_of(const Vec3d& v);
 std::string json_of(const std::string& text);
-// A colour that is an image, by the name that the scene file has for it; and whether a member's value is one.
+// A colour that is an image, by the name that the scene file has for it; is_image_in_scene tells whether a
+// member's value is one.
 std::string image_in_scene(const std::string& name);
 bool is_image_in_scene(const std::string& value);
-// Adds a mesh that is to be written beside the scene file, and called after it; its name there.
+// Adds a mesh that is to be written beside the scene file, and called after it; returns its name there.
 std::string add_imported_mesh(ImportResult& result, const ImportSource& source, Mesh mesh);
 // All meshes that are to be written, by the paths that they will have.
 MeshesToBe::Meshes imported_meshes(const ImportResult& result, const std::string& scene_file);

@@ -18,7 +18,8 @@ void append_bytes(std::string& key, const T& value) {
     key.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
-// Everything that a tree is made from. A geometry is told by its address, which stays its own while the tree holds it.
+// The key of a tree: everything that it is made from. A geometry is told by its address, which stays its own while the
+// tree holds it.
 template <class Real>
 std::string key_of(const SceneView<Real>& scene, const std::vector<MeshGeometry>& meshes,
                    const Acceleration& acceleration, double farthest) {

@@ -122,7 +122,7 @@ void check_shape(const Scene& scene, const SceneObject& object, Problems& proble
     }
 }
 
-// A point of a shape has the same texel there.
+// Checks that each point of a shape has the texel in Mitsuba that it has here.
 void check_image(const SceneMaterial& material, const SceneObject& object, Problems& problems) {
     const std::string found = fmt::format("a {} with the image {}", name_of(object.shape), material.texture->file);
     if (object.shape == Shape::box) {

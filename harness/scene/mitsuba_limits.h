@@ -43,7 +43,7 @@ double radiance_factor(const Scene& scene, const SceneObject& lamp);
 // The image that the surface shows in Mitsuba; null: one colour.
 const SceneTexture* mitsuba_image(const SceneMaterial& material);
 
-// Whether it sends out light.
+// Whether a material sends out light.
 bool is_emissive(const SceneMaterial& material);
 
 // How far off a surface Mitsuba's rays start at the scene's outermost corner, in units of the least axis of its spheres

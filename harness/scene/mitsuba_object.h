@@ -44,7 +44,7 @@ public:
     std::string id() const { return element_->value_of("id"); }
     bool is_good() const { return is_good_; }
 
-    // The property of that name, or null; it counts as asked for.
+    // The property of that name, or null; it counts as asked for by finish().
     const XmlElement* property(const std::string& name);
     // The objects of that tag among the children, references followed.
     std::vector<const XmlElement*> objects(const std::string& tag);

@@ -78,7 +78,7 @@ SceneCamera read_camera(const JsonValue& value) {
     if (!(dot(forward, forward) >= least_square)) {
         object.at("look_at").fail("a point other than camera.eye, at least 1e-18 away");
     }
-    // A shorter one's square would leave the range of double.
+    // The square of a shorter vector would leave the range of double.
     if (!(dot(camera.up, camera.up) >= least_square)) {
         object.at("up").fail("a direction that is not 0: a vector of length 1e-18 or more");
     }

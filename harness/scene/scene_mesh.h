@@ -38,7 +38,7 @@ std::vector<Triangle<float>> placed_triangles(const SceneMesh& mesh, const Place
 
 // A box round a triangle: its coordinates are numbers of single precision, so it is exact.
 Box box_round(const Triangle<float>& triangle);
-// A box round all of them, as a placement moves it: rounded outward.
+// A box round all triangles of a mesh, as a placement moves them: rounded outward.
 Box box_round(const SceneMesh& mesh, const Placement& placement);
 
 // Whether a point lies inside a closed mesh, in the mesh's own space: by how often a ray from it crosses the mesh.

@@ -50,7 +50,7 @@ struct Tolerance {
 // equal: |measured - exact| <= allowed. at_most, at_least: `exact` is a bound, crossed by no more than allowed.
 enum class Relation { equal, at_most, at_least };
 
-// One number that came out.
+// One number that a check measured, beside the exact one.
 struct Measurement {
     std::string quantity;
     double measured = 0;

@@ -20,8 +20,8 @@ struct WideTree {
     std::vector<Node> nodes;  // depth first; the root is nodes[0]; a leaf alone is the one child of a root
 };
 
-// The most entries that wait on the stack of a traversal that pushes all children of a node and takes one up; those
-// that are not there too, as rays of NaNs enter them.
+// Most entries that wait on the stack of a traversal that pushes all children of a node and takes one up. Children that
+// do not exist count too, as rays of NaNs enter them.
 std::uint32_t stack_need(const WideTree& tree, std::uint32_t width);
 
 // Collapses a binary tree into one of up to `width` children a node, largest area first. Where this would need a

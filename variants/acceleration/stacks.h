@@ -165,7 +165,8 @@ public:
         if (level == 0) {
             return target_ != 0;
         }
-        // The hit has come nearer than the child that leads back: what waits below it is out of reach.
+        // The hit has come nearer than the child that leads back on the trail, so what waits below that is out of
+        // reach.
         if (target_ != 0 && position != position_at(level)) {
             leave_trail(level);
         }

@@ -99,7 +99,8 @@ struct Children {
         return children;
     }
 
-    // at[corner] is the child there or no_node: the pair of child and corner that lies farthest out is placed first.
+    // Places the children at the corners of a node; at[corner] becomes the child there, or no_node. The pair of child
+    // and corner that lies farthest out is placed first.
     template <class Tree>
     PT_HD void put_at_corners(const Tree& tree, const Box& box, std::uint32_t (&at)[width]) const {
         Wish wishes[width];

@@ -140,8 +140,8 @@ struct BuildView {
 struct Range {
     std::uint32_t left, right, split;
 
-    // Whether the codes on both sides of i differ in a lower bit than those round j do: a pair of equal codes by
-    // number.
+    // Whether the Morton codes on both sides of i differ in a lower bit than those on both sides of j; equal codes are
+    // compared by their numbers.
     __device__ static bool is_closer(const BuildView& view, std::uint32_t i, std::uint32_t j) {
         const std::uint64_t a = view.codes[i] ^ view.codes[i + 1], b = view.codes[j] ^ view.codes[j + 1];
         return a != b ? a < b : (i ^ (i + 1)) < (j ^ (j + 1));

@@ -12,8 +12,8 @@ template <class Config>
 inline constexpr bool has_one_light_sampling = ((Config::features & light_samplings) &
                                                 ((Config::features & light_samplings) - 1u)) == 0;
 
-// Kernels whose shading has no more to it than that. Kinds of objects and materials may be there: they only send a lane
-// through shade.
+// Whether a kernel's shading is done in SIMD lanes: only a kernel without the features below. Its other kinds of
+// objects and materials send a single lane through shade().
 template <class Config>
 inline constexpr bool shades_in_lanes = has_one_light_sampling<Config> &&
                                         (Config::features &

@@ -27,7 +27,7 @@ public:
 
     // Takes memory on the device; called with a measuring arena first, then with one that has the memory.
     virtual void reserve(Arena&) {}
-    // Brings what it has reserved into the state in which a render begins. May wait for the device.
+    // Brings the memory that reserve() took into the state in which a render begins. May wait for the device.
     virtual void upload() {}
     // Captures what can be replayed, before the clock starts.
     virtual void prepare() {}

@@ -99,7 +99,7 @@ public:
     KernelFacts facts(const char* name) const;
     // The device address of a variable of the module. Throws Error if there is none of this name.
     void* global(const char* name) const;
-    // Blocks of `threads` that one multiprocessor holds at once.
+    // Number of blocks of `threads` threads that one multiprocessor holds at once.
     int blocks_per_multiprocessor(const char* name, unsigned threads) const;
     const ModuleImage& image() const { return image_; }
 

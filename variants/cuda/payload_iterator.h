@@ -31,7 +31,7 @@ public:
         slots_.store(slot_, value);
         return *this;
     }
-    // Copies the value, not the place.
+    // Assigns the value that the other slot holds, not the reference to that slot.
     PT_HD const SlotReference& operator=(const SlotReference& other) const { return *this = static_cast<Value>(other); }
 
 private:

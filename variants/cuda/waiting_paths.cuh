@@ -1,4 +1,5 @@
-// Paths of a warp that wait for a lane, in shared memory: column by column, with what this variant's paths carry.
+// A store in shared memory for paths of a warp that wait for a lane: column by column, with what this variant's paths
+// carry.
 #pragma once
 
 #include "variants/cuda/device.cuh"

@@ -145,8 +145,8 @@ private:
     std::uint32_t live_paths_ = 0;
 };
 
-// The positions that are fetched are counted in the module; who is last makes the count ready for the next launch.
-// Every thread of the grid must call it.
+// Traces the paths of a queue by persistent warps. The positions fetched are counted in the module; who is last makes
+// the count ready for the next launch. Every thread of the grid must call it.
 template <class Traversal>
 __device__ inline void intersect_fetched(const IntersectStage& stage, const SegmentCounts& segments) {
     static __device__ std::uint32_t next, finished_blocks;

@@ -1,4 +1,4 @@
-// The key that cis565 sorts by: the material of the surface that was hit.
+// The sort key of cis565: the material of the surface that was hit.
 #pragma once
 
 #include "variants/cuda/sort_keys.cuh"

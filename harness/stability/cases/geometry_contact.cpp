@@ -192,7 +192,7 @@ Rendering sphere_on_sphere(double x, double albedo) {
                             .tolerance = {16 * 0x1p-24 * albedo, 16 * 0x1p-53 * albedo + 0x1p-40, contact_origin}}}};
 }
 
-// The whole of it, from afar: darker than under the open sky everywhere.
+// The image of the whole ball from afar: it is darker than under the open sky everywhere.
 Rendering contact_image(double albedo) {
     SceneText text("contact");
     text.camera({0, 1, -4}, {0, 0.5, 0}).image(32, 32, 50, true).depth(2).environment(1);

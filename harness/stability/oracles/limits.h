@@ -33,7 +33,7 @@ inline std::string too_dim(double bright, double dim) {
                                          : "";
 }
 
-// A light that fills `share` of what a path may meet.
+// The known limit of a light that fills `share` of what a path may meet.
 inline std::string rare_or_dim(const VariantTraits& variant, double share, double bright, double dim,
                                double paths = quick_paths_at_least) {
     return !variant.direct_light.connects ? too_rare(share, paths) : too_dim(bright, dim);
