@@ -63,7 +63,7 @@ PersistentKernel persistent_kernel(const char* name) {
     return {
         name, Threads, BlocksPerSm, SharedEntries * Threads * sizeof(uint2), closest_hits<Closest>, closest_hits<Any>};
 }
-// The persistent kernels that are tried; the second is ahead on rays that keep together.
+// The persistent-threads kernels, of which the fastest for a batch is taken; the second wins on coherent rays.
 const PersistentKernel persistent_kernels[] = {
     persistent_kernel<128, 8, 4, 8, 2, 2>("persistent"),
     persistent_kernel<128, 8, 4, 8, 0, 1>("persistent_no_vote"),

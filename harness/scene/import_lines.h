@@ -58,7 +58,7 @@ public:
 
     bool is_whole() const { return is_whole_; }
     void fail(const Cis565Line& line, const std::string& found, const std::string& allowed);
-    // Notes a problem of a line; what is found is the line itself.
+    // Notes a problem of a line, and names the whole line as what was found.
     void fail(const Cis565Line& line, const std::string& allowed);
 
     // The line of a key; null where there is none, which is a problem if it is required.

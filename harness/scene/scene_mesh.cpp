@@ -290,8 +290,8 @@ bool is_inside(const SceneMesh& mesh, const Vec3d& point) {
             return false;
         }
     }
-    // A direction that is along no axis, so that few meshes have an edge on it; an edge counts for both its triangles,
-    // and is told by the sides that they are met from.
+    // The ray's direction is along no axis, so few meshes have an edge that it meets. The side from which the nearest
+    // triangle is met decides, so an edge that counts for two triangles does no harm.
     const auto sheared = ShearedDirection<double>::of({0.5773, 0.5141, 0.6343});
     double nearest = std::numeric_limits<double>::infinity();
     bool from_behind = false;

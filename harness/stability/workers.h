@@ -10,7 +10,7 @@
 
 namespace pt::stability {
 
-// A worker's answer to a question. Neither holds a line break.
+// A worker's answer to a question. Questions and answers are single lines.
 using Answer = std::function<std::string(const std::string& question)>;
 
 class Workers {

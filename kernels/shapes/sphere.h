@@ -1,4 +1,5 @@
-// Spheres, and those that the eye is near. Discriminant and roots as in kernels/unit_sphere.h.
+// Spheres, and a kind for those near the camera, as the ground beneath it. kernels/unit_sphere.h explains why the
+// discriminant and the roots are formed as they are.
 #pragma once
 
 #include "kernels/naive.h"
@@ -12,8 +13,8 @@ struct Sphere {
     Vec3<Real> centre;
     Real radius;
     Real inverse_radius;
-    Real eye_power = Real(0);       // of a NearSphere
-    std::uint32_t is_near_eye = 0;  // 1: is to be treated as one
+    Real eye_power = Real(0);       // the eye's power_at, for a NearSphere
+    std::uint32_t is_near_eye = 0;  // 1: is to be intersected as a NearSphere
 
     static constexpr const char* file_name = "sphere";
     static constexpr bool is_flat = false;

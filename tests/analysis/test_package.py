@@ -127,7 +127,7 @@ def test_what_is_public_says_what_it_is():
 
 
 def test_axes_and_baselines_are_kept_in_one_place():
-    """Of baselines' names, which files carry, only ptbench.io.older has a table."""
+    """Result files carry the names of baselines: only ptbench.io.older, for files without them, has a table of them."""
     axes = sorted(path.name for path in (ROOT / "variants").iterdir() if (path / "none.cpp").is_file() or path.is_dir())
     axes = [axis for axis in axes if axis not in ("cpu", "cuda")]
     assert {"compaction", "sampler", "precision"} <= set(axes)

@@ -12,7 +12,7 @@ std::string source_folder();
 // A file or folder of the repository, named from its root.
 std::string in_source(const std::string& path);
 
-// build/ptbench of this build.
+// The path of the ptbench program of this build.
 std::string program_file();
 
 // The ptbench program with the variants of tests/wrong.

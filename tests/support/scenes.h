@@ -18,7 +18,7 @@ struct SceneBuilder {
     SceneBuilder& image(std::uint32_t width, std::uint32_t height, double fov_degrees, bool jitter);
     SceneBuilder& depth(std::uint32_t segments);
     SceneBuilder& environment(double radiance);
-    // One that is drawn: texels from the top, row by row.
+    // Sets an environment map of these texels, row by row from the top.
     SceneBuilder& environment_map(std::uint32_t width, std::uint32_t height, const std::vector<Vec3d>& texels,
                                   double rotation_degrees = 0);
 

@@ -66,7 +66,7 @@ std::vector<ColourMeanOfPixels> block_means(const Scene& scene, const RenderOpti
                           [&](std::uint32_t pixel, std::uint32_t sample) { return stages.radiance(pixel, sample); });
 }
 
-// Both are means of the same, however many samples each is of.
+// Expects equal mean radiances of two kernels, `off` and `on`, within their standard errors.
 inline void expect_equal_means(const std::vector<ColourMeanOfPixels>& off, const std::vector<ColourMeanOfPixels>& on,
                                const std::string& what) {
     for (std::size_t i = 0; i < off.size(); ++i) {

@@ -1,4 +1,4 @@
-// Builders on the GPU: boxes in, a binary tree out, both in device memory; and the way of that tree to the host.
+// Builders on the GPU: they make a binary tree in device memory of boxes there, which can be copied to the host.
 #pragma once
 
 #include <cstddef>

@@ -65,7 +65,7 @@ class BlockTest:
 
 @dataclass(frozen=True)
 class PixelTest:
-    """Single pixels; `sees` is the root mean square of a bias of pixels, as a share of the image's mean."""
+    """The test of single pixels; `sees`: the bias that it would find, a root mean square of pixels / the mean."""
 
     count: int
     still: int  # of them, without noise in either

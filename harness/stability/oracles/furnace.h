@@ -35,7 +35,7 @@ inline double lamp_radiance(double a, double albedo, double reflections) {
     return s * albedo * -std::expm1(reflections * std::log1p(-ends)) / ends;
 }
 
-// Number of paths that make so many segments.
+// Number of paths that have `segments` segments in all, if each has `depth`; between 16 and 2^25.
 inline std::uint64_t paths_for(double segments, double depth) {
     return static_cast<std::uint64_t>(std::clamp(segments / depth, 16.0, 0x1p25));
 }
