@@ -347,8 +347,9 @@ private:
         xml_.close();
     }
 
-    // One with an image lies face down, so that its y is where an image has its first row at the other end: both sides
-    // are the same. One that emits is two, back to back and a little apart: Mitsuba's emit on one side only.
+    // A quad with an image lies face down, since Mitsuba has an image's first row at the other end of y: both sides of
+    // a quad are the same. A quad that emits is written as two, back to back and a little apart: Mitsuba's emit on one
+    // side only.
     void write_quad(const SceneObject& object) {
         if (!is_emissive(scene_.materials[object.material])) {
             write_rectangle(object, !has_image(object), Vec3d(0.0));

@@ -289,7 +289,7 @@ TEST(EmbreeBuilderTest, BuildsAWholeTreeOfAnyTriangles) {
         EXPECT_NO_THROW(builder::check(tree, boxes)) << triangles.size();
         EXPECT_EQ(choice->hook.builder.build(boxes, triangles).references, tree.references) << triangles.size();
     }
-    // Its planes are chosen by the same heuristic as those of sah_binned, from more bins.
+    // Embree's planes are chosen by the same heuristic as those of sah_binned, from more bins.
     EXPECT_LT(builder::tree_cost(choice->hook.builder.build(boxes_of(all[6]), all[6])),
               1.1 * builder::tree_cost(builder::sah_binned::build(boxes_of(all[6]))));
 }

@@ -12,9 +12,13 @@ from conftest import ROOT
 
 FOLDERS = ("kernels", "variants", "harness", "analysis", "tools")
 C_FAMILY = (".h", ".cuh", ".cpp", ".cu", ".in")
-# These always refer to what stands above: "Of a vector, by its number.", "The same, walks and all.", "Null: none."
+# These always refer to what stands above: "Of a vector, by its number.", "The same, walks and all.", "Null: none.",
+# "Its sign.", "By size: tiles.", "The program's."
 FRAGMENT = re.compile(
-    r"(?:And )?(?:Of|The same|Same|Likewise|Ditto|By selection|As above|As before|See above|Not so|Those of|That of)\b"
+    r"(?:And )?(?:Of|The same|Same|Likewise|Ditto|By selection|As above|As before|See above|Not so|Those of|That of"
+    r"|Its|Their|It|They)\b"
+    r"|(?:\w+ ){0,2}\w+'s\.$"
+    r"|By [a-z][^.:;]{0,40}[:;]"
     r"|(?:And )?(?:Null|Empty)(?: where|:)"
 )
 # Where a file may have one: a file without is not parsed.
@@ -101,6 +105,9 @@ def test_no_comment_is_a_fragment():
         ("int b;\n// Likewise in single precision.", ".cpp"),
         ("// By selection: an index would be slow.", ".cu"),
         ("View a;  // Null: none.", ".h"),
+        ("// Its sign.\nint sign();", ".h"),
+        ("// The other scene's.\n", ".h"),
+        ("# By size of the image; fewer samples: tiles.", ".py"),
         ("# Of them, those that agree.", ".py"),
         ('def f():\n    """The same as text."""\n', ".py"),
     ],
@@ -117,6 +124,7 @@ def test_fragments_are_found(text, suffix):
         ('const char* url = "// Of course";', ".cpp"),
         ('auto text = R"(\n// Of a scene\n)";', ".cpp"),
         ("// Offers a value.", ".h"),
+        ("// The name is the scene's.", ".h"),
         ('text = "# Of course"', ".py"),
         ('def f():\n    """A sum.\n\n    Of both.\n    """\n', ".py"),
     ],

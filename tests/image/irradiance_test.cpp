@@ -48,7 +48,7 @@ Scene lit(double size, const std::function<void(SceneBuilder&)>& add_lights) {
 template <class Real>
 class IrradianceTest : public testing::Test {
 protected:
-    // `irradiance`: E / Le.
+    // Expects the radiance that a floor reflects. `irradiance`: E / Le, of a lamp of radiance Le.
     static void expect(const Scene& scene, double irradiance, const std::string& what) {
         const double exact = albedo * irradiance / pi<double>;
         const auto by_chance = test::mean_radiance<Real>(scene, {.samples = 60000, .depth = 2});

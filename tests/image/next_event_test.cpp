@@ -76,7 +76,7 @@ TYPED_TEST(NextEventTest, BoxEllipsoidAndQuadLights) {
         [](auto& b) {
             b.quad(b.emitter({4, 5, 6}), {-1.2, 1.5, -0.5}, 1.5, 1, {80, 50, 0});
         },
-        // It stands on the floor and against the wall.
+        // The box stands on the floor and against the wall.
         [](auto& b) {
             b.box(b.emitter({4, 5, 6}), {1.5, 0.5, 1.75}, {1, 1, 0.5});
         },
@@ -186,7 +186,7 @@ TYPED_TEST(NextEventTest, WaysToDrawLightsHaveOneMean) {
             b.quad(b.emitter({4, 5, 6}), {-1.2, 1.5, -0.5}, 1.5, 1, {80, 50, 0});
             b.box(b.diffuse(Vec3d(0.5), {2, 1, 3}), {1.5, 0.5, 1.75}, {1, 1, 0.5});
         },
-        // It stands on the floor and against the wall.
+        // The box stands on the floor and against the wall.
         [](auto& b) {
             b.box(b.emitter({4, 5, 6}), {1.5, 0.5, 1.75}, {1, 1, 0.5});
         },

@@ -379,7 +379,7 @@ TYPED_TEST(ShadingNormalLightTest, ConnectionsBringWhatLobesMeet) {
         builder.scene.materials[surface].emission = Vec3d(0.0);
         builder.normal_map(surface, 64, 1, texels);
         builder.quad(surface, {0, 0, 0}, 1, 1);
-        // Its lower part is behind the plate's horizon, seen from the leaning normals.
+        // The lower part of the lamp is behind the plate's horizon, seen from the leaning normals.
         builder.sphere(builder.emitter(Vec3d(1.0)), {2, 0.9, 0.5}, 2.5);
         test::expect_connections_bring_what_lobes_meet<TypeParam>(builder.scene, static_cast<double>(which));
     }

@@ -253,7 +253,7 @@ TYPED_TEST(TextureTest, IsUprightOnEverySideOfABox) {
     }
 }
 
-// One far thinner than it is wide: the face is told by the normal.
+// The face of a box far thinner than it is wide is told by the normal.
 TYPED_TEST(TextureTest, IsWholeOnAThinPlate) {
     for (const Vec3d& turn : {Vec3d(0, 0, 0), Vec3d(0, 30, 0)}) {
         SceneBuilder builder;

@@ -22,7 +22,7 @@ struct SceneBuilder {
     SceneBuilder& environment_map(std::uint32_t width, std::uint32_t height, const std::vector<Vec3d>& texels,
                                   double rotation_degrees = 0);
 
-    // Each returns the material's index.
+    // These functions add a material each and return its index.
     std::uint32_t diffuse(const Vec3d& albedo, const Vec3d& emission = Vec3d(0.0));
     std::uint32_t mirror(const Vec3d& reflectance, const Vec3d& emission = Vec3d(0.0));
     std::uint32_t mix(const Vec3d& albedo, const Vec3d& reflectance, double mirror_probability,
@@ -69,9 +69,10 @@ private:
 // An upright square of two triangles, [-1/2, 1/2]^2 in the plane z = 0, facing +z, with coordinates from 0 to `most`.
 std::shared_ptr<const SceneMesh> square_mesh(float most = 1);
 
-// Every length times `factor` (a power of two for bitwise comparisons), every coefficient per length divided by it.
+// The scene with every length times `factor` (a power of two for bitwise comparisons), every coefficient per length
+// divided by it.
 Scene scaled(Scene scene, double factor);
-// Every radiance times `factor`.
+// The scene with every emitted radiance times `factor`.
 Scene brightened(Scene scene, double factor);
 
 }  // namespace pt::test

@@ -43,7 +43,7 @@ inline Mesh ball_mesh(std::uint32_t rows) {
     return mesh;
 }
 
-// A material.
+// A material that tests of shading normals go through, and how it is added to a scene.
 struct Kind {
     const char* name;
     std::function<std::uint32_t(SceneBuilder&)> make;

@@ -334,7 +334,7 @@ TEST(EnvironmentImage, ExrComesBackAsItWas) {
     EXPECT_EQ(back.width, 3u);
     EXPECT_EQ(back.height, 2u);
     EXPECT_EQ(back.texels, image.texels);
-    // Luminance alone is grey.
+    // An image with the channel Y alone is read as grey.
     const EnvironmentImage grey = parse_exr(encode_exr({{"", "Y", {1, 2}}}, 2, 1), "sky.exr");
     EXPECT_EQ(grey.texels, (std::vector<Vec3<float>>{Vec3<float>(1), Vec3<float>(2)}));
     for (const std::string& broken : {std::string("hello"), std::string(), content.substr(0, content.size() / 2),

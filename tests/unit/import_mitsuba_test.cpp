@@ -299,7 +299,7 @@ std::string with_image(const std::string& more = "", const std::string& file = t
         file, more);
 }
 
-// A shape of that BSDF.
+// The XML of a shape whose BSDF is the one with the id "tiles".
 std::string shown_on(const std::string& type, const std::string& content = "") {
     return fmt::format("<shape type=\"{}\">{}<ref id=\"tiles\"/></shape>", type, content);
 }

@@ -20,7 +20,7 @@ const std::string two_squares =
     "mtllib two.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\n"
     "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
     "usemtl left side\nf 1/1 2/2 3/3 4/4\nusemtl right\nf 2/1 5/2 6/3 3/4\n";
-// A closed one, for glass.
+// A closed mesh, as glass must have.
 const std::string tetrahedron =
     "mtllib two.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl right\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 const std::string left = "newmtl left side\nKd 0.25 0.5 0.75\n";
@@ -48,7 +48,7 @@ public:
         EXPECT_EQ(result.problems.messages("a", ""), Lines()) << lines;
         return result.warnings.messages("a", "warning");
     }
-    // Its JSON in the scene.
+    // The JSON that the scene has for the material of these lines.
     static std::string material_of(const std::string& lines, const std::string& mesh = two_squares) {
         const ImportResult result = Course(left + "newmtl right\n" + lines, mesh).import();
         EXPECT_EQ(result.problems.messages("a", ""), Lines()) << lines;

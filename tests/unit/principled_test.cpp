@@ -77,7 +77,7 @@ double diffuse_bsdf(const Kind& kind, double colour, double a, double b) {
     return diffuse_share(kind) * colour / pi<double> * (1 - std::max(reflectance(n, a), reflectance(n, b)));
 }
 
-// Above the surface.
+// The principled BSDF for two directions above the surface, by its formula in double.
 double bsdf(const Kind& kind, double colour, double alpha, const Vec3d& a, const Vec3d& b) {
     const Vec3d half = normalize(a + b);
     const double both = 1 / (1 + smith_lambda(alpha, a.z) + smith_lambda(alpha, b.z));
@@ -240,7 +240,7 @@ TEST(PrincipledEnergy, StraightOnASmoothOneKeepsAllButItsMeanReflectance) {
         const double cosine = (i + 0.5) / steps;
         mean += 2 * cosine * reflectance(1.5, cosine) / steps;
     }
-    // Walsh 1926, of index 1.5.
+    // The hemispherical reflectance of index 1.5 (Walsh 1926).
     EXPECT_NEAR(mean, 0.0918, 1e-4);
     EXPECT_NEAR(directional_albedo({0, 0, 1.5}, 0.5, 1e-6, 1), 0.04 + 0.5 * (1 - mean), 1e-5);
 }

@@ -416,7 +416,7 @@ TEST(RegistryTest, ABackendHasItsOwnChoices) {
              .baseline = on_cpu,
              .backends = on_every_backend},
             {});
-    // Each backend's own baseline first.
+    // The baseline of a backend comes first in its list.
     EXPECT_EQ(names(Backend::cpu), (std::vector<std::string>{"zero", "a_last", "quick"}));
     EXPECT_EQ(names(Backend::cuda), (std::vector<std::string>{"a_last", "quick", "zero"}));
     EXPECT_THROW(
@@ -574,7 +574,7 @@ TEST(VariantTest, ReferenceIsThePlainestVariantOfTheSameExpectation) {
                             ".brute_force." + variant["builder"] +
                             ".while_while.local.each_object.solid_angle.1.samples.uniform.classical");
         EXPECT_EQ(registry().reference(reference), reference);
-        // Which do not go together.
+        // Pairs of choices that do not go together have no kernel.
         const bool has_formulas = variant["precision"] == "double_intersection" || variant["robustness"] == "naive";
         const bool excluded =
             (formula == "matrix" && (variant["precision"] == "double" || variant["sampler"] != "pcg4d")) ||

@@ -192,7 +192,7 @@ void add_a_negative(RenderJob& job) {
     job.film.add(5, Vec3<float>(0, -1, 0));
 }
 
-// Every sample alone is right.
+// A variant whose film is wrong only if it takes more than one sample at once.
 void spoil_the_sum(RenderJob& job) {
     generic_kernel("depth_first")(job);
     if (job.samples > 1) {
@@ -200,7 +200,7 @@ void spoil_the_sum(RenderJob& job) {
     }
 }
 
-// Other numbers, the same expectation.
+// A variant with other random numbers, and so another film of the same expectation.
 void take_other_samples(RenderJob& job) {
     job.first_sample += 1000;
     generic_kernel("depth_first")(job);

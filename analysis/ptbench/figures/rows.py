@@ -125,7 +125,7 @@ def _is_of(absent: NotApplicable, group_of: dict[str, str]) -> bool:
 
 
 def draw(data: Data) -> Figure:
-    """The page of what `collect` gave."""
+    """Draws the data of `collect` as a figure's page."""
     looks = {label: style.look(index) for index, label in enumerate(data.order)}
     times = [["" if i.time is None else _time_text(i.time) for i in group.items] for group in data.groups]
     ratios = [[_ratio_text(i, data.baseline) for i in group.items] for group in data.groups]

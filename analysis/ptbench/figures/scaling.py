@@ -78,7 +78,7 @@ class Scaling:
         return collect(result, study, SWEEPS[self.figure])
 
     def draw(self, data: lines.Data | row_figure.Data) -> Figure:
-        """The page of what `collect` gave."""
+        """Draws the data of `collect` as a figure's page."""
         return row_figure.draw(data) if isinstance(data, row_figure.Data) else lines.draw(data)
 
 

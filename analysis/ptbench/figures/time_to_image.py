@@ -181,5 +181,5 @@ def _line(way: Way, base: Way, crossed: Sequence[Crossing]) -> series.Series:
 
 
 def draw(data: series.Data) -> Figure:
-    """The page of what `collect` gave."""
+    """Draws the data of `collect` as a figure's page."""
     return series.draw(data)

@@ -31,7 +31,7 @@ class CrosscheckSource:
 
     @property
     def commit(self) -> str:
-        """The program's."""
+        """The commit of ptbench that was measured."""
         found = re.search(r"commit ([0-9a-f]{40})", self._context["ptbench.version"])
         return found[1] if found else ""
 
@@ -100,12 +100,12 @@ class CrosscheckSource:
 
     @property
     def mitsuba(self) -> str:
-        """Its version and variant."""
+        """Mitsuba's version and variant."""
         return f"{self._context['mitsuba.version']} (`{self._context['mitsuba.variant']}`)"
 
     @property
     def variant(self) -> str:
-        """Mitsuba's."""
+        """Mitsuba's variant."""
         return self._context["mitsuba.variant"]
 
     @property

@@ -22,7 +22,7 @@ class ImportsSource:
 
     @property
     def commit(self) -> str:
-        """The program's."""
+        """The commit of the ptbench that imported."""
         found = re.search(r"commit ([0-9a-f]{40})", self._value["context"]["ptbench.version"])
         return found[1] if found else ""
 

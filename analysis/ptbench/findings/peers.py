@@ -28,7 +28,7 @@ class PeersSource:
 
     @property
     def commit(self) -> str:
-        """The program's."""
+        """The commit of ptbench that was measured."""
         found = re.search(r"commit ([0-9a-f]{40})", self._context["ptbench.version"])
         return found[1] if found else ""
 

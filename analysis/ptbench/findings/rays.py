@@ -116,7 +116,7 @@ class RaysFolder:
         return Quantity(median_estimate(one.batch.giga_rays_per_second), one.text)
 
     def peer_rate(self, mesh: str, ray_class: str) -> Quantity:
-        """The peer's."""
+        """1e9 rays a second of the peer for a class of rays over a mesh."""
         batch = self._peer(mesh, ray_class)
         return Quantity(median_estimate(batch.giga_rays_per_second), f"{batch.kernel} on {mesh}, {ray_class}")
 

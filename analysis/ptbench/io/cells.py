@@ -183,7 +183,7 @@ class Cell:
 
     @property
     def shown(self) -> str:
-        """Its name as files since version 1.0 have it, whatever its own file calls it."""
+        """The cell's name as files since version 1.0 have it, whatever its own file calls it."""
         variant = self.variant.replace(" ", "/").replace("=", ":")
         checkpoints = "" if self.convergence is None else "/checkpoints:octaves"
         return (

@@ -87,7 +87,7 @@ class Scene:
 
     @property
     def name(self) -> str:
-        """Its name or file, as it was asked for."""
+        """The scene's name or file, as it was asked for."""
         return self.value["scene"]
 
     @cached_property

@@ -84,7 +84,7 @@ def reduction_table(study: Study) -> Table:
 
 
 def even_table(study: Study) -> Table:
-    """By size of the image; fewer samples: tiles."""
+    """The least spp at which sharing samples is as fast as sharing tiles, by size of the image and number of GPUs."""
     ranks = shown_ranks(study)
     sides = study.parts.definition["sides"]
     rows = [

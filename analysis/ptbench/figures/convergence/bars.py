@@ -102,7 +102,7 @@ class TimeToError:
         return _data(found, groups, title, caption, result, **fields)
 
     def draw(self, data: Data) -> Figure:
-        """The page of what `collect` gave."""
+        """Draws the data of `collect` as a figure's page."""
         return draw(data)
 
 
@@ -122,7 +122,7 @@ class Efficiency:
         return _data(found, groups, title, caption, result, **fields)
 
     def draw(self, data: Data) -> Figure:
-        """The page of what `collect` gave."""
+        """Draws the data of `collect` as a figure's page."""
         return draw(data)
 
 
@@ -173,7 +173,7 @@ class CheckpointCost:
         return _data(found, groups, title, caption, result, **fields)
 
     def draw(self, data: Data) -> Figure:
-        """The page of what `collect` gave."""
+        """Draws the data of `collect` as a figure's page."""
         return draw(data, zero_based=False)
 
 

@@ -186,7 +186,7 @@ def _window(errors: Sequence[np.ndarray]) -> tuple[slice, slice]:
 
 
 def draw(data: Data) -> Figure:
-    """The page of what `collect` gave."""
+    """Draws the data of `collect` as a figure's page."""
     columns = min(_COLUMNS, max(len(sheet.shots) for sheet in data.sheets))
     names = {
         shot.label: style.wrapped(shot.label, _LABEL, _PICTURE, "bold")[:_LINES]

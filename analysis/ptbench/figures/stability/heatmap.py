@@ -145,7 +145,7 @@ def _widest(texts: Sequence[str], size: float, weight: str = "normal") -> float:
 
 
 def draw(data: HeatPage) -> Figure:
-    """The page of what `collect` gave."""
+    """Draws the data of `collect` as a figure's page."""
     rows = [row for group in data.groups for row in group.rows]
     label_width = max(
         _widest([row.label for row in rows], style.LABEL_SIZE),

@@ -17,7 +17,7 @@ MOST_FIGURES = 4  # one a case; of more cases, one a family
 MOST_PANELS = 10  # a page
 RELATIVE, ABSOLUTE = "error / exact value", "absolute error"
 
-# A line's label, and the formulas that it is of. The arithmetic "fast" is left to be what the file's backend has of it.
+# Each line of a panel: its label, and the axes that its variants have. Fast arithmetic is that of the file's backend.
 LINES = (
     ("robust float", {}),
     ("robust double_intersection", {"precision": "double_intersection"}),
@@ -165,7 +165,7 @@ def _by_value(case: Case, places: Iterable[Place]) -> list[Place]:
 
 
 def _left_out(case: Case, places: Sequence[Place]) -> list[str]:
-    """Points of drawn sweeps that no panel has."""
+    """Labels of the points that no panel shows, though their estimator has one."""
     left = []
     for estimator in dict.fromkeys(place.estimator for place in places):
         of_estimator = [place for place in places if place.estimator == estimator]

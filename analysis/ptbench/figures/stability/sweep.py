@@ -25,7 +25,7 @@ def looks() -> dict[str, style.Look]:
 
 
 def draw(data: SweepPage) -> Figure:
-    """The page of what `collect` gave."""
+    """Draws the data of `collect` as a figure's page."""
     columns = 1 if len(data.panels) == 1 else 2
     rows = math.ceil(len(data.panels) / columns)
     block_width = _LEFT + _PLOT_WIDTH
