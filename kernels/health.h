@@ -164,7 +164,8 @@ public:
         }
     }
 
-    // `throughput`: what the path carried to its last hit.
+    // Counts a path that ended, and what it carried if only the depth ended it. `throughput`: its throughput at its
+    // last hit.
     PT_HD void ended(const Path<Real>& path, const Hit<Real>& hit, const Vec3<Real>& throughput) {
         counters_.paths += 1;
         if (path.segment >= scene_.depth && hit.side.exists() &&

@@ -22,7 +22,7 @@ public:
     void expect(const std::string& name, std::size_t steps, double size);
     // A step was measured: one of those to come, or (`was_expected` false) one of an earlier session.
     void took(const std::string& name, double seconds, bool was_expected = true);
-    // A step will not come after all.
+    // Takes a step out of the estimate: it will not come after all.
     void drop(const std::string& name);
 
     // Seconds that are left; nothing if nothing was measured yet.

@@ -430,7 +430,8 @@ private:
         }
     }
 
-    // The cell at the depth whose mean is that of the cell's own, with checkpoints.
+    // Adds the asked cell with checkpoints, for its error over time, at the depth at which its variant has the mean
+    // that is asked for; and, if need be, the cell without checkpoints.
     void add_cells_with_error(const Study& study, const Cell& asked) {
         const ConvergenceSettings& settings = *study.convergence;
         const std::uint32_t depth = asked.settings.depth;

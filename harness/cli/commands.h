@@ -12,7 +12,7 @@
 
 namespace pt {
 
-// An exit code. May throw InputError and MachineError.
+// Carries a command out, and returns the exit code. May throw InputError and MachineError.
 using Command = std::function<int()>;
 
 Command add_list_command(CLI::App& app);

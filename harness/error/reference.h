@@ -70,7 +70,7 @@ public:
         std::function<void(const std::string&)> says = [](const std::string&) {};
     };
 
-    // An empty folder: nothing is kept.
+    // Makes references, and keeps them in `folder`; if that is empty, nothing is kept.
     explicit ReferenceMaker(std::string folder) : ReferenceMaker(std::move(folder), Hooks{}) {}
     ReferenceMaker(std::string folder, Hooks hooks) : folder_(std::move(folder)), hooks_(std::move(hooks)) {}
 

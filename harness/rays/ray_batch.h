@@ -35,7 +35,7 @@ struct RaySet {
     std::vector<Ray> rays;
 };
 
-// A ray's, the mean over a batch.
+// What a tree's traversal costs: counts per ray, means over a batch.
 struct Work {
     double nodes = 0, boxes = 0, triangles = 0;
 };

@@ -126,8 +126,8 @@ HealthRequest health_request(const Scene& scene, const std::vector<std::uint32_t
 RenderResult render(const Scene& scene, const RenderRequest& request);
 // A render in words, as "wavefront on cornell_open, cpu, 64x64, 4 spp, seed 1".
 std::string description_of(const Scene& scene, const RenderRequest& request);
-// `render`, and a crash says which (harness/crash.h). To put the description together takes microseconds, which are no
-// part of a sample: who times one says where it is.
+// Calls render() such that a crash in it names the render (harness/crash.h). Putting the description together takes
+// microseconds: a timed sample calls render() instead, and is described before its clock starts.
 RenderResult render_named(const Scene& scene, const RenderRequest& request);
 
 }  // namespace pt

@@ -14,7 +14,7 @@
 
 namespace pt {
 
-// What the objects of one file share.
+// A Mitsuba file that is imported: the draft of the scene, and the elements that references name.
 struct MitsubaFile {
     ImportDraft* draft;
     std::map<std::string, const XmlElement*> by_id;

@@ -141,7 +141,7 @@ Vec3d read_colour(const JsonValue& value, SceneMaterial& material) {
     return largest_texel(*material.texture);
 }
 
-// A number, or likewise an image of numbers.
+// Reads a roughness: a number, or an image of numbers, which the material keeps. Returns the largest number.
 double read_roughness(const JsonValue& value, SceneMaterial& material) {
     if (value.json().is_number()) {
         return value.number(0, 1, "a number from 0 to 1");

@@ -152,7 +152,8 @@ TEST(ImportMtl, GlassByIllumination) {
     EXPECT_NE(problems[0].find("not closed"), std::string::npos) << problems[0];
 }
 
-// What both reflect together is Kd + Ks: albedo (1 - p) and reflectance p, exact in these numbers.
+// The diffuse lobe and the mirror of a mix reflect Kd + Ks together: albedo (1 - p) and reflectance p, exact in these
+// numbers.
 TEST(ImportMtl, AMirrorBesideADiffuseColour) {
     EXPECT_EQ(Course::material_of("Kd 0\nKs 0.5 0.25 0\nillum 3\n"),
               R"({"type": "mirror", "reflectance": [0.5, 0.25, 0]})");

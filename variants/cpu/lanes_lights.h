@@ -81,7 +81,7 @@ struct BoxViews {
     Lanes<Real> diagonal;
     Vectors<Real> share, skew;  // by axis: of SeenBox, and of its SphericalRectangle
     Lanes<Real> total;
-    // Random numbers for, and results of, directions to the box.
+    // Directions drawn to the box: the random numbers that they take, and the results.
     Lanes<Real> u, v, w, axis;
     Vectors<Real> direction;
     Lanes<Real> inverse_pdf;

@@ -1,4 +1,4 @@
-// P1 to P9: what the catalogue lacks.
+// Cases P1 to P9: the project's own, for what S1 to S48 of the catalogue lack.
 #include <cmath>
 
 #include "harness/scene/scene.h"

@@ -49,7 +49,7 @@ public:
     using Real = RealT;
     static constexpr FeatureSet shapes = shape_features | Feature::near_sphere;
     using Kernel = Config<Real, shapes | formula>;
-    // The robust functions of the same precision.
+    // The kernel whose formulas are the robust ones, in the same precision.
     using RobustKernel = Config<Real, shapes | (formula & ~static_cast<FeatureSet>(Feature::naive))>;
 
     explicit RayScene(const SceneText& text)
