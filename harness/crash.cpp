@@ -14,7 +14,8 @@ namespace pt {
 
 namespace {
 
-// What a handler may read: no memory that is allocated or freed, and complete whenever its length is above 0.
+// A text that a signal handler may read: no memory that is allocated or freed, and complete whenever its length is
+// above 0.
 template <std::size_t Capacity>
 struct Text {
     void set(const std::string& text) {
@@ -54,7 +55,7 @@ void leave_last_line(std::size_t signal) {
     }
 }
 
-// Calls nothing but what POSIX lets a handler call.
+// The signal handler, which calls nothing but what POSIX lets a handler call.
 extern "C" void on_crash(int number) {
     if (is_crashing.exchange(true)) {
         if (::pthread_equal(crashing, ::pthread_self()) != 0) {

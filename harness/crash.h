@@ -19,8 +19,8 @@ inline constexpr std::array<CrashSignal, 5> crash_signals{{{SIGSEGV, "segmentati
                                                            {SIGILL, "illegal instruction (SIGILL)"},
                                                            {SIGABRT, "abort (SIGABRT)"}}};
 
-// From now on a crash is named. A handler that somebody else has set, as sanitizers do, stays. To be called once, by
-// the thread that everything is at work on.
+// Installs handlers, so that a crash from now on is named. A handler that somebody else has set, as sanitizers do,
+// stays. To be called once, by the thread that everything is at work on.
 void name_crashes();
 
 // While it lives, a crash names `what`, after what was at work already: "CELL, sample 2 (seed 3)". Only on the thread

@@ -65,7 +65,7 @@ private:
     std::size_t place_ = 0;
 };
 
-// What the library throws, as the project says it.
+// Calls `read`, and turns what the library throws into an error of ours.
 template <class Read>
 auto read_exr_file(std::string_view content, const std::string& name, const Read& read) {
     try {
@@ -111,7 +111,8 @@ void check_windows(const Imf::Header& header, const std::string& name) {
     const Imath::Box2i &data = header.dataWindow(), &display = header.displayWindow();
     const bool covers = data.min.x <= display.min.x && data.min.y <= display.min.y && data.max.x >= display.max.x &&
                         data.max.y >= display.max.y;
-    // Of what says that it is a map of directions, the library takes the data window for all of them.
+    // An image marked as a map of directions must have equal windows: the library takes the data window for all
+    // directions.
     if (!covers || (Imf::hasEnvmap(header) && data != display)) {
         throw InputError(
             name, "windows",

@@ -10,7 +10,7 @@
 
 namespace pt {
 
-// Channels "name.R", "name.G", .. or, of the layer without a name, "R", "G", ..
+// A layer of an EXR file: channels "name.R", "name.G", .. or, if it has no name, "R", "G", ..
 struct ExrLayer {
     std::string name;
     std::string channels;       // a letter each
@@ -28,16 +28,16 @@ std::string encode_exr(const std::vector<ExrLayer>& layers, std::uint32_t width,
 struct ExrSize {
     long long width = 0, height = 0;
 };
-// Of the image that a file means, its display window, and of the pixels that it has.
+// The display window, which is the image that a file means, and the data window, which has its pixels.
 struct ExrWindows {
     ExrSize display, data;
 };
-// These throw InputError for what is no image that can be read, in the name of `file`, and std::logic_error where there
-// is no library.
+// The size of an EXR file's windows. Throws InputError for what is no image that can be read, in the name of `file`,
+// and std::logic_error where there is no library.
 ExrWindows exr_windows(std::string_view content, const std::string& file);
-// Channels R, G and B, or Y three times, of the display window, row-major from the top. Throws InputError, too, where
-// these numbers are not linear light of sRGB's primaries for each pixel of an equirectangular image: a data window that
-// lacks pixels, luminance with chroma, a cube map, other primaries.
+// The image in the display window, row-major from the top, from channels R, G and B, or Y three times. Throws
+// InputError, too, where these numbers are not linear light of sRGB's primaries for each pixel of an equirectangular
+// image: a data window that lacks pixels, luminance with chroma, a cube map, other primaries.
 std::vector<float> decode_exr(std::string_view content, const std::string& file);
 
 }  // namespace pt

@@ -32,7 +32,8 @@ std::size_t utf8_length(std::string_view text) {
     return 0;
 }
 
-// C0, DEL, and C1 (U+0080 to U+009F), which terminals obey too; and the byte order mark, which nobody sees.
+// Whether a character is one that terminals obey, C0, DEL or C1 (U+0080 to U+009F), or the byte order mark, which
+// nobody sees.
 bool is_control(std::string_view character) {
     const auto first = static_cast<unsigned char>(character[0]);
     const bool is_c1 = character.size() == 2 && first == 0xc2 && static_cast<unsigned char>(character[1]) < 0xa0;

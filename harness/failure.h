@@ -19,7 +19,7 @@ std::string one_line(const std::string& text);
 class InputError : public std::runtime_error {
 public:
     explicit InputError(const std::string& message) : std::runtime_error(one_line(message)) {}
-    // "FILE: PLACE: found FOUND, allowed: ALLOWED"
+    // An error of the form "FILE: PLACE: found FOUND, allowed: ALLOWED".
     InputError(const std::string& file, const std::string& place, const std::string& found, const std::string& allowed)
         : InputError(file + ": " + place + ": found " + found + ", allowed: " + allowed) {}
 };

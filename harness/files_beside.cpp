@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A link to nothing is something.
+// Whether something has this name; a link to nothing counts.
 bool is_taken(const fs::path& path) {
     std::error_code ignored;
     return fs::exists(fs::symlink_status(path, ignored));

@@ -22,13 +22,13 @@ public:
     FilesBeside() = default;  // nothing is written: every name is free
     explicit FilesBeside(std::filesystem::path out) : out_(std::move(out)) {}
 
-    // The N-th name that is to be tried, without a folder.
+    // A function that gives the N-th name to try for a file, without a folder.
     using NameOf = std::function<std::string(std::size_t n)>;
     // Returns the name, in the folder of --out, under which this content is kept: the first from `first` on that is
     // free or has it. Throws InputError if a name cannot be used.
     std::string add(const NameOf& name, std::size_t first, std::string content);
 
-    // By their names.
+    // The contents of the files, by their names.
     const std::map<std::string, std::string>& contents() const { return contents_; }
 
     // Writes all of them, and then the file of --out with its own content: who finds that finds what it names. Throws

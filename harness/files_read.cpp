@@ -10,7 +10,7 @@ namespace pt {
 
 namespace {
 
-// With its state: a number may go to another file once the first is removed.
+// The identity of a file with its state: an inode's number may go to another file once the first is removed.
 using FileId = std::tuple<dev_t, ino_t, off_t, time_t, long>;
 
 FileId id_of(const struct stat& status) {

@@ -14,19 +14,19 @@ inline constexpr int exit_interrupted = 130;  // 128 + SIGINT, as shells report 
 
 class Interrupt {
 public:
-    // Handles the signals while it lives. A process has at most one Interrupt at a time.
+    // Handles the interrupting signals while this object lives. A process has at most one Interrupt at a time.
     explicit Interrupt(std::chrono::milliseconds grace = std::chrono::seconds(1));
     ~Interrupt();
     Interrupt(const Interrupt&) = delete;
     Interrupt& operator=(const Interrupt&) = delete;
 
-    // Whether there was a signal.
+    // Whether there was an interrupting signal.
     bool requested() const;
     // If the program still runs `grace` after a signal, `end` is called on a thread of its own and the process exits
     // with what it returns. Without this call the process then exits with exit_interrupted.
     void when_overdue(std::function<int()> end);
-    // To be called before the program ends by itself and before anything that `end` uses is destroyed: `end` is not
-    // called afterwards. If `end` is running already, this call does not return.
+    // Ends the watch, so that `end` is not called afterwards; if `end` is running already, this call does not return.
+    // To be called before the program ends by itself and before anything that `end` uses is destroyed.
     void begin_end();
 
 private:

@@ -51,10 +51,10 @@ void check_kind(const struct stat& status, const std::string& path, std::uint64_
     }
 }
 
-// Closes itself.
+// An open file, which closes itself.
 class OpenFile {
 public:
-    // Without waiting for a writer, should a pipe have taken the name since it was looked at.
+    // Opens the file without waiting for a writer, should a pipe have taken the name since it was looked at.
     explicit OpenFile(const std::string& path) : descriptor_(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)) {}
     ~OpenFile() {
         if (descriptor_ >= 0) {
@@ -70,7 +70,7 @@ private:
     int descriptor_;
 };
 
-// Fills in `status`, that of the file.
+// Reads a file and fills in its `status`.
 std::string read_whole(const std::string& path, std::uint64_t largest, struct stat& status) {
     if (::stat(path.c_str(), &status) != 0) {
         cannot_read(path, in_words(errno), largest);
@@ -116,10 +116,11 @@ std::string read_earlier_output(const std::string& file, std::uint64_t largest) 
 
 namespace {
 
-// No file of ours nests half as deep, and what copies or prints JSON calls itself once a level.
+// Most levels of JSON: no file of ours nests half as deep, and what copies or prints JSON calls itself once a level.
 constexpr std::size_t deepest_nesting = 64;
 
-// "[json.exception.parse_error.101] parse error at line 1, column 2: ..." without the bracket.
+// The error for a text that is no JSON: the library's "[json.exception.parse_error.101] parse error at line 1, column
+// 2: ..." without the bracket.
 InputError not_json(const std::string& file, const Json::exception& error) {
     std::string message = error.what();
     if (const auto bracket = message.find("] "); bracket != std::string::npos) {
@@ -166,7 +167,7 @@ private:
         std::set<std::string> keys = {};  // met so far
     };
 
-    // Put together only when asked for.
+    // The path of the innermost value, put together only when asked for.
     std::string innermost_path() const {
         std::string path = "$";
         for (auto container = open_.begin(); container + 1 != open_.end(); ++container) {

@@ -18,8 +18,8 @@ namespace pt {
 
 using Json = nlohmann::json;
 
-// What people write by hand, scenes, suites and texts to import, is smaller by far; what we write stays below the
-// second.
+// Most bytes of a file that people write by hand (scenes, suites and texts to import, which are smaller by far) and of
+// a result, which is what we write.
 inline constexpr std::uint64_t largest_input = std::uint64_t{64} << 20;
 inline constexpr std::uint64_t largest_result = std::uint64_t{1} << 30;
 
@@ -27,15 +27,15 @@ inline constexpr std::uint64_t largest_result = std::uint64_t{1} << 30;
 // regular file, no permission or too large.
 std::string read_file(const std::string& path, std::uint64_t largest = largest_input);
 
-// Of a file's name, with its dot, in lower case: what says which reader it is for.
+// The ending of a file's name, with its dot and in lower case, which says which reader the file is for.
 std::string ending_of(const std::filesystem::path& file);
 
-// Strict parse: no comments, no byte 0, no duplicate keys, no numbers beyond double, no more than 64 levels. `file` is
-// for the messages.
+// Parses strictly: no comments, no byte 0, no duplicate keys, no numbers beyond double, no more than 64 levels. `file`
+// is for the messages.
 Json parse_json(const std::string& text, const std::string& file);
 
-// For a first look at a file that will be read strictly, and which that may refuse: its value, discarded where it is no
-// JSON; and of an object the array at `key`, of anything else an empty one.
+// Takes a first look at a file that will be read strictly, and which that may refuse: its value, discarded where it is
+// no JSON. array_in is the array at `key` of an object, and an empty one of anything else.
 Json parse_loosely(const std::string& file);
 const Json& array_in(const Json& value, const std::string& key);
 

@@ -14,7 +14,7 @@ namespace pt {
 // handler.
 void write_to_stderr(std::string_view text) noexcept;
 
-// Formats as fmt::print does; the text has its own line ends.
+// Prints on stderr, formatted as fmt::print does; the text has its own line ends.
 template <class... Values>
 void say(fmt::format_string<Values...> format, Values&&... values) noexcept {
     try {
@@ -24,8 +24,8 @@ void say(fmt::format_string<Values...> format, Values&&... values) noexcept {
     }
 }
 
-// To be called first of all. Where a standard stream is closed, the next file that is opened would have its place, and
-// lines for it would stand in that file: its place is taken, and writing to it goes on failing.
+// Takes the place of standard streams that are closed, and writing to them goes on failing: else the next file that is
+// opened would have the place, and lines for the stream would stand in that file. To be called first of all.
 void occupy_standard_streams() noexcept;
 
 }  // namespace pt

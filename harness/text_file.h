@@ -9,11 +9,11 @@
 
 namespace pt {
 
-// Without the byte order mark of UTF-8. Throws InputError for UTF-16 and UTF-32, by their marks, or by a zero among the
-// first four bytes, which no text begins with. `file` is for the messages.
+// The text without the byte order mark of UTF-8. Throws InputError for UTF-16 and UTF-32, by their marks, or by a zero
+// among the first four bytes, which no text begins with. `file` is for the messages.
 std::string_view without_byte_order_mark(std::string_view content, const std::string& file);
 
-// The same, with every line's end (LF, CR LF, or CR alone) as LF.
+// A text without its byte order mark, and with every line's end (LF, CR LF, or CR alone) as LF.
 std::string readable_text(std::string content, const std::string& file);
 
 // The readable text of a file, by read_file.

@@ -28,7 +28,7 @@ bool write_through(int descriptor, const std::string& content) {
     return ::fsync(descriptor) == 0;
 }
 
-// 0, or the errno of what failed.
+// Writes a new file; returns 0, or the errno of what failed.
 int write_new(const std::string& file, const std::string& content) {
     const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (descriptor < 0) {

@@ -25,14 +25,15 @@ struct AdjointCache {
     // Window on what a path is expected to bring, in units of its pixel.
     Real lowest, highest;
     std::uint32_t most_branches;  // 1: no splitting
-    // All relative to the image's mean: what paths bring from a cell and side on, over what they carried there; how
-    // much more it is after so many segments; and 1 over what a pixel is.
+    // The estimates, relative to the image's mean: what paths bring from a cell and side on, over what they carried
+    // there; how much more it is after so many segments; and 1 over what a pixel is.
     View<float> by_place;
     View<float> by_segment;
     View<float> by_pixel;
 };
 
-// Which of six directions a unit vector is nearest to: twice the axis, and 1 more if it looks down.
+// Returns which of the six directions +-x, +-y and +-z a unit vector is nearest to, as a number from 0 to 5: twice the
+// axis, and 1 more if the vector looks down that axis.
 template <class Real>
 PT_HD inline std::uint32_t nearest_side(const Vec3<Real>& normal) {
     const Vec3<Real> size{absolute(normal.x), absolute(normal.y), absolute(normal.z)};
@@ -40,7 +41,8 @@ PT_HD inline std::uint32_t nearest_side(const Vec3<Real>& normal) {
     return 2 * axis + (component_of(normal, axis) < Real(0) ? 1u : 0u);
 }
 
-// Of a coordinate in units of cells; what lies outside belongs to the outermost.
+// The grid cell that a coordinate in units of cells lies in, from 0 to cells - 1; what lies outside of the grid belongs
+// to the outermost cell.
 template <class Real>
 PT_HD inline std::uint32_t cell_along(Real coordinate, std::uint32_t cells) {
     return coordinate > Real(0) ? static_cast<std::uint32_t>(min(coordinate, static_cast<Real>(cells - 1))) : 0u;
@@ -61,7 +63,7 @@ PT_HD inline Real sum_of_channels(const Vec3<Real>& colour) {
     return colour.x + colour.y + colour.z;
 }
 
-// What a path that has arrived at a vertex, after `segments`, is expected to bring from there, in units of its pixel.
+// The share of its pixel that a path at a vertex, after `segments`, is expected to bring from there.
 template <class Real>
 PT_HD inline Real expected_share(const AdjointCache<Real>& cache, const Path<Real>& path, const Vertex<Real>& vertex,
                                  std::uint32_t segments) {
@@ -71,7 +73,8 @@ PT_HD inline Real expected_share(const AdjointCache<Real>& cache, const Path<Rea
            static_cast<Real>(cache.by_pixel[path.pixel]);
 }
 
-// 1 within the window and above it. A number that is none is no reason to end a path: the film will count it.
+// Probability with which a path survives: 1 within the window and above it. A share that is not a number is no reason
+// to end a path: the film will count it.
 template <class Real>
 PT_HD inline Real survival_probability(Real share, Real lowest, const Vec3<Real>& throughput) {
     const Real wanted = min(share / lowest, Real(1));
@@ -79,13 +82,14 @@ PT_HD inline Real survival_probability(Real share, Real lowest, const Vec3<Real>
     return min(max(wanted, max(least_survival<Real>, carried * (Real(1) / most_carried<Real>))), Real(1));
 }
 
-// Into how many paths one is split: 1 within the window and below it.
+// Number of branches that a path splits into: 1 within the window and below it.
 template <class Real>
 PT_HD inline std::uint32_t branch_count(Real share, Real highest, std::uint32_t most) {
     return share > highest ? 1 + static_cast<std::uint32_t>(min(share / highest, static_cast<Real>(most - 1))) : 1u;
 }
 
-// u in [0, 1). Returns whether the path goes on.
+// Plays adjoint-driven Russian roulette with u in [0, 1) and scales the throughput of a path that survives. Returns
+// whether the path goes on.
 template <class Real>
 PT_HD inline bool survives_by_share(Path<Real>& path, Real share, Real lowest, Real u) {
     const Real probability = survival_probability(share, lowest, path.throughput);
@@ -98,13 +102,13 @@ PT_HD inline bool survives_by_share(Path<Real>& path, Real share, Real lowest, R
     return true;
 }
 
-// What befalls a path at a vertex before it scatters: in kernels without adjoint-driven roulette nothing.
+// The branch of kernels without adjoint-driven roulette, to which nothing happens before it scatters at a vertex.
 struct OneBranch {
     template <class Config>
     static constexpr bool acts_in = has<Config>(Feature::adjoint_roulette);
-    // The path is a branch that begins at its vertex: it has been there.
+    // Whether the path is a branch that resumes at the vertex where it split, and so has been there.
     PT_HD static constexpr bool resumes() { return false; }
-    // Returns whether the path goes on. `u`: in [0, 1).
+    // Decides before a path scatters at a vertex, with u in [0, 1). Returns whether the path goes on.
     template <class Config>
     PT_HD bool goes_on(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
                        const Vertex<typename Config::Real>& vertex, const Hit<typename Config::Real>&,

@@ -15,13 +15,13 @@ struct AxisAlignedEnclosure {
     Vec3<Real> high{Real(0), Real(0), Real(0)};
     Vec3<Real> reach_low{Real(0), Real(0), Real(0)};  // round all axis boxes, whenever; infinite where one moves
     Vec3<Real> reach_high{Real(0), Real(0), Real(0)};
-    // By axis: the face of the wall behind the low and the high side; nowhere: the side is open.
+    // The faces of the walls behind the low and the high side, one for each axis; nowhere: that side is open.
     SurfaceId low_side[3], high_side[3];
     std::uint32_t walls = 0;       // bit i: axis box i is one of them; 0: there is no enclosure
     std::uint32_t lamps = 0;       // bit i: axis box i is of an emitter material, which no path leaves
     std::uint32_t open_sides = 0;  // bit 2 * axis, + 1 for the high side
 
-    // Axis box i, in the order of their numbers.
+    // Whether axis box i, as counted in SceneView::axis_boxes, is one of the walls.
     PT_HD bool is_wall(std::uint32_t i) const { return i < 32 && ((walls >> i) & 1u) != 0; }
     PT_HD bool is_lamp(std::uint32_t i) const { return i < 32 && ((lamps >> i) & 1u) != 0; }
     PT_HD bool contains(const Vec3<Real>& p) const {
@@ -29,7 +29,7 @@ struct AxisAlignedEnclosure {
     }
 };
 
-// Where a ray leaves the enclosure. Not known: ask the slab test.
+// The place where a ray leaves the enclosure. If it is not known, the slab test of every box decides.
 template <class Real>
 struct EnclosureExit {
     bool known;
@@ -59,7 +59,8 @@ PT_HD inline bool enters_by_open_side(const AxisAlignedEnclosure<Real>& enclosur
     return enters(0, from_high_x, x, y, z) || enters(1, from_high_y, y, x, z) || enters(2, from_high_z, z, x, y);
 }
 
-// `is_finite`: has_finite_reciprocal of the ray's direction, whose reciprocal is `inverse`.
+// Finds where a ray leaves an enclosure. `inverse`: reciprocal of the ray's direction; `is_finite`:
+// has_finite_reciprocal of that direction.
 template <class Real>
 PT_HD inline EnclosureExit<Real> leave_enclosure(const AxisAlignedEnclosure<Real>& enclosure, const Vec3<Real>& origin,
                                                  const Vec3<Real>& inverse, bool is_finite) {
@@ -83,8 +84,9 @@ PT_HD inline EnclosureExit<Real> leave_enclosure(const AxisAlignedEnclosure<Real
                    : side_z};
 }
 
-// What of an enclosure's walls lies between two points. The enclosure is convex: none where both lie within, and one
-// where the second lies beyond walls alone, since only their planes are crossed on the way. Not known: ask the slabs.
+// Which of an enclosure's walls lie between two points. The enclosure is convex: none where both points lie within, and
+// one where the second lies beyond walls alone, since only their planes are crossed on the way. If it is unknown, the
+// slab test of every wall decides.
 enum class WallsBetween { none, one, unknown };
 
 template <class Real>
@@ -92,7 +94,7 @@ PT_HD inline WallsBetween walls_between(const AxisAlignedEnclosure<Real>& enclos
                                         const Vec3<Real>& to) {
     const Vec3<Real>& low = enclosure.low;
     const Vec3<Real>& high = enclosure.high;
-    // How far beyond the sides the second point is, and how far within them the first.
+    // Distances of the second point beyond each of the six sides, and of the first point within them.
     const Real beyond[6] = {low.x - to.x, to.x - high.x, low.y - to.y, to.y - high.y, low.z - to.z, to.z - high.z};
     const Real within[6] = {from.x - low.x,  high.x - from.x, from.y - low.y,
                             high.y - from.y, from.z - low.z,  high.z - from.z};
@@ -106,7 +108,7 @@ PT_HD inline WallsBetween walls_between(const AxisAlignedEnclosure<Real>& enclos
             to_wall = min(to_wall, within[side]);
         }
     }
-    // Above the rounding of a point on the way and of the slabs.
+    // The margin is above the rounding of a point on the way and of the slab test.
     const Real margin = gamma<Real>(64) * (absolute(low.x) + absolute(low.y) + absolute(low.z) + absolute(high.x) +
                                            absolute(high.y) + absolute(high.z));
     if (enclosure.walls == 0 || !enclosure.contains(from) || !(open < -margin)) {

@@ -29,8 +29,8 @@ PT_HD inline Interval<Real> slab_interval(const Vec3<Real>& low, const Vec3<Real
     return {near, far, near <= far * (Real(1) + Real(2) * gamma<Real>(3))};
 }
 
-// The same for a reciprocal without infinite entries, with which no product is a NaN: of two planes the one that is met
-// first is the nearer.
+// slab_interval for a reciprocal without infinite entries. No product is a NaN then, so the nearer plane of each pair
+// is simply the one that is met first.
 template <class Real>
 PT_HD inline Interval<Real> finite_slab_interval(const Vec3<Real>& low, const Vec3<Real>& high,
                                                  const Vec3<Real>& origin, const Vec3<Real>& inverse) {
@@ -49,7 +49,7 @@ PT_HD inline bool has_finite_reciprocal(const Vec3<Real>& v) {
     return keep_smaller(keep_smaller(absolute(v.x), absolute(v.y)), absolute(v.z)) >= Real(0x1p-100);
 }
 
-// Of a vector no longer than 1, but for rounding; infinite where an entry is 0.
+// The entries' reciprocals of a vector that is no longer than 1, but for rounding; infinite where an entry is 0.
 template <class Real>
 PT_HD inline Vec3<Real> reciprocal(const Vec3<Real>& v) {
     if (has_finite_reciprocal(v)) {

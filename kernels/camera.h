@@ -32,7 +32,7 @@ PT_HD inline Vec3<typename Config::Real> unit_ray(const Vec3<typename Config::Re
     }
 }
 
-// A pixel's number and where that is.
+// A pixel: its number in row-major order, and its column and row.
 struct PixelPlace {
     std::uint32_t index, x, y;  // row-major
 

@@ -25,7 +25,7 @@ namespace pt {
 
 using FeatureSet = std::uint64_t;
 
-// A group's bits stand together, with room for more of its kind.
+// First bit of each group of features in a FeatureSet. A group's bits stand together, with room for more of its kind.
 namespace feature_bit {
 inline constexpr FeatureSet camera = FeatureSet{1} << 0;      // 4 bits
 inline constexpr FeatureSet shape = FeatureSet{1} << 4;       // 16 bits
@@ -45,7 +45,8 @@ enum class Feature : FeatureSet {
     // Spheres that the eye is near, as the ground under it (NearSphere in kernels/shapes/sphere.h).
     near_sphere = feature_bit::shape << 13,
     motion = feature_bit::shape << 14,
-    // Another formula for every object: its 4x4 matrix (kernels/transform.h). Changes roundings, and so the film.
+    // Every object is met by its 4x4 matrix (kernels/transform.h): another formula, which changes roundings and so the
+    // film.
     matrix = feature_bit::shape << 15,
     diffuse = feature_bit::material << 0,
     emitter = feature_bit::material << 1,
@@ -76,7 +77,8 @@ enum class Feature : FeatureSet {
     // and one with both chooses at run time (SceneView::light_selection).
     power_selection = feature_bit::light << 7,
     tree_selection = feature_bit::light << 8,
-    // A connection or light that is met, one of the two, chosen at random (SceneView::one_sample).
+    // One-sample MIS: either the connection to a light counts or the light that is met, chosen at random
+    // (SceneView::one_sample).
     one_sample = feature_bit::light << 9,
     // An environment that is drawn as lights are (kernels/environment_map.h): an image, or one number all round.
     environment_map = feature_bit::light << 10,
@@ -94,10 +96,10 @@ enum class Feature : FeatureSet {
     // Roulette, and splitting, by what a path is expected to bring (kernels/adjoint.h, kernels/path_tree.h).
     adjoint_roulette = feature_bit::sampling << 8,
     splitting = feature_bit::sampling << 9,
-    // A shortcut: a scene that has it needs it not, and a kernel that has it leaves the same film.
+    // Features that only make a kernel faster: it leaves the same film with them, and no scene needs them.
     enclosure = feature_bit::traversal << 0,
-    // Other formulas too, and so other roundings: intersection in double within single precision (kernels/widen.h), and
-    // textbook forms throughout (kernels/naive.h).
+    // Features that compute by other formulas, and so round otherwise: intersection in double within single precision
+    // (kernels/widen.h), and textbook forms throughout (kernels/naive.h).
     double_intersection = feature_bit::traversal << 1,
     naive = feature_bit::traversal << 2,
     // Other ways to the objects that show meshes than each in turn: a tree over them (kernels/object_tree.h), and one
@@ -106,7 +108,7 @@ enum class Feature : FeatureSet {
     flat_tree = feature_bit::traversal << 4,
 };
 
-// Of the features above, the ones that a variant asks for.
+// What the variant asks for among the features of light_samplings and of light_selections.
 enum class LightSampling : std::uint16_t { solid_angle, area, projected, automatic };
 enum class LightSelection : std::uint32_t { uniform, power, tree };
 
@@ -141,15 +143,17 @@ inline constexpr FeatureSet samplers = set_of(Feature::philox, Feature::sobol_ow
 // not even a generic one, pays for it.
 inline constexpr FeatureSet samplings = samplers | static_cast<FeatureSet>(Feature::guided_walk);
 
-// A kernel has it only for a scene that has it: the way through an accelerator takes registers from every other shape.
+// Features by which a kernel traverses meshes. It has one only for a scene with meshes: the way through an accelerator
+// takes registers from every other shape.
 inline constexpr FeatureSet traversals = set_of(Feature::mesh);
-// The same, at most one of them, for a variant that has it.
+// The trees over all meshes (TLAS, or one flat tree), at most one of them, for a variant and a scene that has meshes.
 inline constexpr FeatureSet mesh_levels = set_of(Feature::object_tree, Feature::flat_tree);
 
-// A kernel has it only for a variant that asks for it: the branches that wait take registers and memory.
+// Features of kernels whose paths split. A kernel has one only for a variant that asks for it: the branches that wait
+// take registers and memory.
 inline constexpr FeatureSet path_trees = set_of(Feature::splitting);
 
-// Of these a kernel has just the ones that it is asked for: they change what is computed.
+// Features that change what is computed: a kernel has exactly those of them that it is asked for.
 inline constexpr FeatureSet formulas = set_of(Feature::double_intersection, Feature::naive);
 
 PT_HD constexpr FeatureSet operator|(Feature a, Feature b) {
@@ -157,14 +161,14 @@ PT_HD constexpr FeatureSet operator|(Feature a, Feature b) {
 }
 PT_HD constexpr FeatureSet operator|(FeatureSet a, Feature b) { return a | static_cast<FeatureSet>(b); }
 PT_HD constexpr bool contains(FeatureSet set, Feature feature) { return (set & static_cast<FeatureSet>(feature)) != 0; }
-// Of a set with one of light_samplings, or none.
+// The light sampling that a set of features asks for, which has one of light_samplings or none (solid angle).
 PT_HD constexpr LightSampling light_sampling_in(FeatureSet set) {
     return contains(set, Feature::area_sampling)        ? LightSampling::area
            : contains(set, Feature::projected_sampling) ? LightSampling::projected
            : contains(set, Feature::automatic_sampling) ? LightSampling::automatic
                                                         : LightSampling::solid_angle;
 }
-// Of a set with one of light_selections, or none.
+// The light selection that a set of features asks for, which has one of light_selections or none (uniform).
 PT_HD constexpr LightSelection light_selection_in(FeatureSet set) {
     return contains(set, Feature::power_selection)  ? LightSelection::power
            : contains(set, Feature::tree_selection) ? LightSelection::tree

@@ -17,7 +17,7 @@ struct Refraction {
     Real q;            // n cos(theta_t)
 };
 
-// cosine in [0, 1].
+// Fresnel reflectance at a boundary for a cosine of incidence in [0, 1].
 template <class Real>
 PT_HD inline Refraction<Real> fresnel(const Boundary<Real>& boundary, Real cosine) {
     if (boundary.k == Real(0)) {
@@ -36,7 +36,8 @@ PT_HD inline Refraction<Real> fresnel(const Boundary<Real>& boundary, Real cosin
     return {Real(0.5) * (r_s * r_s + r_p * r_p), q};
 }
 
-// As the kernel has it.
+// The Fresnel reflectance in the form that the kernel is compiled for: the stable one, or the textbook's in a naive
+// kernel.
 template <class Config>
 PT_HD inline Refraction<typename Config::Real> fresnel(const Boundary<typename Config::Real>& boundary,
                                                        typename Config::Real cosine) {
@@ -48,7 +49,7 @@ PT_HD inline Refraction<typename Config::Real> fresnel(const Boundary<typename C
     }
 }
 
-// The transmitted direction; `normal` on the incoming side.
+// The direction of the refracted ray; `normal` is on the incoming side.
 template <class Real>
 PT_HD inline Vec3<Real> refract(const Boundary<Real>& boundary, const Vec3<Real>& direction, const Vec3<Real>& normal,
                                 Real cosine, Real q) {
@@ -60,7 +61,8 @@ PT_HD inline Real cosine_of_incidence(const Vec3<Real>& direction, const Vec3<Re
     return clamp(-dot(direction, normal), Real(0), Real(1));
 }
 
-// In what absorbs the path runs on the other side of the vertex.
+// The absorbing medium that the path runs in once it has crossed the surface at the vertex, as a material's number, or
+// no_medium.
 template <class Real>
 PT_HD inline std::uint32_t medium_behind(const Vertex<Real>& vertex, const Material<Real>& material) {
     return vertex.inside || material.absorbs == 0 ? Path<Real>::no_medium : vertex.material;
@@ -87,14 +89,14 @@ PT_HD inline void scatter_dielectric(Path<typename Config::Real>& path, const Ve
     }
 }
 
-// Beer-Lambert over a distance.
+// Transmittance of an absorbing medium over a distance in scene units, by Beer-Lambert.
 template <class Real>
 PT_HD inline Vec3<Real> transmittance(const Material<Real>& medium, Real distance) {
     return {exponential(-medium.sigma_a.x * distance), exponential(-medium.sigma_a.y * distance),
             exponential(-medium.sigma_a.z * distance)};
 }
 
-// Of the segment that ends now.
+// Absorbs the path's throughput along the segment that ends now, which ran `distance` through the medium.
 template <class Real>
 PT_HD inline void attenuate(Path<Real>& path, const Material<Real>& medium, Real distance) {
     path.throughput *= transmittance(medium, distance);

@@ -6,7 +6,7 @@
 
 namespace pt {
 
-// Where a path meets a surface, oriented to the side that it comes from.
+// The point where a path meets a surface, oriented to the side that the path comes from.
 template <class Real>
 struct Vertex {
     Vec3<Real> position;
@@ -18,7 +18,8 @@ struct Vertex {
     std::uint32_t primitive = 0;
     // Unit, on the incoming ray's side: a face is met from outside. What the vertex is shaded with.
     PT_HD Vec3<Real> normal() const { return hit.has_face() ? face_normal<Real>(hit) : surface_normal; }
-    // Of a finite vector with the normal: of a face's, whose other entries are 0, one entry of the vector.
+    // The dot product of a finite vector with the normal. A face's normal has one entry that is not 0, so it is one
+    // entry of the vector.
     PT_HD Real dot_normal(const Vec3<Real>& v) const {
         if (!hit.has_face()) {
             return dot(v, surface_normal);
@@ -28,14 +29,15 @@ struct Vertex {
     }
 };
 
-// One that may be shaded with another normal than the surface's, which is kept here.
+// A vertex that may be shaded with another normal than the surface's own, which `unbent` keeps.
 template <class Real>
 struct BentVertex : Vertex<Real> {
     bool is_bent = false;
     Vec3<Real> unbent{};
 };
 
-// As the kernel has it: without shading normals the very Vertex, whose size counts where it lies in memory.
+// The type of vertex that a kernel has. Without shading normals it is plain Vertex: a larger one would take memory
+// where vertices wait in queues.
 template <class Config, bool bends = has<Config>(Feature::shading_normals)>
 struct VertexOfKernel {
     using Type = Vertex<typename Config::Real>;
@@ -47,7 +49,7 @@ struct VertexOfKernel<Config, true> {
 template <class Config>
 using VertexOf = typename VertexOfKernel<Config>::Type;
 
-// The surface's own normal, likewise; what tells its sides apart.
+// The surface's own unit normal, on the incoming ray's side: it tells the surface's two sides apart.
 template <class Config>
 PT_HD inline Vec3<typename Config::Real> geometric_normal(const VertexOf<Config>& vertex) {
     if constexpr (has<Config>(Feature::shading_normals)) {
@@ -105,7 +107,7 @@ PT_HD inline bool axis_to_world(const SurfaceId& face, const Vec3<Real>& local, 
     return draws_approximately<Real> || local.x * local.y * local.z != Real(0);
 }
 
-// By two words of 32 bits.
+// Scatters the path by a Lambertian surface, in a direction that two random words of 32 bits give.
 template <class Config>
 PT_HD inline void scatter_diffuse(Path<typename Config::Real>& path, const Vertex<typename Config::Real>& vertex,
                                   const Vec3<typename Config::Real>& albedo, std::uint32_t u, std::uint32_t v) {
@@ -116,7 +118,7 @@ PT_HD inline void scatter_diffuse(Path<typename Config::Real>& path, const Verte
     if (!has<Config>(Feature::enclosure) || !vertex.hit.has_face() || !axis_to_world(vertex.hit, local, direction)) {
         direction = Frame<Real>(vertex.normal()).to_world(local);
     }
-    // A unit vector but for the rounding of three sums: not worth another nine operations.
+    // The direction is unit but for the rounding of three sums, which is not worth another nine operations.
     leave_on_same_side(path, vertex, direction);
 }
 

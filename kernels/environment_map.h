@@ -52,14 +52,16 @@ PT_HD inline std::uint32_t entry_at(const Entry* entries, std::uint32_t count, s
     return low;
 }
 
-// Of 2^32, in units of 1: 2^32 itself for an only entry. The last one's end is 2^32, whose low word is 0.
+// The share of entry i in a table that divides 2^32 words, in words: 2^32 itself for an only entry. The last entry ends
+// at 2^32, whose low word is 0.
 template <class Real, class Entry>
 PT_HD inline Real share_of_entry(const Entry* entries, std::uint32_t count, std::uint32_t i) {
     const std::uint32_t end = i + 1 < count ? entries[i + 1].first : 0u;
     return static_cast<Real>(end - entries[i].first - 1u) + Real(1);
 }
 
-// Where in its entry's share a word lies, in [0, 1]: between two words by 16 more bits, since a share may be one word.
+// The place in [0, 1] of a word within its entry's share. 16 bits of `more` place it between two words, since a share
+// may be one word wide.
 template <class Real, class Entry>
 PT_HD inline Real place_in_entry(const Entry& entry, Real share, std::uint32_t word, std::uint32_t more) {
     const Real between = (static_cast<Real>(more & 0xffffu) + Real(0.5)) * Real(0x1p-16);
@@ -91,7 +93,7 @@ PT_HD inline Real azimuth_in_turns(const Vec3<Real>& direction) {
     return along < Real(0) ? angle + Real(0.5) : angle;
 }
 
-// Of a number from -1 to 2, what is beyond a whole one.
+// What is left of a number of turns from -1 to 2 without its whole turns, in [0, 1).
 template <class Real>
 PT_HD inline Real fraction_of_turn(Real turns) {
     const Real above = turns < Real(0) ? turns + Real(1) : turns;
@@ -110,7 +112,7 @@ PT_HD inline std::uint32_t row_at(const EnvironmentMap<Real>& map, Real cosine) 
     return low;
 }
 
-// `direction`: unit.
+// The texel that a unit direction looks at, and 1 / density of directions to it.
 template <class Real>
 PT_HD inline EnvironmentPlace<Real> environment_towards(const EnvironmentMap<Real>& map, const Vec3<Real>& direction) {
     const Real across = fraction_of_turn(azimuth_in_turns(direction) + map.turn) * static_cast<Real>(map.width);

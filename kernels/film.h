@@ -31,7 +31,7 @@ PT_HD inline void atomic_add(T* address, T value) {
 #endif
 }
 
-// Samples of a pixel in quanta: what they add to its sums.
+// The sum of some samples of one pixel, in the film's quanta.
 struct FilmSum {
     std::int64_t x = 0, y = 0, z = 0;
 
@@ -48,18 +48,18 @@ struct FilmView {
     FilmFaults* faults = nullptr;
     double scale = 1.0;  // quanta a unit of radiance, a power of two
     double limit = 0.0;  // largest quanta of one sample such that `samples` of them cannot overflow
-    // The same in single precision, in which a product with a power of two is exact as well. A negative limit: not to
-    // be used.
+    // `scale` and `limit` in single precision, in which a product with a power of two is exact as well. A negative
+    // limit: not to be used.
     float single_scale = 1.0f;
     float single_limit = -1.0f;  // the largest number not above `limit`
 
-    // One sample in quanta. Faults are counted; what is not finite is left out.
+    // Turns one sample's radiance into quanta. Faults are counted; what is not finite is left out.
     PT_HD FilmSum quanta(const Vec3<float>& radiance) const {
         using std::llrint;
         const float x = radiance.x * single_scale;
         const float y = radiance.y * single_scale;
         const float z = radiance.z * single_scale;
-        // False for a NaN.
+        // A radiance that is not a number is not plain, since each of these comparisons is false for a NaN.
         const bool plain =
             x >= 0.0f && y >= 0.0f && z >= 0.0f && x <= single_limit && y <= single_limit && z <= single_limit;
         if (plain) {
@@ -100,7 +100,7 @@ struct FilmView {
         add(pixel, quanta(radiance));
     }
 
-    // Samples of a pixel that are summed already, as radiance.
+    // Adds samples of a pixel that are summed already, as radiance.
     template <class Real>
     PT_HD void add_sum(std::uint32_t pixel, const Vec3<Real>& sum) const {
         using std::llrint;

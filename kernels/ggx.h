@@ -14,7 +14,7 @@ namespace pt {
 template <class Real>
 inline constexpr Real least_cosine = Real(0x1p-40);
 
-// What a lobe sends in one direction.
+// What a lobe sends from one direction to another, and how likely it draws that direction.
 template <class Real>
 struct LobeValue {
     Vec3<Real> weight;  // BSDF * cosine / density
@@ -31,11 +31,12 @@ struct LobeSample {
 template <class Real>
 struct GgxFacet {
     Vec3<Real> normal;
-    // In the space where the facets' ellipsoid is a sphere: along the surface's normal, and the square across it.
+    // The normal in the space where the ellipsoid of facets is a sphere: its part along the surface's normal, and the
+    // square of the rest.
     Real along, across;
 };
 
-// At one vertex. All vectors are unit.
+// The facets at one vertex as seen from `outgoing`. All vectors are unit.
 template <class Real>
 struct GgxFacets {
     Vec3<Real> outgoing, normal;
@@ -49,10 +50,11 @@ struct GgxFacets {
           cosine(max(dot(outgoing_to, normal_of), least_cosine<Real>)),
           q(stretched(cosine)) {}
 
-    // Of narrower facets the density hangs on the rounding of directions, in single precision.
+    // Whether the density of directions can be formed in single precision: for a smaller alpha it hangs on the
+    // directions' rounding.
     PT_HD bool are_wide() const { return alpha >= Real(0x1p-7); }
 
-    // Never below c, so that no share is above 1.
+    // sqrt(c^2 + alpha^2 (1 - c^2)), which enters Smith's masking; never below c, so that no share is above 1.
     PT_HD Real stretched(Real c) const {
         return max(square_root(c * c + alpha * alpha * ((Real(1) - c) * (Real(1) + c))), c);
     }
@@ -62,28 +64,28 @@ struct GgxFacets {
         return (incoming_cosine * cosine + shared) / (stretched(incoming_cosine) * cosine + shared);
     }
 
-    // `incoming_cosine` to the normal on the other side.
+    // The share of light that passes to the other side unmasked; `incoming_cosine` is to the normal on that side.
     PT_HD Real share_below(Real incoming_cosine) const {
         return Real(2) * incoming_cosine / (incoming_cosine + stretched(incoming_cosine));
     }
 
     PT_HD Real mirrored_pdf(Real distribution) const { return distribution / (Real(2) * (cosine + q)); }
 
-    // Towards the mirrored direction of a facet along a vector of any length, of which these are the part along the
-    // normal, the square of the rest and the square of all. Of wide facets.
+    // Density of the direction mirrored by a wide facet whose normal is along a vector of any length, given as its part
+    // along the surface's normal, the square of the rest and the square of its length.
     PT_HD Real mirrored_pdf(Real along, Real across_squared, Real square) const {
         const Real ratio = square / (alpha * alpha * (along * along) + across_squared);
         return mirrored_pdf(alpha * alpha * (ratio * ratio) * (Real(1) / pi<Real>));
     }
 
-    // The same of a facet that was drawn.
+    // Density of the direction that is mirrored by a facet which sample() has drawn.
     PT_HD Real mirrored_pdf(const GgxFacet<Real>& facet) const {
         const Real stretch = facet.along * facet.along + alpha * alpha * facet.across;
         return mirrored_pdf(stretch * stretch / (alpha * alpha) * (Real(1) / pi<Real>));
     }
 
-    // In the space where the facets' ellipsoid is a sphere: a point of its disc that faces the viewer, and the normal
-    // there. x is along the viewer's azimuth.
+    // Draws a facet that faces the viewer, by a point of the visible disc in the space where the ellipsoid of facets is
+    // a sphere; x is along the viewer's azimuth.
     PT_HD GgxFacet<Real> sample(Real u, Real v) const {
         const Frame<Real> frame(normal);
         const Real x = dot(outgoing, frame.tangent);

@@ -20,8 +20,8 @@ PT_HD inline Real chebyshev_sum(const Real (&c)[count], Real x) {
     return x * next - after + c[0];
 }
 
-// Of a direction whose cosine c has c / sqrt(c^2 + alpha^2 (1 - c^2)) = x, which spreads what happens at grazing angles
-// over all widths alike. Without roughness x is 1 and nothing is lost.
+// The fit of 1 / E - 1 for a direction of cosine c to the normal, given as x = c / sqrt(c^2 + alpha^2 (1 - c^2)): this
+// spreads what happens at grazing angles evenly over all alpha. Without roughness x is 1 and nothing is lost.
 template <class Real>
 PT_HD inline Real ggx_gain(Real x, Real alpha) {
     constexpr Real upright[] = {Real(-0.004551), Real(1.043431), Real(2.231394),

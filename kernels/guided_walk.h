@@ -1,12 +1,12 @@
-// Walks through a body that are drawn towards the surface near which light leaves it. In a half space whose collisions
-// scatter the share alpha of the light, evenly, what light deep inside is worth outside falls as e^(-kappa depth), with
-// depth in mean free paths and alpha = kappa / artanh(kappa). Who draws the cosine mu to the outward normal in
-// proportion to 1 / (1 - kappa mu), and flights in a medium thinned by 1 - kappa mu, has on every step the weight
-// e^(-kappa way towards the surface): after any number of collisions nothing is left of it but the depth. Dwivedi, "A
-// new importance biasing scheme for deep-penetration Monte Carlo", Annals of Nuclear Energy 9, 1982; for bodies seen
-// from outside: Krivanek and d'Eon, "A zero-variance-based sampling scheme for Monte Carlo subsurface scattering",
-// SIGGRAPH 2014 talk; towards the nearest surface rather than that of entry: Meng, Hanika and Dachsbacher, "Improving
-// the Dwivedi sampling scheme", EGSR 2016.
+// Dwivedi sampling of subsurface scattering: walks through a body are drawn towards the surface near which light leaves
+// it. In a half space whose collisions scatter the share alpha of the light, evenly, what light deep inside is worth
+// outside falls as e^(-kappa depth), with depth in mean free paths and alpha = kappa / artanh(kappa). Who draws the
+// cosine mu to the outward normal in proportion to 1 / (1 - kappa mu), and flights in a medium thinned by 1 - kappa mu,
+// has on every step the weight e^(-kappa way towards the surface): after any number of collisions nothing is left of it
+// but the depth. Dwivedi, "A new importance biasing scheme for deep-penetration Monte Carlo", Annals of Nuclear Energy
+// 9, 1982; for bodies seen from outside: Krivanek and d'Eon, "A zero-variance-based sampling scheme for Monte Carlo
+// subsurface scattering", SIGGRAPH 2014 talk; towards the nearest surface rather than that of entry: Meng, Hanika and
+// Dachsbacher, "Improving the Dwivedi sampling scheme", EGSR 2016.
 // Here a share of the steps is drawn so and the rest as ever, and each of the three channels has a kappa of its own. A
 // step is weighted by the mean of all six densities, in the shares in which they are drawn (one-sample balance
 // heuristic), so a guide that is wrong costs noise and never the mean, and no step grows the sum of the throughputs by
@@ -27,7 +27,8 @@ PT_HD inline std::uint32_t choose_channel(const Vec3<Real>& throughput, Real u) 
     return target < throughput.x ? 0u : target < throughput.x + throughput.y ? 1u : 2u;
 }
 
-// By whose densities a step is drawn. It is chosen once for a direction and the flight along it.
+// The density that a step of a walk is drawn by: a colour channel's, guided or not. It is chosen once for a direction
+// and the flight along it.
 struct StepChoice {
     std::uint32_t colour = 0;
     bool is_guided = false;
@@ -79,7 +80,7 @@ struct GuidedStep {
         }
         return scattered ? thinned(decay) : Real(1);
     }
-    // How much thinner the medium is that guided flights are drawn in.
+    // Factor by which the medium is thinner in which guided flights are drawn.
     PT_HD Real thinned(Real decay) const { return Real(1) - decay * cosine; }
 };
 

@@ -23,7 +23,7 @@ PT_HD inline std::uint32_t prime_number(std::uint32_t index) {
     return primes[index];
 }
 
-// A number below `count`.
+// Scales a random word of 32 bits to a whole number in [0, count).
 PT_HD inline std::uint32_t scaled_to(std::uint32_t count, std::uint32_t word) {
     return static_cast<std::uint32_t>((std::uint64_t{word} * count) >> 32);
 }

@@ -1,13 +1,13 @@
-// Walks paths with the stages of shade.h and looks at their state in between: numbers that are none, energy out of
-// nothing, surfaces met again, bodies left that were not entered, and what paths still carried when they were cut off
-// (docs/numerics.md 4.1). The stages are called as everywhere else, so the film has the same bits.
+// Audits paths: traces them with the stages of shade.h and looks at their state in between for numbers that are none,
+// energy out of nothing, surfaces met again, bodies left that were not entered, and what paths still carried when they
+// were cut off (docs/numerics.md 4.1). The stages are called as everywhere else, so the film has the same bits.
 #pragma once
 
 #include "kernels/shade.h"
 
 namespace pt {
 
-// Where a number can go wrong, in the order in which a segment passes by.
+// The places where a path's numbers are audited, in the order in which a segment passes by them.
 enum class HealthSite : std::uint32_t { camera, hit, point, normal, direction, throughput, radiance };
 inline constexpr std::uint32_t health_sites = 7;
 
@@ -35,7 +35,7 @@ struct HealthCounters {
 
     PT_HD void add(const HealthCounters& other);
 
-    // Sorts by pixel, then sample, then segment: 22, 22 and 20 bits.
+    // A key that sorts faults by pixel, then sample, then segment, in 22, 22 and 20 bits.
     PT_HD static std::uint64_t key(std::uint32_t pixel, std::uint32_t sample, std::uint32_t segment) {
         return (static_cast<std::uint64_t>(pixel & 0x3fffffu) << 42) |
                (static_cast<std::uint64_t>(sample & 0x3fffffu) << 20) | (segment & 0xfffffu);
@@ -72,10 +72,10 @@ PT_HD inline void HealthCounters::add(const HealthCounters& other) {
         [](std::uint64_t& into, std::uint64_t value) { into = max(into, value); });
 }
 
-// Bit i: the path is inside object i. Of the first 64 objects.
+// The bodies that a path is inside of: bit i stands for object i, one of the first 64 objects.
 using BodySet = std::uint64_t;
 
-// What an integrator that inspects is handed.
+// What an integrator is given when it shall audit its paths.
 struct HealthRequest {
     HealthCounters* counters = nullptr;
     BodySet around_eye = 0;    // the bodies that the eye is in
@@ -84,12 +84,12 @@ struct HealthRequest {
 
 template <class Real>
 PT_HD inline bool is_finite(const Vec3<Real>& v) {
-    // A sum of squares would overflow where the entries do not.
+    // Entries are compared one by one, for a sum of squares would overflow where the entries do not.
     constexpr Real largest = std::numeric_limits<Real>::max();
     return absolute(v.x) <= largest && absolute(v.y) <= largest && absolute(v.z) <= largest;
 }
 
-// How far a vector is from unit length, in 2^-40.
+// How far a vector is from unit length, in units of 2^-40.
 template <class Real>
 PT_HD inline std::uint64_t off_unit(const Vec3<Real>& v) {
     const double x = v.x;
@@ -106,7 +106,7 @@ PT_HD inline Real size_of(const SceneView<Real>& scene, std::uint32_t object) {
     return size;
 }
 
-// One path's inspection.
+// The audit of one path: what is looked at between two stages.
 template <class Config>
 class Inspection {
 public:
@@ -157,14 +157,15 @@ public:
             const Real sum = path.throughput.x + path.throughput.y + path.throughput.z;
             counters_.gains += sum > Real(3) * (Real(1) + Real(0x1p-20)) ? 1u : 0u;
         }
-        // A path that leaves on the other side of what it met has gone through.
+        // Notes on which side of a surface a path goes on: one that leaves on the other side has gone through.
         if (met_.exists() && path.origin_surface.exists() && path.origin_surface.object() == met_.object() &&
             path.origin_surface.inside() != met_.inside() && met_.object() < 64) {
             inside_ ^= BodySet{1} << met_.object();
         }
     }
 
-    // `throughput`: what the path carried to its last hit.
+    // Counts a path that ended, and what it carried if only the depth ended it. `throughput`: its throughput at its
+    // last hit.
     PT_HD void ended(const Path<Real>& path, const Hit<Real>& hit, const Vec3<Real>& throughput) {
         counters_.paths += 1;
         if (path.segment >= scene_.depth && hit.side.exists() &&
@@ -197,7 +198,7 @@ private:
     HealthCounters& counters_;
 };
 
-// A whole path, inspected. What it collected is in path.radiance.
+// Traces a whole path and audits it; the light that it has collected is in path.radiance.
 template <class Config>
 PT_HD inline void inspect_path(const SceneView<typename Config::Real>& scene,
                                const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,

@@ -8,7 +8,8 @@
 
 namespace pt {
 
-// Fast arithmetic (variants/arithmetic/fast.cpp) has shorter ones of its own.
+// Devices have sequences of instructions that are shorter where operands are in range; fast arithmetic
+// (variants/arithmetic/fast.cpp) has shorter ones of its own.
 #if defined(__CUDA_ARCH__) && !defined(PT_FAST_MATH)
 #define PT_DEVICE_SEQUENCES 1
 #else
@@ -65,7 +66,8 @@ PT_HD inline Real square_root_in_range(Real x) {
 #define PT_DEVICE_APPROXIMATIONS 0
 #endif
 
-// Whether the kernel has them, and so owes nobody the last bits of what it draws.
+// Whether the kernel uses a device's approximations for what it draws at random, and so owes nobody those numbers' last
+// bits.
 template <class Real>
 inline constexpr bool draws_approximately = PT_DEVICE_APPROXIMATIONS && sizeof(Real) == 4;
 

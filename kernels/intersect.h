@@ -20,13 +20,13 @@ PT_HD inline Ray<Real> ray_of(const Path<Real>& path) {
     return {path.origin, path.direction, path.time, path.origin_surface, path.primitive};
 }
 
-// Whether the hit is on this primitive of its object; of shapes that are one primitive it is.
+// Whether the hit is on this primitive of its object; true for shapes other than meshes, which are one primitive.
 template <class Config, class Real>
 PT_HD inline bool is_of_primitive(const Hit<Real>& hit, std::uint32_t primitive) {
     return !has<Config>(Feature::mesh) || hit.primitive == primitive;
 }
 
-// What of a shape a hit names: the shape itself, but for meshes.
+// The primitive of a shape that a hit names: the shape itself or, for a mesh, one of its triangles.
 template <class Shape>
 PT_HD inline const Shape& primitive_of(const Shape& shape, std::uint32_t) {
     return shape;
@@ -59,7 +59,7 @@ PT_HD inline Vec3<typename Config::Real> in_motion(const Scene& scene, std::uint
     }
 }
 
-// The spheres as a kernel with Feature::near_sphere meets them.
+// The scene's spheres in the form that a kernel with Feature::near_sphere intersects.
 template <class Real, class Spheres>
 struct NearSpheres {
     const Spheres& spheres;
@@ -68,7 +68,8 @@ struct NearSpheres {
     PT_HD NearSphere<Real> operator[](std::uint32_t i) const { return {spheres[i]}; }
 };
 
-// A shape as the kernel meets it: itself, but for spheres near the eye.
+// The form of a shape that the kernel intersects: the shape itself or, for spheres that may be near the eye,
+// NearSphere.
 template <class Config, class Shape>
 PT_HD inline const Shape& as_met(const Shape& shape) {
     return shape;
@@ -128,7 +129,7 @@ PT_HD inline void keep_nearer(Hit<Real>& best, const Interval<Real>& crossing, s
     }
 }
 
-// The same for the other end of the chord through the body that the ray starts on and runs inside.
+// Keeps the nearer of `best` and the far end of the chord through the body that the ray starts on and runs inside.
 template <VisitOrder order = VisitOrder::ascending, class Real>
 PT_HD inline void keep_nearer(Hit<Real>& best, Real chord, const SurfaceId& origin_surface) {
     if (comes_before<order>(chord, origin_surface.object(), best)) {
@@ -137,7 +138,8 @@ PT_HD inline void keep_nearer(Hit<Real>& best, Real chord, const SurfaceId& orig
     }
 }
 
-// The same for a flat surface, which is met at one distance; `from_behind`: the ray runs along its normal.
+// Keeps the nearer of `best` and a flat surface, which is met at one distance. `from_behind`: the ray runs along the
+// surface's normal.
 template <VisitOrder order = VisitOrder::ascending, class Real>
 PT_HD inline void keep_nearer_flat(Hit<Real>& best, const Interval<Real>& crossing, std::uint32_t object,
                                    bool from_behind) {
@@ -147,7 +149,8 @@ PT_HD inline void keep_nearer_flat(Hit<Real>& best, const Interval<Real>& crossi
     }
 }
 
-// Shapes of which a line that passes by is met at 0, and so not at all: nobody needs to ask whether it hits.
+// Whether a shape's intersection gives distance 0 for a line that passes it by: 0 is never a hit, so `hits` needs no
+// test.
 template <class Shape>
 inline constexpr bool misses_at_zero = requires {
     Shape::misses_at_zero;
@@ -191,7 +194,7 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
         const Vec3<Real> origin = at_rest<Config>(scene, object, ray.origin, ray.time);
         // A copy: of a reference nvcc 13.0 makes one load a plane, at an address that depends on the lane.
         const AxisBox<Real> box = scene.axis_boxes[i];
-        // Without walls a ray is plainly within their enclosure, and so has a finite reciprocal.
+        // A ray that meets no wall lies plainly within their enclosure, and so its direction has a finite reciprocal.
         const Interval<Real> crossing = without_walls ? finite_slab_interval(box.low, box.high, origin, inverse)
                                                       : slab_interval(box.low, box.high, origin, inverse);
         bool starts_here = ray.origin_surface.is_of(object);
@@ -245,7 +248,7 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
     if constexpr (has<Config>(Feature::enclosure)) {
         const EnclosureExit<Real> exit =
             leave_enclosure(scene.enclosure, ray.origin, inverse, has_finite_reciprocal(ray.direction));
-        // A ray inside a wall is none of the enclosure's, not even on its face.
+        // A ray inside a wall, even on its face, is not taken as inside the enclosure.
         bool in_wall = ray.origin_surface.exists() && ray.origin_surface.inside();
         if constexpr (has<Config>(Feature::dielectric) || has<Config>(Feature::rough_dielectric) ||
                       has<Config>(Feature::subsurface) || has<Config>(Feature::principled)) {
@@ -265,7 +268,8 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
             }
             return;
         }
-        // Past all of them: rounding is monotonic, so no box is met where the box round them all is not.
+        // The axis boxes are passed over where the box round all of them is not met: rounding is monotonic, so none of
+        // them is met there.
         const Interval<Real> reach =
             slab_interval(scene.enclosure.reach_low, scene.enclosure.reach_high, ray.origin, inverse);
         if (!in_wall && (!reach.hits || reach.far < Real(0))) {
@@ -279,7 +283,7 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
     }
 }
 
-// Flat surfaces: a ray that starts on one does not meet it again.
+// Keeps in `best` the nearest of some flat surfaces. A ray that starts on one does not meet it again.
 template <class Config, class Scene, class Flats>
 PT_HD inline void closest_flat(Hit<typename Config::Real>& best, const Scene& scene, const Flats& flats,
                                std::uint32_t first, const Ray<typename Config::Real>& ray) {
@@ -295,7 +299,7 @@ PT_HD inline void closest_flat(Hit<typename Config::Real>& best, const Scene& sc
     }
 }
 
-// A ray as the triangles of one mesh see it.
+// A ray in the space of one mesh, prepared for the tests of its triangles.
 template <class Real>
 struct MeshRay {
     Vec3<Real> origin, direction;
@@ -316,7 +320,7 @@ struct MeshRay {
     }
 };
 
-// Keeps the least (t, object, primitive) of `best` and a triangle.
+// Keeps in `best` the lesser of itself and a triangle's hit, in the order of (t, object, primitive).
 template <class Real>
 PT_HD inline void meet_triangle(Hit<Real>& best, const LeafTriangle& leaf, const MeshRay<Real>& ray) {
     const Triangle<Real> triangle{vector_of<Real>(leaf.a), vector_of<Real>(leaf.b), vector_of<Real>(leaf.c)};
@@ -332,7 +336,7 @@ PT_HD inline void meet_triangle(Hit<Real>& best, const LeafTriangle& leaf, const
     }
 }
 
-// When a search through meshes ends. This one has the closest hit then: nothing ends it early.
+// The end of a search through meshes for the closest hit: nothing ends it early.
 struct WithClosest {
     template <class Real>
     PT_HD static constexpr bool end_if_met(Hit<Real>&) {
@@ -343,8 +347,8 @@ struct WithClosest {
         return Real(0);
     }
 };
-// This one ends with any hit before a distance. It sets best.t to -1 then: no box and no triangle is nearer, so every
-// tree's walk ends by itself.
+// The end of a search through meshes for any hit nearer than a limit. The first such hit sets best.t to -1: no box and
+// no triangle is nearer, so every tree's traversal ends by itself.
 template <class Number>
 struct NearerThan {
     Number limit;
@@ -360,7 +364,7 @@ struct NearerThan {
     }
 };
 
-// The same of all triangles of a mesh.
+// Keeps in `best` the nearest triangle of a mesh, found by the mesh's own tree, or ends the search as `end` says.
 template <class Accelerator, class Real, class Counter, class End>
 PT_HD inline void closest_in_mesh(Hit<Real>& best, const MeshInstance<Real>& mesh, std::uint32_t object,
                                   const Vec3<Real>& origin, const Ray<Real>& ray, Counter& counter, const End& end) {
@@ -379,7 +383,8 @@ PT_HD inline void closest_in_mesh(Hit<Real>& best, const MeshInstance<Real>& mes
         counter);
 }
 
-// One mesh. Where an accelerator is chosen at run time (RunTimeAccelerator), the scene has a function of it.
+// Keeps in `best` the nearest triangle of one mesh. Where the accelerator is chosen at run time (RunTimeAccelerator),
+// the scene has a function of it.
 template <class Config, class Scene, class End>
 PT_HD inline void closest_mesh(Hit<typename Config::Real>& best, const Scene& scene,
                                const MeshInstance<typename Config::Real>& mesh, std::uint32_t object,
@@ -393,7 +398,7 @@ PT_HD inline void closest_mesh(Hit<typename Config::Real>& best, const Scene& sc
     }
 }
 
-// All objects that show meshes, by the tree over them.
+// Searches all objects that show meshes by the top-level tree over these objects (TLAS).
 template <class Config, class Scene, class Meshes, class End>
 PT_HD inline void closest_by_object_tree(Hit<typename Config::Real>& best, const Scene& scene, const Meshes& meshes,
                                          const Ray<typename Config::Real>& ray, const End& end) {
@@ -402,8 +407,8 @@ PT_HD inline void closest_by_object_tree(Hit<typename Config::Real>& best, const
     });
 }
 
-// The same by one tree over all their triangles, each met in its object's own space, as the object's own tree has it
-// met.
+// Searches all objects that show meshes by one tree over the triangles of all of them. Each triangle is met in its
+// object's own space, as the object's own tree has it met.
 template <class Config, class Scene, class Meshes, class End>
 PT_HD inline void closest_by_flat_tree(Hit<typename Config::Real>& best, const Scene& scene, const Meshes& meshes,
                                        const Ray<typename Config::Real>& ray, const End& end) {
@@ -436,7 +441,8 @@ PT_HD inline void closest_by_flat_tree(Hit<typename Config::Real>& best, const S
         counter);
 }
 
-// All objects that show meshes.
+// Searches all objects that show meshes in the way that the kernel is compiled for: by a tree over them, by one over
+// their triangles, or one after the other.
 template <class Config, class Scene, class Meshes, class End>
 PT_HD inline void closest_of_meshes(Hit<typename Config::Real>& best, const Scene& scene, const Meshes& meshes,
                                     const Ray<typename Config::Real>& ray, const End& end) {
@@ -460,8 +466,9 @@ PT_HD inline void closest_of_meshes(Hit<typename Config::Real>& best, const Scen
     }
 }
 
-// All objects of one kind. Special: meshes, which have many primitives, axis boxes, which share the reciprocal of the
-// ray's direction and make enclosures, and spheres in kernels that may have them near the eye.
+// Keeps in `best` the nearest of all objects of one kind. Meshes are special, which have many primitives; axis boxes,
+// which share the reciprocal of the ray's direction and make enclosures; and spheres in kernels that may have them near
+// the eye.
 template <class Config, ShapeKind kind, class Scene, class Shapes>
 PT_HD inline void closest_of(Hit<typename Config::Real>& best, const Scene& scene, const Shapes& shapes,
                              const Ray<typename Config::Real>& ray) {
@@ -509,7 +516,7 @@ PT_HD inline void meet_object(Hit<typename Config::Real>& best, const Scene& sce
         scene, object, [&](const auto& shape) { meet_shape<order>(best, as_met<Config>(shape), object, origin, ray); });
 }
 
-// Every object in turn by its matrix, but for shapes that are no unit shape's image.
+// Meets every object in turn by its 4x4 matrix, but for shapes that are no image of a unit shape.
 template <class Config, class Scene>
 PT_HD inline void closest_transformed(Hit<typename Config::Real>& best, const Scene& scene,
                                       const Ray<typename Config::Real>& ray) {
@@ -545,7 +552,7 @@ PT_HD inline Ray<double> widened(const Ray<Real>& ray) {
     return {Vec3<double>(ray.origin), Vec3<double>(ray.direction), ray.time, ray.origin_surface, ray.primitive};
 }
 
-// The nearest of some bodies the textbook's way: whatever lies beyond the epsilon counts.
+// Keeps the nearest of some bodies in the textbook's way: whatever is met beyond the epsilon counts.
 template <class Config, class Scene, class Bodies>
 PT_HD inline void closest_naive(Hit<typename Config::Real>& best, const Scene& scene, const Bodies& bodies,
                                 std::uint32_t first, const Ray<typename Config::Real>& ray) {
@@ -591,7 +598,7 @@ PT_HD inline Hit<typename Config::Real> closest_hit(const Scene& scene, const Ra
     }
     Hit<Real> best;
     best.t = std::numeric_limits<Real>::infinity();
-// Statements: a visitor of kinds gives some kernels other registers.
+// The list expands to statements, since a visitor of kinds gives some kernels other registers.
 #define PT_CLOSEST(name, array, Type)                                                 \
     if constexpr (has<Config>(Feature::name)) {                                       \
         if constexpr (has<Config>(Feature::naive)) {                                  \
@@ -609,14 +616,15 @@ PT_HD inline Hit<typename Config::Real> closest_hit(const Scene& scene, const Ra
     return best;
 }
 
-// The same for rays that connect a vertex, for which many lobes ask.
+// closest_hit for rays that connect a vertex to a light. Many lobes ask for it, so large kernels keep a single copy of
+// the code.
 template <class Config>
 PT_HD inline Hit<typename Config::Real> closest_hit_of_connection(const SceneView<typename Config::Real>& scene,
                                                                   const Ray<typename Config::Real>& ray) {
     return in_one_place<Config>([&] { return closest_hit<Config>(scene, ray); });
 }
 
-// The point left where the ray's rounding puts it.
+// The hit point of a naive kernel, which is left where the ray's rounding puts it.
 template <class Config, class Scene>
 PT_HD inline SurfacePoint<typename Config::Real> naive_surface_at(const Scene& scene,
                                                                   const Ray<typename Config::Real>& ray,

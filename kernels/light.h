@@ -22,7 +22,8 @@ PT_HD inline LightSample<typename Config::Real> sample_light(const SceneView<typ
     return sample;
 }
 
-// The part of `connect` for an environment that is drawn, one of `choices` lights.
+// Connects a diffuse vertex to the environment, which was drawn as one of `choices` lights. Returns the number of rays
+// traced.
 template <class Config>
 PT_HD inline std::uint32_t connect_to_environment(const SceneView<typename Config::Real>& scene,
                                                   const SceneView<typename Config::Real>& traced,

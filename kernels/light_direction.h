@@ -20,13 +20,14 @@ PT_HD inline LightSampling light_sampling_of(const Scene& scene) {
     }
 }
 
-// In half diagonals.
+// The distance below which a light counts as near, in half diagonals of its box.
 template <class Real, class Scene>
 PT_HD inline Real near_light_of(const Scene& scene) {
     return static_cast<Real>(scene.near_light) * Real(0.01);
 }
 
-// As the kernel samples a shape: in textbook form where the shape has one.
+// Draws a direction towards a shape by the density that the kernel is compiled for; naive kernels use the textbook form
+// where the shape has one.
 template <class Config, class Scene, class Shape, class Real>
 PT_HD inline DirectionSample<Real> sample_direction_in(const Scene& scene, const Shape& shape,
                                                        const Vec3<Real>& observer, Real u, Real v, Real w) {
@@ -71,7 +72,7 @@ PT_HD constexpr bool has_many_box_likes() {
     return kinds > 1 && (Config::features & light_samplings) != 0 && !has<Config>(Feature::naive);
 }
 
-// An object that may be sampled as a box: its frame, and a direction in it.
+// A shape that may be sampled as a box, as the observer sees it: the box's frame, and a direction in that frame.
 template <class Real>
 struct SeenAsBox {
     bool is_box_like = false;
@@ -116,7 +117,7 @@ PT_HD inline DirectionSample<typename Config::Real> sample_direction_to(
         }
     };
     if constexpr (has_many_box_likes<Config>()) {
-        // Lanes whose lights are of unlike kinds draw their points together.
+        // Threads whose lights are of unlike kinds draw their points together, outside of the visit to the shape.
         const LightSampling sampling = light_sampling_of<Config>(scene);
         SeenAsBox<Real> box;
         visit_shape<Config>(scene, object, [&](const auto& shape) {

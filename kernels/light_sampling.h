@@ -44,11 +44,11 @@ struct SeenFaces {
     }
 
     PT_HD bool any() const { return height.x > Real(0) || height.y > Real(0) || height.z > Real(0); }
-    // Inside the box or on it, and in the plane of a quad within its edges.
+    // Whether the observer is inside the box or on it; for a quad, in its plane within its edges.
     PT_HD bool inside() const {
         return absolute(observer.x) <= half.x && absolute(observer.y) <= half.y && absolute(observer.z) <= half.z;
     }
-    // Square distance to the box.
+    // Square of the distance from the observer to the box, in the units of SeenFaces.
     PT_HD Real square_gap() const {
         const Vec3<Real> gap{max(Real(0), absolute(observer.x) - half.x), max(Real(0), absolute(observer.y) - half.y),
                              max(Real(0), absolute(observer.z) - half.z)};
@@ -70,14 +70,15 @@ struct SeenFaces {
                           (!(of_height > Real(0)) || height.z * of_direction > of_height * absolute(direction.z));
         return by_z ? 2 : axis;
     }
-    // The face that `pick`, from 0 to the sum of the shares, falls to; none without a share.
+    // The face that `pick`, from 0 to the sum of the shares, falls to; a face without a share is never picked.
     PT_HD static int picked(const Vec3<Real>& share, Real pick) {
         if (share.z > Real(0) && pick >= share.x + share.y) {
             return 2;
         }
         return share.y > Real(0) && pick >= share.x ? 1 : 0;
     }
-    // From the observer to a point of the face across `axis`, given on the other two axes from -1 to 1.
+    // The vector from the observer to a point of the face across `axis`; a and b place the point on the other two axes,
+    // from -1 to 1.
     PT_HD Vec3<Real> to_point(int axis, Real a, Real b) const {
         return {axis == 0 ? onto(observer.x, height.x) : a * half.x - observer.x,
                 axis == 1 ? onto(observer.y, height.y) : (axis == 0 ? a : b) * half.y - observer.y,
@@ -89,9 +90,10 @@ private:
     PT_HD static Real onto(Real observer, Real height) { return observer > Real(0) ? -height : height; }
 };
 
-// By area: a face in proportion to its area. 1 / density by solid angle is area cos / distance^2, the area that of all
-// faces seen, cos = height of the face over distance.
-// By projected area: in proportion to area cos distance, so that the density does not depend on the face.
+// A face drawn in proportion to its area. With area sampling, 1 / density by solid angle is area cos / distance^2,
+// where area is that of all faces seen and cos = height of the observer over the face / distance.
+// With projected sampling a face is drawn in proportion to area cos distance, so that the density does not depend on
+// the face.
 template <class Real>
 struct FacesByArea {
     const SeenFaces<Real>& faces;
@@ -119,7 +121,7 @@ struct FacesByArea {
         const int axis = faces.picked(share, w * total);
         const Vec3<Real> to_light = faces.to_point(axis, Real(2) * u - Real(1), Real(2) * v - Real(1));
         const Real square = dot(to_light, to_light);
-        // Nearer than 2^-50 of the light's size: the point itself, but for rounding.
+        // A point nearer than 2^-50 of the light's size is the observer itself, but for rounding, and brings nothing.
         if (!(square >= Real(0x1p-100))) {
             return {{Real(0), Real(0), Real(1)}, Real(0)};
         }
@@ -128,8 +130,8 @@ struct FacesByArea {
     }
 };
 
-// Of the seen faces one at random, and a direction to it as NearRectangle has it: weights are bounded by 6 pi however
-// near the box is.
+// One of the seen faces, each with equal probability, and a direction to it as NearRectangle draws it: weights are
+// bounded by 6 pi however near the box is.
 template <class Real>
 struct OneFaceNear {
     const SeenFaces<Real>& faces;
@@ -138,7 +140,7 @@ struct OneFaceNear {
     PT_HD explicit OneFaceNear(const SeenFaces<Real>& seen)
         : faces(seen), count(one_if(seen.height.x) + one_if(seen.height.y) + one_if(seen.height.z)) {}
 
-    // In a direction that enters the box by the face across `axis`.
+    // 1 / density, by solid angle, of a direction that enters the box by the face across `axis`.
     PT_HD Real inverse_pdf(int axis, const Vec3<Real>& direction) const {
         const Axes axes = axes_of(axis);
         return count *
@@ -151,7 +153,8 @@ struct OneFaceNear {
         const Real back = component_of(faces.observer, axes.across) > Real(0) ? -point.z : point.z;
         const Vec3<Real> to_light{coordinate(axes, 0, point, back), coordinate(axes, 1, point, back),
                                   coordinate(axes, 2, point, back)};
-        // A thread's end may be so near that the square of its distance is 0.
+        // The vector is scaled first, since the end of a light as thin as a thread may be so near that the square of
+        // its distance is 0.
         const Real scale = power_to_one(max(max(absolute(to_light.x), absolute(to_light.y)), absolute(to_light.z)));
         const Vec3<Real> scaled = to_light * scale;
         const RootAndInverse<Real> length = nearly_root_and_inverse_in_range(dot(scaled, scaled));
@@ -159,7 +162,7 @@ struct OneFaceNear {
     }
 
 private:
-    // Of a face: the axis across it, and those of its sides.
+    // The axes of a face: the one across it, and those along its shorter and longer sides.
     struct Axes {
         int across, shorter, longer;
     };
@@ -187,7 +190,8 @@ PT_HD inline bool is_near(const SeenFaces<Real>& faces, Real limit) {
     return faces.square_gap() < limit * limit * dot(faces.half, faces.half);
 }
 
-// In the box's frame.
+// Draws a direction towards a box that emits, in the box's own frame. `near_limit`: the distance in half diagonals
+// below which the box counts as near.
 template <class Real>
 PT_HD inline DirectionSample<Real> sample_box_light(const BoxFrame<Real>& frame, LightSampling sampling,
                                                     Real near_limit, Real u, Real v, Real w) {
@@ -224,7 +228,8 @@ PT_HD inline Real inverse_box_light_pdf(const BoxFrame<Real>& frame, const Vec3<
                : Real(0);
 }
 
-// The same of a shape.
+// Draws a direction towards a box or quad that emits, in scene coordinates, as sample_box_light does in the box's own
+// frame.
 template <class Real, class Shape>
 PT_HD inline DirectionSample<Real> sample_box_light(const Shape& shape, const Vec3<Real>& observer,
                                                     LightSampling sampling, Real near_limit, Real u, Real v, Real w) {

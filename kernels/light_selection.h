@@ -21,14 +21,15 @@ struct LightPick {
     Real inverse_weighing;
 };
 
-// Of lights of equal probability.
+// Picks one of `count` lights with equal probability, by one random word.
 template <class Real>
 PT_HD inline LightPick<Real> pick_uniformly(std::uint32_t count, std::uint32_t word) {
     const Real inverse = static_cast<Real>(count);
     return {static_cast<std::uint32_t>((static_cast<std::uint64_t>(word) * count) >> 32), inverse, inverse};
 }
 
-// By 64 bits, since one light of many may have a probability below 2^-32.
+// Picks a light in proportion to its power from an alias table. It takes 64 random bits, since one light of many may
+// have a probability below 2^-32.
 template <class Real>
 PT_HD inline LightPick<Real> pick_by_power(const View<LightSlot<Real>>& slots, std::uint32_t word,
                                            std::uint32_t low_word) {
@@ -39,14 +40,14 @@ PT_HD inline LightPick<Real> pick_by_power(const View<LightSlot<Real>>& slots, s
     return {light, slots[light].inverse_probability, slots[light].inverse_probability};
 }
 
-// A vertex that is to be connected. `two_sided`: to what is behind it too.
+// A vertex that is to be connected to a light; `two_sided`: also to lights behind it.
 template <class Real>
 struct LitVertex {
     Vec3<Real> position, normal;
     bool two_sided;
 };
 
-// A node as a place sees it.
+// A node of the light tree as seen from one position.
 template <class Real>
 struct SeenNode {
     Vec3<Real> to_centre;
@@ -65,7 +66,8 @@ struct SeenNode {
     // What is shown over the square distance. Products of two in this order stay in range where distances' powers do
     // not.
     PT_HD Real sent() const { return shown * inverse_square * inverse; }
-    // The same times the most that the cosine to the normal can be within the box.
+    // An upper bound on what the node sends to a surface: sent() times the largest cosine to the normal within the
+    // node's box.
     PT_HD Real sent_to(const LitVertex<Real>& vertex, const LightNode<Real>& node) const {
         const Real height = dot(to_centre, vertex.normal);
         const Real reach = absolute(vertex.normal.x) * node.half.x + absolute(vertex.normal.y) * node.half.y +
@@ -75,8 +77,8 @@ struct SeenNode {
     }
 };
 
-// Of amounts that add up to `total` each one's share, in 2^-32nds: at least 2^-12, so that every light has one whatever
-// rounds to 0 or overflows. Together they are less than 1, and the last is given what is left.
+// Turns amounts that add up to `total` into probabilities in 2^-32nds: each is at least 2^-12, so that every light has
+// one whatever rounds to 0 or overflows. Together they are less than 1, and the last is given what is left.
 template <class Real>
 struct Shares {
     static constexpr Real least = Real(0x1p20);
@@ -84,7 +86,7 @@ struct Shares {
 
     PT_HD Shares(Real total, std::uint32_t count) {
         const Real number = static_cast<Real>(count);
-        // Not so of 0 and what is not a number.
+        // A total of 0, one out of range and one that is not a number give every light the same share.
         const bool is_known = total > Real(0x1p-80) && total < Real(0x1p80);
         scale = is_known ? nearly_divide(Real(0x1p32) - (number + Real(1)) * least, total) : Real(0);
         floor = is_known ? least : nearly_divide(Real(0x1p32), number) - Real(0x1p9);
@@ -134,7 +136,8 @@ PT_HD inline LightPick<Real> pick_from_tree(const View<LightNode<Real>>& nodes, 
     return {node.light(), nearly_divide(Real(1), probability), nearly_divide(Real(1), weighing)};
 }
 
-// The inverse_weighing of a pick of the light to which `way` leads.
+// 1 / the probability by which multiple importance sampling weighs the light that `way` leads to in the light tree,
+// seen from `position`.
 template <class Real>
 PT_HD inline Real inverse_tree_weighing(const View<LightNode<Real>>& nodes, const Vec3<Real>& position,
                                         std::uint32_t way) {
@@ -154,7 +157,7 @@ PT_HD inline Real inverse_tree_weighing(const View<LightNode<Real>>& nodes, cons
     return nearly_divide(Real(1), weighing);
 }
 
-// How the kernel chooses.
+// The light selection of the kernel, or of the scene where the kernel chooses at run time.
 template <class Config, class Scene>
 PT_HD inline LightSelection light_selection_of(const Scene& scene) {
     constexpr FeatureSet compiled = Config::features & light_selections;
@@ -166,8 +169,8 @@ PT_HD inline LightSelection light_selection_of(const Scene& scene) {
     }
 }
 
-// For a vertex. `two_sided`: it is connected to what is behind it too. `words`: of which the first is for the choice,
-// and the others for the point on the light.
+// Picks a light for next-event estimation at a vertex. `two_sided`: the vertex is connected to what is behind it too.
+// The first of `words` is for the choice of the light, the others for the point on it.
 template <class Config>
 PT_HD inline LightPick<typename Config::Real> pick_light(const SceneView<typename Config::Real>& scene,
                                                          const Vertex<typename Config::Real>& vertex, bool two_sided,

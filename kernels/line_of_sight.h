@@ -1,14 +1,16 @@
-// Shadow rays to a known point of a light: ended at the first object that is met before the point, with no account of
-// which is nearest or which side is met, without the light itself, and without an enclosure's walls where the point
-// lies plainly within it. What is met within rounding of the point's distance (a light that touches another object) is
-// left to closest_hit (sees_point), so that connections see what paths meet. In a mesh the first leaf with a triangle
-// before the point ends the walk.
+// The occlusion test of next-event estimation: whether a known point of a light is seen from a vertex. The ray ends at
+// the first object that is met before the point, with no account of which is nearest or which side is met, without the
+// light itself, and without an enclosure's walls where the point lies plainly within it. What is met within rounding of
+// the point's distance (a light that touches another object) is left to closest_hit (sees_point), so that connections
+// see what paths meet. In a mesh the first leaf with a triangle before the point ends the traversal.
 #pragma once
 
 #include "kernels/intersect.h"
 
 namespace pt {
 
+// Result of the occlusion test between a vertex and a point on a light; unsure: rounding decides, and the closest hit
+// must be asked.
 enum class Sight { clear, blocked, unsure };
 
 // What part of its distance a point is known to. A distance to a plane is a difference of coordinates over a component
@@ -34,19 +36,21 @@ struct Segment {
           before(distance * (Real(1) - point_rounding<Real>())),
           about(distance * (Real(1) + point_rounding<Real>())) {}
 
-    // Takes note of an object met at t. Whether it hides the point.
+    // Takes note of an object met at t, and returns whether it hides the point.
     PT_HD bool is_hidden_by(Real t) {
         unsure = unsure || t < about;
         return t < before;
     }
-    // Of a convex body or a flat surface, crossed over [near, far].
+    // Takes note of a convex body or a flat surface that the ray crosses over [near, far], and returns whether it hides
+    // the point.
     PT_HD bool is_hidden_by(const Interval<Real>& crossing, bool flat) {
         const Real t = crossing.near > Real(0) || flat ? crossing.near : crossing.far;
         return crossing.hits && t > Real(0) && is_hidden_by(t);
     }
 };
 
-// Kernels that meet objects by the robust forms of the shapes; others ask for the closest hit.
+// Whether a kernel has occlusion tests: one that meets objects by the robust forms of the shapes. Others ask for the
+// closest hit.
 template <class Config>
 inline constexpr bool has_lines_of_sight =
     !has<Config>(Feature::naive) && !has<Config>(Feature::matrix) && !has<Config>(Feature::double_intersection);
@@ -99,7 +103,8 @@ PT_HD inline bool is_hidden_by_axis_boxes(Segment<typename Config::Real>& segmen
         }
     }
     const auto inverse = reciprocal(segment.ray.direction);
-    // In an enclosure hardly a ray comes here, and as a loop it has a sixth of the instructions.
+    // The loop is kept rolled: in an enclosure hardly a ray comes here, and as a loop it has a sixth of the
+    // instructions.
     PT_ROLLED
     for (std::uint32_t i = 0; i < scene.axis_boxes.size; ++i) {
         if (first + i != segment.object && is_hidden_by_axis_box<Config>(segment, scene, i, inverse)) {
@@ -109,7 +114,7 @@ PT_HD inline bool is_hidden_by_axis_boxes(Segment<typename Config::Real>& segmen
     return false;
 }
 
-// All objects of one kind.
+// Whether an object of one kind hides the point at the segment's end.
 template <class Config, ShapeKind kind, class Scene, class Shapes>
 PT_HD inline bool is_hidden_by_kind(Segment<typename Config::Real>& segment, const Scene& scene, const Shapes& shapes,
                                     bool without_walls) {

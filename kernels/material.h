@@ -18,7 +18,7 @@ enum class MaterialType : std::uint32_t {
     principled
 };
 
-// What light passes by one refraction.
+// Whether light passes the material by a single refraction.
 PT_HD constexpr bool is_glass(MaterialType type) {
     return type == MaterialType::dielectric || type == MaterialType::rough_dielectric;
 }
@@ -71,7 +71,7 @@ struct Material {
     };
     std::uint32_t max_scatterings;  // cap of one walk
 
-    // Whether the three channels of a guided walk are drawn alike.
+    // Whether the guided walks of all three colour channels are drawn alike.
     PT_HD constexpr bool has_one_guide() const {
         return grey != 0 && guide_decay.x == guide_decay.y && guide_decay.y == guide_decay.z;
     }

@@ -50,7 +50,8 @@ PT_HD constexpr T clamp(T value, T low, T high) {
     return min(max(value, low), high);
 }
 
-// Of a vector, by its number. By selection: an index would put the vector into memory.
+// The vector's component along an axis from 0 to 2. It is selected by comparisons, since an index would put the vector
+// into memory.
 template <class Real, class Axis>
 PT_HD constexpr Real component_of(const Vec3<Real>& v, Axis axis) {
     return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
@@ -151,7 +152,7 @@ PT_HD inline double exponential_series(double z) {
 template <class Real>
 PT_HD inline Real exponential(Real x) {
     constexpr Real log2_e = Real(1.44269504088896340736);
-    // Already here the result rounds to 0 or to infinity. NaN counts as the lower bound until the last line.
+    // At these bounds the result already rounds to 0 or to infinity. NaN counts as the lower bound until the last line.
     const Real within = sizeof(Real) == 4 ? clamp(x, Real(-104), Real(89)) : clamp(x, Real(-746), Real(710));
     const int k = static_cast<int>(within * log2_e + (within < Real(0) ? Real(-0.5) : Real(0.5)));
     const Real high = within - Real(k) * ln2_high<Real>;
@@ -159,7 +160,7 @@ PT_HD inline Real exponential(Real x) {
     const Real r = high - low;  // e^r = 1 + 2 r / (r coth(r/2) - r)
     const Real c = r - exponential_series(r * r);
     const Real power = Real(1) - ((low - r * c / (Real(2) - c)) - high);
-    // In two steps, for 2^k may be beyond the normal numbers; only the second can round.
+    // 2^k is applied in two steps, for it may be beyond the normal numbers; only the second step can round.
     const Real result = power * power_of_two<Real>(k / 2) * power_of_two<Real>(k - k / 2);
     return x == x ? result : x;
 }
@@ -188,7 +189,7 @@ PT_HD inline Real logarithm(Real x) {
     }
     const bool denormal = x < power_of_two<Real>(2 - infinite_exponent<Real>);
     const auto bits = bits_of(denormal ? x * power_of_two<Real>(mantissa_bits<Real>) : x);
-    // 2^k (1 + f) with 1 + f from sqrt(1/2) to sqrt(2).
+    // Splits x into 2^k (1 + f) with 1 + f from sqrt(1/2) to sqrt(2).
     const auto k = (bits - bits_of(Real(0.70710678118654752440))) >> mantissa_bits<Real>;
     const Real f = number_of(bits - (k << mantissa_bits<Real>)) - Real(1);
     const Real exponent = Real(static_cast<int>(k) - (denormal ? mantissa_bits<Real> : 0));
@@ -202,7 +203,7 @@ template <class Real>
 PT_HD inline Real dot(const Vec3<Real>& a, const Vec3<Real>& b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
-// The same from rounded products.
+// The dot product as a sum of rounded products, which no fused multiply-add contracts.
 template <class Real>
 PT_HD inline Real rounded_dot(const Vec3<Real>& a, const Vec3<Real>& b) {
     return rounded_product(a.x, b.x) + rounded_product(a.y, b.y) + rounded_product(a.z, b.z);
@@ -220,15 +221,15 @@ PT_HD inline Vec3<Real> normalize(const Vec3<Real>& v) {
     return v * (Real(1) / square_root(dot(v, v)));
 }
 
-// The same for a vector whose square is 1 but for rounding, d: one Newton step on d^(-1/2) from 1, whose error is
-// 3/8 (d - 1)^2. No division and no root.
+// Normalizes a vector whose square d is 1 but for rounding: one Newton step on d^(-1/2) from 1, whose error is 3/8 (d -
+// 1)^2. It needs no division and no root.
 template <class Real>
 PT_HD inline Vec3<Real> renormalize(const Vec3<Real>& v) {
     return v * (Real(1.5) - Real(0.5) * dot(v, v));
 }
 
-// The same for a vector that is one but for the rounding of a point: seen from afar that may be more than a Newton step
-// from 1 can mend.
+// Normalizes a vector that is unit but for the rounding of a point on a surface: seen from afar that may be more than a
+// Newton step from 1 can mend.
 template <class Real>
 PT_HD inline Vec3<Real> nearly_unit(const Vec3<Real>& v) {
     const Real excess = dot(v, v) - Real(1);

@@ -14,7 +14,7 @@ struct TreeView {
     std::uint32_t node_bytes = 0;  // of one
 };
 
-// What a traversal counts of one ray, or not at all.
+// Counters that a traversal of one ray feeds; this one counts nothing and costs nothing.
 struct NoTraversalCounter {
     PT_HD void node() {}
     PT_HD void boxes(std::uint32_t) {}
@@ -44,13 +44,13 @@ struct BruteForce {
     }
 };
 
-// On the host kernels are compiled once for all accelerators: the scene has a function of the chosen one
-// (SceneView::meet_mesh).
+// The accelerator of the host's kernels, which are compiled once for all accelerators: the scene has a function of the
+// chosen one (SceneView::meet_mesh).
 struct RunTimeAccelerator {
     static constexpr bool is_chosen_at_run_time = true;
 };
 
-// Where the three corners of a triangle lie in an image: u, v of a, b and c.
+// Texture coordinates u, v of the three corners a, b and c of a triangle.
 struct CornerCoordinates {
     float u[3];
     float v[3];

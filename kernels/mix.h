@@ -6,7 +6,7 @@
 
 namespace pt {
 
-// u in [0, 1): never a mirror at p = 0, always one at p = 1.
+// Whether u in [0, 1) chooses the mirror: never at probability 0, always at 1.
 template <class Real>
 PT_HD constexpr bool chooses_mirror(Real u, Real mirror_probability) {
     return u < mirror_probability;

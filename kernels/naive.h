@@ -9,7 +9,7 @@
 
 namespace pt {
 
-// The robust forms, by a name that those below do not hide.
+// Names for the robust forms that the textbook functions of this namespace do not hide.
 template <class Shape, class Real>
 PT_HD inline Interval<Real> robust_interval(const Shape& shape, const Vec3<Real>& origin, const Vec3<Real>& direction) {
     return interval(shape, origin, direction);
@@ -29,7 +29,7 @@ PT_HD inline Real robust_inverse_pdf(const Shape& shape, const Vec3<Real>& obser
 
 namespace pt::naive {
 
-// What a shape has no textbook form of is done the robust way.
+// A shape without a textbook form is handled in the robust way.
 template <class Shape, class Real>
 PT_HD inline Interval<Real> interval(const Shape& shape, const Vec3<Real>& origin, const Vec3<Real>& direction) {
     return robust_interval(shape, origin, direction);
@@ -45,11 +45,11 @@ PT_HD inline Real inverse_direction_pdf(const Shape& shape, const Vec3<Real>& ob
     return robust_inverse_pdf(shape, observer, direction, distance);
 }
 
-// Scene units, whatever the scene's size.
+// The textbook's offset of a ray's start, in scene units whatever the scene's size.
 template <class Real>
 inline constexpr Real epsilon = Real(1e-4);
 
-// t with a t^2 + b t + c = 0.
+// The real roots t of a t^2 + b t + c = 0 in the textbook's form, the lesser first.
 template <class Real>
 PT_HD inline Interval<Real> roots(Real a, Real b, Real c) {
     const Real discriminant = b * b - Real(4) * a * c;

@@ -8,7 +8,7 @@
 
 namespace pt {
 
-// In the plane z = `height` above the observer, which is above 0; y is along the longer side.
+// A rectangle in the plane z = `height` > 0 above an observer at the origin; y is along its longer side.
 template <class Real>
 struct NearRectangle {
     Real x0, x1, y0, y1, height;
@@ -39,7 +39,7 @@ struct NearRectangle {
         const Stretch stretch(*this, x);
         return {{x, stretch.y_at(*this, v), height}, angle * stretch.share(*this)};
     }
-    // In a direction that meets the rectangle.
+    // 1 / density, by solid angle, of a direction that meets the rectangle.
     PT_HD Real inverse_pdf(Real direction_x, Real direction_z) const {
         const Real steepness = max(absolute(direction_z), Real(0x1p-100));
         return angle * Stretch(*this, clamp(height * nearly_divide(direction_x, steepness), x0, x1)).share(*this);
@@ -49,7 +49,8 @@ private:
     // What squares of lengths count as at least, so that they have a reciprocal.
     static constexpr Real least_square = Real(0x1p-100);
 
-    // The line of one x: the sines of its ends' angles to the plane across it that the observer lies in.
+    // The line across the rectangle at one x, as the sines of its ends' angles to the plane across it that the observer
+    // lies in.
     struct Stretch {
         Real square;  // of the distance to the endless line
         Real low, high;
@@ -96,9 +97,10 @@ private:
         }
     };
 
-    // So many units to one of the rectangle that no square of a length vanishes with which an angle is begun.
+    // The scale that brings the rectangle's distances near 1, so that no square of a length vanishes from which an
+    // angle is formed.
     PT_HD Real unit() const { return power_to_one(max(max(absolute(x0), absolute(x1)), height)); }
-    // So that u of the strip's angle lies on the side of x0.
+    // The x for which a share u of the strip's angle lies on the side of x0.
     PT_HD Real x_at(Real u) const {
         const Real scale = unit();
         const SinCos<Real> turn = sin_cos_turn(u * (angle * (Real(0.5) / pi<Real>)));

@@ -5,7 +5,7 @@
 
 namespace pt {
 
-// Of a shape that cannot tell: what is known otherwise.
+// The outward normal that is known already, for a shape that cannot tell which point of its surface is nearest.
 template <class Shape, class Real>
 PT_HD inline Vec3<Real> outward_near(const Shape&, const Vec3<Real>&, const Vec3<Real>& known) {
     return known;
@@ -25,7 +25,7 @@ PT_HD inline Vec3<Real> outward_near(const Ellipsoid<Real>& ellipsoid, const Vec
     return dot(from_centre, from_centre) > Real(0x1p-40) ? ellipsoid.normal(normalize(from_centre)) : known;
 }
 
-// Of a box, by the point from its centre. In the box's own frame.
+// The outward normal of a box's nearest face in the box's own frame, for a point p from the box's centre.
 template <class Real>
 PT_HD inline Vec3<Real> nearest_face(const Vec3<Real>& half, const Vec3<Real>& p) {
     const Real x = half.x - absolute(p.x), y = half.y - absolute(p.y), z = half.z - absolute(p.z);

@@ -29,7 +29,7 @@ PT_HD inline Real mis_weight_light(Real ratio, std::uint32_t exponent) {
     return nearly_divide(Real(1), Real(1) + (exponent == 2 ? ratio * ratio : ratio));
 }
 
-// What light counts that the path meets at `hit`, at the end of its ray. `traced`: the same scene, as rays walk through
+// Weight of the light that the path meets at `hit`, at the end of its ray. `traced`: the same scene as rays traverse
 // it.
 template <class Config>
 PT_HD inline typename Config::Real encounter_weight(const SceneView<typename Config::Real>& scene,
@@ -72,7 +72,8 @@ PT_HD inline bool is_to_be_connected(const SceneView<typename Config::Real>& sce
     using Real = typename Config::Real;
     if constexpr (has<Config>(Feature::one_sample)) {
         if (scene.one_sample != 0) {
-            // Another hash of the light's numbers than the one by which kernels/light_selection.h goes on.
+            // The hash of the light's random words differs from the one by which kernels/light_selection.h goes on, so
+            // that the two choices are independent.
             const bool connects = (pcg4d({words.w, words.z, words.y, words.x}).x >> 31) != 0;
             path.bsdf_pdf = connects ? Real(-1) : Real(1);
             return connects;
@@ -81,7 +82,8 @@ PT_HD inline bool is_to_be_connected(const SceneView<typename Config::Real>& sce
     return true;
 }
 
-// The density of the scattered direction, as a path keeps it after connect_next_event.
+// The density of the scattered direction in the form that a path keeps after connect_next_event: negative where
+// one-sample MIS chose the connection.
 template <class Config>
 PT_HD inline typename Config::Real kept_pdf(const Path<typename Config::Real>& path, typename Config::Real pdf) {
     if constexpr (has<Config>(Feature::one_sample)) {
@@ -90,7 +92,7 @@ PT_HD inline typename Config::Real kept_pdf(const Path<typename Config::Real>& p
     return pdf;
 }
 
-// What a ray brings that leaves the scene.
+// Adds the environment's light to a path whose ray leaves the scene.
 template <class Config>
 PT_HD inline void meet_environment(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path) {
     using Real = typename Config::Real;
@@ -117,7 +119,7 @@ PT_HD inline void meet_environment(const SceneView<typename Config::Real>& scene
     path.radiance += path.throughput * place.radiance * weight;
 }
 
-// The diffuse lobe, as a lobe is asked for.
+// The Lambertian lobe with the interface of the other lobes.
 template <class Real>
 struct DiffuseLobe {
     static constexpr bool transmits = false, may_be_opaque = false;
@@ -161,7 +163,8 @@ PT_HD inline Hit<typename Config::Real> hit_of_light(const SceneView<typename Co
     });
 }
 
-// As connect_next_event, to the environment: seen where the ray leaves the scene.
+// Next-event estimation with the environment as the light: it is seen if the ray leaves the scene. Returns how many
+// rays were traced.
 template <class Config, class Lobe>
 PT_HD inline std::uint32_t connect_environment(const SceneView<typename Config::Real>& scene,
                                                const SceneView<typename Config::Real>& traced,
@@ -201,7 +204,7 @@ PT_HD inline std::uint32_t connect_environment(const SceneView<typename Config::
     return 1;
 }
 
-// A light, and a direction towards it.
+// A light that was drawn for next-event estimation, and a direction towards a point on it.
 template <class Real>
 struct LightDraw {
     LightPick<Real> pick;
@@ -209,7 +212,8 @@ struct LightDraw {
     DirectionSample<Real> sample;
 };
 
-// `two_sided`: to what is behind the vertex too. `traced`: the same scene, as rays walk through it.
+// Draws a light, and a point on it. `two_sided`: lights behind the vertex count too. `traced`: the same scene as rays
+// traverse it.
 template <class Config>
 PT_HD inline LightDraw<typename Config::Real> draw_light(const SceneView<typename Config::Real>& scene,
                                                          const SceneView<typename Config::Real>& traced,
@@ -230,16 +234,17 @@ PT_HD inline LightDraw<typename Config::Real> draw_light(const SceneView<typenam
             sample_direction_to<Config>(read, object, vertex.position, time, unit_interval<Real>(words.y),
                                         unit_interval<Real>(words.z), unit_interval<Real>(words.w));
         if constexpr (has<Config>(Feature::emission)) {
-            // Of the body that a vertex lies on, closest_hit knows which side is met.
+            // On the body that the vertex lies on, closest_hit must tell which side the ray meets, so the distance
+            // counts as not known.
             sample.distance = vertex.object == object ? Real(0) : sample.distance;
         }
         return {pick, object, sample};
     });
 }
 
-// Adds to path.radiance the light of one direction towards one light, seen by way of a lobe of the vertex.
-// Returns the number of rays traced (0 or 1). `traced`: the same scene, as rays walk through it. The light is seen if
-// it is the nearest object along the ray: a convex one shows each ray one point from outside, and none of its own.
+// Adds to path.radiance the light of one direction towards one light, by a lobe of the vertex. Returns the number of
+// rays traced (0 or 1). `traced`: the same scene as rays traverse it. The light is seen if it is the nearest object
+// along the ray: a convex one shows each ray one point from outside, and none of its own.
 template <class Config, class Lobe>
 PT_HD inline std::uint32_t connect_next_event(const SceneView<typename Config::Real>& scene,
                                               const SceneView<typename Config::Real>& traced,

@@ -1,13 +1,13 @@
-// A binary tree over the objects that show meshes: the upper of two levels, whose leaves are objects with trees of
-// their own. Slabs that err only towards yes, as in variants/bvh/box_ray.h (Ize, "Robust BVH Ray Traversal",
-// JCGT 2 (2), 2013), but for what an object's own space adds to the rounding: that is in the boxes, and in `margin`.
+// The top-level tree (TLAS) over the objects that show meshes: a binary tree whose leaves are objects with trees of
+// their own. Slabs err only towards yes, as in variants/bvh/box_ray.h (Ize, "Robust BVH Ray Traversal", JCGT 2
+// (2), 2013), but for what an object's own space adds to the rounding: that is in the boxes, and in `margin`.
 #pragma once
 
 #include "kernels/math.h"
 
 namespace pt {
 
-// Both children's boxes, so that one read decides on two.
+// A node of the top-level tree over objects. It holds both children's boxes, so that one read decides on two.
 struct alignas(16) ObjectNode {
     float low_x[2], high_x[2], low_y[2], high_y[2], low_z[2], high_z[2];
     std::uint32_t link[2];  // a node, or leaf_bit and the number of an object that shows a mesh
@@ -44,8 +44,8 @@ struct ObjectTreeRay {
         return ray;
     }
 
-    // Where the ray enters a child's box, or `no_entry`: also where it enters beyond best_t, but not where it enters at
-    // best_t. 0 times infinity, on a side's plane, is NaN, and is passed over.
+    // The ray parameter, at least 0, at which the ray enters a child's box, or `no_entry` if it misses the box or
+    // enters it beyond best_t (not at best_t). The product 0 * infinity, on a side's plane, is NaN, and is passed over.
     static constexpr Real no_entry = Real(-1);
     PT_HD Real entry(const ObjectNode& node, int child, const Real& best_t) const {
         Real nearest = Real(0), farthest = best_t;
@@ -59,7 +59,7 @@ struct ObjectTreeRay {
         cut(node.low_x[child], node.high_x[child], 0);
         cut(node.low_y[child], node.high_y[child], 1);
         cut(node.low_z[child], node.high_z[child], 2);
-        // Three roundings of either side, and those of a triangle's t.
+        // The entry is brought forward by three roundings of each side, and by those of a triangle's t.
         nearest = nearest * (Real(1) - gamma<Real>(16));
         return nearest <= farthest ? nearest : no_entry;
     }

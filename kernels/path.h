@@ -16,15 +16,16 @@ struct SurfaceId {
     PT_HD static constexpr SurfaceId of(std::uint32_t object, bool inside) {
         return {(object << 1) | (inside ? 1u : 0u)};
     }
-    // The face whose outward normal is the axis `axis` (0 to 2), or, unless it looks up, its opposite.
+    // The face of a box whose outward normal is the axis `axis` (0 to 2) or, unless it looks up, the opposite of that
+    // axis.
     PT_HD static constexpr SurfaceId of_face(std::uint32_t object, std::uint32_t axis, bool looks_up) {
         return {((axis + 1) << 29) | ((looks_up ? 1u : 0u) << 28) | (object << 1)};
     }
     PT_HD constexpr bool exists() const { return code != nowhere; }
     PT_HD constexpr std::uint32_t object() const { return (code >> 1) & (most_objects - 1); }
-    // Both exist, and are of different objects: whether this one's has the lower number.
+    // Whether this surface's object has the lower number; both surfaces must exist and be of different objects.
     PT_HD constexpr bool precedes(const SurfaceId& other) const { return (code << 4) < (other.code << 4); }
-    // A surface of this object; nowhere is none of anybody's.
+    // Whether this is a surface of object `number`; false for nowhere.
     PT_HD constexpr bool is_of(std::uint32_t number) const { return exists() && object() == number; }
     PT_HD constexpr bool has_face() const { return (code >> 29) != 0; }
     PT_HD constexpr std::uint32_t face_axis() const { return (code >> 29) - 1; }
@@ -63,8 +64,8 @@ struct Path {
     // 0 where it had not: from the camera, a specular surface or a body. Lights met then count in full. Of one sample
     // (SceneView::one_sample) negative where the connection was chosen: lights met then do not count.
     Real bsdf_pdf;
-    // Of origin_surface's object: the mesh's triangle that the ray starts on. Between intersection and shading in a
-    // queue: the one that it met.
+    // The triangle of origin_surface's mesh that the ray starts on. Between intersection and shading in a queue it is
+    // the triangle that the ray has met.
     std::uint32_t primitive;
 
     static constexpr std::uint32_t ended = 0xffffffffu;
@@ -73,7 +74,8 @@ struct Path {
     PT_HD bool alive() const { return segment != ended; }
 };
 
-// In kernels whose paths split the upper bits of Path::segment number the branch: its random numbers follow from them.
+// Low bits of Path::segment that count segments. In kernels whose paths split the bits above number the branch, and its
+// random numbers follow from them.
 inline constexpr std::uint32_t segment_bits = 20;
 
 template <class Config>

@@ -15,9 +15,9 @@ enum class FieldType {
 
 enum class FieldChange { by_bounce, never };  // never: written when the path begins
 
-// In the order of struct Path. ALWAYS(name, type, change): every path carries it.
-// OPTIONAL(name, type, change, features, value): carried by kernels with one of these features; in others all paths
-// have this value (`scene`: the scene that the path is in).
+// The fields of struct Path in their order. ALWAYS(name, type, change): every path carries the field.
+// OPTIONAL(name, type, change, features, value): it is carried by kernels with one of these features; in others all
+// paths have this value (`scene`: the scene that the path is in).
 #define PT_PATH_FIELDS(ALWAYS, OPTIONAL)                                                                \
     ALWAYS(origin, vector, by_bounce)                                                                   \
     ALWAYS(direction, vector, by_bounce)                                                                \
@@ -74,7 +74,7 @@ static_assert([] {
     return bytes == sizeof(Path<float>);
 }());
 
-// Which of the optional fields the paths of a queue carry.
+// The optional fields that the paths of a queue carry.
 struct PathFields {
 #define PT_MEMBER(name, ...) bool name = true;
     PT_PATH_FIELDS(PT_NO_FIELD, PT_MEMBER)
@@ -97,12 +97,12 @@ struct PathFields {
 };
 inline constexpr PathFields every_path_field{};
 
-// Whether `field` is in the columns of a stage that writes fields with this change.
+// Whether a queue that carries `carried` has `field` among the columns that a stage with this kind of change writes.
 PT_HD constexpr bool is_written(PathField field, FieldChange change, const PathFields& carried) {
     return info(field).change == change && carried.carries(field);
 }
 
-// A field of 32 bits, as a column holds it.
+// The 32 bits of a field, as a column of a queue holds them.
 template <class Field>
 PT_HD inline std::uint32_t word_of(const Field& field) {
     return __builtin_bit_cast(std::uint32_t, field);

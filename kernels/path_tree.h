@@ -7,7 +7,8 @@
 
 namespace pt {
 
-// Of one tree: its rays are counted in 32 bits, many trees together (variants/cuda/megakernels.h).
+// The most branches that one camera sample may have: rays of many trees together are counted in 32 bits
+// (variants/cuda/megakernels.h).
 inline constexpr std::uint32_t most_branches_of_tree = 64;
 
 template <class Config>
@@ -15,11 +16,12 @@ class PathTree {
 public:
     using Real = typename Config::Real;
 
-    // The path that it has now is a branch that begins at a vertex, at `hit()`.
+    // Whether the path is a branch that resumes at the vertex where it split, at `hit()`.
     PT_HD bool resumes() const { return resumes_; }
     PT_HD const Hit<Real>& hit() const { return hit_; }
 
-    // What befalls the path at the vertex (OneBranch).
+    // Splits the path at the vertex, or plays roulette (OneBranch has the same interface). Returns whether the path
+    // goes on.
     PT_HD bool goes_on(const SceneView<Real>& scene, Path<Real>& path, const Vertex<Real>& vertex, const Hit<Real>& hit,
                        Real u) {
         const bool was_here = resumes_;
@@ -40,8 +42,8 @@ public:
         return true;
     }
 
-    // After a branch has ended: the next one, which goes on with the light that the tree has collected. False: there is
-    // none, and the path that was handed in has it all.
+    // Once a branch has ended, makes `path` the next branch that waits, which goes on with the light that the tree has
+    // collected. False: none waits, and the path that was handed in has all light.
     PT_HD bool take_next(Path<Real>& path) {
         const std::uint32_t segments = segments_of<Config>(path);
         rays_ += segments - first_segment_;
@@ -63,11 +65,12 @@ public:
         return true;
     }
 
-    // Of all branches that have ended: the segments traced, and those from the camera to the end of the longest.
+    // Counts over all branches that have ended: the segments traced, and the segments from the camera to the end of the
+    // longest branch.
     PT_HD std::uint32_t rays() const { return rays_; }
     PT_HD std::uint32_t longest() const { return longest_; }
 
-    // For another path, once there is no branch left.
+    // Prepares for another camera sample, once no branch is left.
     PT_HD void start_again() { rays_ = longest_ = first_segment_ = branch_ = promised_ = 0; }
 
 private:
@@ -88,7 +91,7 @@ private:
     bool resumes_ = false;
 };
 
-// A tree, as shade asks for it.
+// The interface that shade() asks of a branch (see OneBranch), for a path of a tree.
 template <class Tree>
 struct BranchOfTree {
     template <class Config>
@@ -104,7 +107,7 @@ struct BranchOfTree {
     }
 };
 
-// shade of a path that is a branch of a tree, walks and all.
+// Shades a path that is a branch of a tree, and takes a subsurface walk that begins there to its end.
 template <class Config>
 PT_HD inline bool shade_in_tree(const SceneView<typename Config::Real>& scene,
                                 const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,

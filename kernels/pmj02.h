@@ -13,7 +13,7 @@ struct RandomPair {
     std::uint32_t x, y;
 };
 
-// The first two coordinates of sobol_point.
+// The first two coordinates of the Sobol' point `index`, in units of 2^-32.
 PT_HD inline RandomPair sobol_pair(std::uint32_t index) {
     RandomPair point{reverse_bits(index), 0};
     for (std::uint32_t y = 0x80000000u; index != 0; index >>= 1, y ^= y >> 1) {

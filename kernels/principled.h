@@ -16,7 +16,7 @@
 
 namespace pt {
 
-// At one vertex, seen from one direction. All vectors are unit.
+// The principled material's lobe at one vertex, seen from one direction. All vectors are unit.
 template <class ConfigT>
 struct Principled {
     using Config = ConfigT;
@@ -47,7 +47,7 @@ struct Principled {
         }
         are_facets_wide = glass_share > Real(0) ? glass.is_connectable() : glass.facets.are_wide();
         layer_reflectance = reflectance_of(glass.facets.cosine);
-        // In proportion to what a smooth surface would send each way.
+        // The diffuse lobe and the mirroring layer are drawn in proportion to what a smooth surface would send by each.
         const Real beneath = (Real(1) - layer_reflectance) * max(colour.x, max(colour.y, colour.z));
         const Real both = layer_reflectance + beneath;
         diffuse_probability = diffuse_share * (both > Real(0) ? beneath / both : Real(1));
@@ -64,7 +64,8 @@ struct Principled {
     PT_HD bool is_connectable() const { return are_facets_wide || diffuse_share > Real(0); }
     PT_HD bool lets_through() const { return glass_share > Real(0) && are_facets_wide; }
 
-    // Of a connectable lobe; `cosine` of the direction to the normal, not 0.
+    // BSDF times cosine over density, and density, of a direction that this connectable lobe sends light in; `cosine`
+    // of the direction to the normal, not 0.
     PT_HD LobeValue<Real> towards(const Vec3<Real>& incoming, Real cosine) const {
         if (!(cosine > Real(0))) {
             return lets_through() ? through(glass.towards(incoming, cosine))
@@ -120,7 +121,7 @@ struct Principled {
     }
 
 private:
-    // What a facet reflects, and the probability that a path that meets it is reflected.
+    // The reflectance of a facet, and the probability with which a path that meets it is reflected.
     struct Mirror {
         Vec3<Real> reflectance;
         Real probability;
@@ -140,7 +141,7 @@ private:
                 metal_share + (diffuse_share - diffuse_probability) + glass_share * boundary};
     }
 
-    // Its BSDF times the cosine over its own density, in proportion to its probability.
+    // The diffuse lobe's BSDF times the cosine over its own density, scaled by the probability with which it is drawn.
     PT_HD Vec3<Real> diffuse_weight(Real cosine) const {
         if (!(diffuse_probability > Real(0))) {
             return Vec3<Real>(Real(0));
@@ -149,7 +150,8 @@ private:
     }
     PT_HD Real diffuse_pdf(Real cosine) const { return diffuse_probability * (cosine * (Real(1) / pi<Real>)); }
 
-    // Of all that sends light to a direction above the surface; `mirrored`: the density of the facet's direction.
+    // The value of all lobes together for a direction above the surface; `mirrored`: the density with which a facet
+    // mirrors light there.
     PT_HD LobeValue<Real> above(Real cosine, const Mirror& mirror, Real mirrored) const {
         const Real facets_pdf = mirrored * mirror.probability;
         if (!(facets_pdf > Real(0))) {
@@ -167,7 +169,7 @@ private:
     PT_HD LobeValue<Real> through(const LobeValue<Real>& of_glass) const {
         return {of_glass.weight, of_glass.pdf * glass_share};
     }
-    // A path keeps 0 where no light was connected.
+    // Keeps the density above 0, which in a path means that no light was connected.
     PT_HD static LobeValue<Real> kept(const LobeValue<Real>& value) {
         return {value.weight, max(value.pdf, Real(0x1p-60))};
     }
@@ -182,7 +184,7 @@ private:
                                             const Refraction<Real>& refraction) const {
         LobeSample<Real> sample = glass.refracted(facet, facet_cosine, refraction);
         if (glass.boundary.k == Real(0)) {
-            // However its facets are turned, a boundary between equals bends no light.
+            // A boundary between equal media bends no light, however its facets are turned.
             sample.value.weight = colour;
         }
         if (sample.cosine != Real(0) && are_facets_wide) {

@@ -43,7 +43,7 @@ inline constexpr std::uint32_t light = 1;
 inline constexpr std::uint32_t walk = 2;
 }  // namespace random_block
 
-// Where the kernel's numbers come from: one of `samplers`, or none for pcg4d.
+// The sampler that the kernel's random numbers come from: one of `samplers`, or none for pcg4d.
 template <class Config>
 PT_HD inline FeatureSet sampler_of(const RandomSeed& seed) {
     constexpr FeatureSet compiled = Config::features & samplers;
@@ -85,7 +85,7 @@ PT_HD constexpr Real unit_interval(std::uint32_t bits) {
     }
 }
 
-// The same in [-1, 1): exactly 2 u - 1, with one rounding less to compute.
+// A number in [-1, 1): exactly 2 unit_interval(bits) - 1, with one rounding less to compute.
 template <class Real>
 PT_HD constexpr Real symmetric_interval(std::uint32_t bits) {
     if constexpr (sizeof(Real) == 4) {

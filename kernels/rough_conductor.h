@@ -9,7 +9,7 @@
 
 namespace pt {
 
-// Schlick 1994.
+// Schlick's approximation of a conductor's Fresnel reflectance (1994).
 template <class Real>
 PT_HD inline Vec3<Real> schlick_reflectance(const Vec3<Real>& at_normal_incidence, Real cosine) {
     const Real rest = Real(1) - min(cosine, Real(1));
@@ -33,7 +33,7 @@ struct RoughConductor {
     // depends on the surface alone, so either way the expectation is the same.
     PT_HD bool is_connectable() const { return facets.are_wide(); }
 
-    // For kernels that have gains.
+    // Adds the compensation for multiple scattering, in kernels that have it (kernels/ggx_gain.h).
     PT_HD void scatter_multiply() {
         gain = Vec3<Real>(Real(1)) + reflectance * ggx_gain(facets.cosine / facets.q, facets.alpha);
     }
@@ -47,7 +47,7 @@ struct RoughConductor {
         }
     }
 
-    // Of a connectable lobe, for a direction above the surface.
+    // The value of this connectable lobe for a direction above the surface.
     PT_HD LobeValue<Real> towards(const Vec3<Real>& incoming, Real incoming_cosine) const {
         const Real along = facets.cosine + incoming_cosine;
         const Vec3<Real> across = facets.outgoing + incoming - facets.normal * along;

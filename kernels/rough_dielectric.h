@@ -12,7 +12,7 @@
 
 namespace pt {
 
-// At one vertex, seen from one direction. All vectors are unit.
+// The lobe of a rough dielectric at one vertex, seen from one direction. All vectors are unit.
 template <class ConfigT>
 struct RoughDielectric {
     using Config = ConfigT;
@@ -37,7 +37,8 @@ struct RoughDielectric {
         return facets.are_wide() && facets.alpha * absolute(boundary.k) >= Real(0x1p-7);
     }
 
-    // Of a connectable lobe; `cosine` of the direction to the normal, not 0.
+    // The value of this connectable lobe for a direction on either side; `cosine` of the direction to the normal, not
+    // 0.
     PT_HD LobeValue<Real> towards(const Vec3<Real>& incoming, Real cosine) const {
         const bool passes = !(cosine > Real(0));
         const Real index = passes ? boundary.relative_ior : Real(1);
@@ -46,7 +47,7 @@ struct RoughDielectric {
         const Real across_squared = dot(across, across);
         const Real square = along * along + across_squared;
         const Real length = (along < Real(0) ? Real(-1) : Real(1)) * square_root(square);
-        // With the facet turned to the side of the normal.
+        // These are the cosines to the facet's normal, turned to the side of the surface's normal.
         const Real between = dot(facets.outgoing, incoming);
         const Real facet_cosine = passes ? (Real(1) + index * between) / length : Real(0.5) * length;
         const Real beyond = (between + index) / length;
@@ -58,8 +59,8 @@ struct RoughDielectric {
                      facets.mirrored_pdf(along, across_squared, square));
     }
 
-    // `lobe` picks reflection or refraction in proportion to their energy. The cosine of the direction is below 0 where
-    // it is refracted.
+    // Draws a facet and reflects or refracts by it, as `lobe` in [0, 1) picks in proportion to their energy. The
+    // sample's cosine is below 0 where it is refracted.
     PT_HD LobeSample<Real> sample(Real lobe, Real u, Real v) const {
         const GgxFacet<Real> facet = facets.sample(u, v);
         const Vec3<Real> direction = -facets.outgoing;
@@ -80,7 +81,7 @@ struct RoughDielectric {
         return sample;
     }
 
-    // By a facet that was drawn; the rest of the sample is as of sample().
+    // The sample refracted by a facet that sample() has drawn.
     PT_HD LobeSample<Real> refracted(const GgxFacet<Real>& facet, Real facet_cosine,
                                      const Refraction<Real>& refraction) const {
         LobeSample<Real> sample{refract(boundary, -facets.outgoing, facet.normal, facet_cosine, refraction.q),
@@ -96,7 +97,7 @@ struct RoughDielectric {
     }
 
 private:
-    // Of the direction by a facet whose mirrored one has the density `mirrored`.
+    // The lobe's value for a direction by a facet; `mirrored`: the density of the direction that this facet mirrors.
     PT_HD LobeValue<Real> value(bool passes, Real cosine, Real facet_cosine, const Refraction<Real>& refraction,
                                 Real mirrored) const {
         if (!passes) {

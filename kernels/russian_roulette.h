@@ -8,7 +8,7 @@
 
 namespace pt {
 
-// u in [0, 1). Returns whether the path goes on.
+// Plays Russian roulette by the throughput's largest entry, with u in [0, 1). Returns whether the path goes on.
 template <class Real>
 PT_HD inline bool survives_roulette(Path<Real>& path, Real u) {
     const Real probability = max(path.throughput.x, max(path.throughput.y, path.throughput.z));

@@ -5,15 +5,14 @@
 
 namespace pt {
 
-// Uniform on the unit disc. Shirley and Chiu, "A Low Distortion Map Between Disk and Square", JGT 2(3), 1997,
-// in the branch-light form of pbrt; every angle lies in [-pi/4, pi/4].
-// From the square [-1, 1]^2.
+// A uniform point on the unit disc from one of the square [-1, 1]^2. Shirley and Chiu, "A Low Distortion Map Between
+// Disk and Square", JGT 2(3), 1997, in the branch-light form of pbrt; every angle lies in [-pi/4, pi/4].
 template <class Real>
 PT_HD inline Vec2<Real> concentric_disc_of_square(Real x, Real y) {
     const bool x_is_radius = absolute(x) > absolute(y);
     const Real radius = x_is_radius ? x : y;
     const Real other = x_is_radius ? y : x;
-    // Both are whole multiples of 2^-23 (in double 2^-31) and at most 1.
+    // Quotient of two whole multiples of 2^-23 (in double 2^-31) that are at most 1.
     Real ratio;
     if constexpr (draws_approximately<Real>) {
         ratio = keep_smaller(Real(1), nearly_divide(other, radius));  // 0 / 0 is passed over
@@ -43,7 +42,7 @@ PT_HD inline Vec3<Real> cosine_hemisphere(Real u, Real v) {
     return cosine_hemisphere_of_square(Real(2) * u - Real(1), Real(2) * v - Real(1));
 }
 
-// Density 1 / (4 pi) on the unit sphere.
+// A direction uniform on the unit sphere, of density 1 / (4 pi).
 template <class Real>
 PT_HD inline Vec3<Real> uniform_sphere(Real u, Real v) {
     const Real z = Real(1) - Real(2) * u;

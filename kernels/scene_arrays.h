@@ -26,7 +26,7 @@ struct SceneArray {
                : kind == ArrayKind::texture   ? contains(features, Feature::textures)
                                               : true;
     }
-    // Whether every ray reads it.
+    // Whether every ray of a kernel with these features reads the array.
     PT_HD constexpr bool is_traced(FeatureSet features) const { return is_used(features) && kind < ArrayKind::shading; }
 };
 
@@ -67,7 +67,7 @@ PT_HD constexpr void for_each_array(Scene& scene, Visit&& visit) {
 #undef PT_VISIT
 }
 
-// The same for two scenes side by side: visit(SceneArray, array of the first, array of the second).
+// Calls visit(SceneArray, array of the first, array of the second) for every array of two scenes side by side.
 template <class First, class Second, class Visit>
 PT_HD constexpr void for_each_array(First& first, Second& second, Visit&& visit) {
 #define PT_VISIT(name, kind, word) visit(SceneArray{#name, ArrayKind::kind}, first.name, second.name);

@@ -11,7 +11,7 @@
 
 namespace pt {
 
-// An object that emits, for sampling points on it.
+// An object that emits, with what sampling points on it needs.
 struct Light {
     std::uint32_t object;
 };
@@ -37,21 +37,22 @@ struct alignas(16) LightNode {
     Real least_square;  // that a distance to the box counts as: of half its diagonal, and at least 2^-100
 
     static constexpr std::uint32_t leaf_bit = 0x80000000u;
-    // The way to a light is 32 bits.
+    // Bounds on the light tree, from which the way to a light fits 32 bits.
     static constexpr std::uint32_t most_children = 16;
     static constexpr std::uint32_t most_levels = 8;
     PT_HD bool is_leaf() const { return (link & leaf_bit) != 0; }
     PT_HD std::uint32_t light() const { return link & ~leaf_bit; }
 };
 
-// Where an image lies. Texels are single precision numbers in both precisions, rows from the bottom up.
+// The block of texels that an image fills. Texels are single precision in kernels of both precisions, rows from the
+// bottom up.
 struct TexelBlock {
     std::uint32_t width;  // in texels; 0: there is no image
     std::uint32_t height;
     std::uint32_t first_texel;  // in SceneView::texels
 };
 
-// The images that an object shows, and how points of the object come to lie in them.
+// The images that an object shows, and how points of the object map to their coordinates.
 template <class Real>
 struct ObjectTexture {
     Transform<Real> place;
@@ -64,7 +65,7 @@ struct ObjectTexture {
 template <class Real>
 struct ObjectNormals {
     static constexpr std::uint32_t none = 0xffffffffu;
-    // From a mesh's own space to the scene, but for a factor that all normals share.
+    // The matrix that takes normals from a mesh's own space to the scene, but for a factor that all normals share.
     Vec3<Real> row[3];
     std::uint32_t first_normal;  // of its first triangle, in ShadingNormals::corners; none: the triangles' own
     TexelBlock map;              // in the tangent space of the texture's coordinates
@@ -85,16 +86,17 @@ struct Ray;
 template <class Real>
 using MeetMesh = void (*)(Hit<Real>&, const MeshInstance<Real>&, std::uint32_t, const Vec3<Real>&, const Ray<Real>&,
                           Real);
-// The same of all objects that show meshes.
+// Keeps the nearer of a hit and the triangles of all objects that show meshes: the scene, the ray, and a distance below
+// which a hit ends the search (0: none does).
 template <class Real>
 struct SceneView;
 template <class Real>
 using MeetMeshes = void (*)(Hit<Real>&, const SceneView<Real>&, const Ray<Real>&, Real);
 
-// Light from all round that is drawn as lights are.
+// An environment from which directions are drawn as from lights.
 template <class Real>
 struct EnvironmentMap;
-// What paths are expected to bring.
+// The estimates of what paths bring, for adjoint-driven roulette and splitting (kernels/adjoint.h).
 template <class Real>
 struct AdjointCache;
 
@@ -108,17 +110,17 @@ struct FlatTree {
     const FlatSlot* slots = nullptr;
 };
 
-// How rays find the objects that show meshes.
+// The functions and trees by which rays find the objects that show meshes.
 template <class Real>
 struct MeshSearch {
-    // By the host's accelerator, and by its tree over objects or triangles (null: each object in turn); kernels of a
-    // device have theirs compiled in.
+    // Functions of the host's accelerator: for one mesh, and for all by its tree over objects or triangles (null: each
+    // object in turn). A device's kernels have theirs compiled in.
     MeetMesh<Real> meet_mesh = nullptr;
     MeetMeshes<Real> meet_meshes = nullptr;
     ObjectTree objects;
     FlatTree flat;
-    // For kernels with Feature::shading_normals. Here, because kernels keep copies of a SceneView: others would have
-    // more in memory.
+    // The normals for kernels with Feature::shading_normals. They are kept here, because kernels copy a SceneView:
+    // others would have more in memory.
     ShadingNormals<Real> normals;
 };
 
@@ -153,9 +155,9 @@ struct SceneView {
     LightSelection light_selection;
     std::uint32_t one_sample;  // 1: of a connection and light that is met, one at random, with mis_exponent
 
-    // Of a device: null unless its kernels have one of mesh_levels, or shading_normals.
+    // The search through meshes; on a device null unless the kernels have one of mesh_levels, or shading_normals.
     const MeshSearch<Real>* mesh_search;
-    // Null: none.
+    // The environment that is drawn as a light, and the estimates for adjoint-driven roulette; null: there is none.
     const EnvironmentMap<Real>* environment_map;
     const AdjointCache<Real>* adjoint;
 

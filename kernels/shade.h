@@ -19,7 +19,7 @@
 
 namespace pt {
 
-// What one thread counts while it runs stages; summed by whoever runs it.
+// Counters of one thread while it runs stages, which are summed by whoever runs it.
 template <class Count>
 struct PathCountersOf {
     Count paths = 0;
@@ -93,8 +93,7 @@ PT_HD inline bool shade_diffuse(const SceneView<typename Config::Real>& scene,
             path.bsdf_pdf =
                 kept_pdf<Config>(path, max(vertex.dot_normal(path.direction), least) * (Real(1) / pi<Real>));
         } else {
-            // Not 0, which says that there was no connection: that is all that matters unless light that is met is
-            // weighed.
+            // Any number but 0, which says that there was no connection, will do unless light that is met is weighed.
             path.bsdf_pdf = Real(1);
         }
     }
@@ -165,7 +164,7 @@ PT_HD inline bool shade_rough_conductor(const SceneView<typename Config::Real>& 
     return true;
 }
 
-// Rough glass, likewise: the path ends where the facet sends it to the wrong side.
+// Shades rough glass. The path ends where the facet sends it to the wrong side of the surface.
 template <class Config>
 PT_HD inline bool shade_rough_dielectric(const SceneView<typename Config::Real>& scene,
                                          const SceneView<typename Config::Real>& traced,
@@ -191,15 +190,16 @@ PT_HD inline bool shade_rough_dielectric(const SceneView<typename Config::Real>&
         }
     }
     if (is_connected) {
-        // Never 0, which says that there was no connection.
+        // The density kept is never 0, which says that there was no connection.
         constexpr Real least = Real(0x1p-60);
         path.bsdf_pdf = kept_pdf<Config>(path, max(sample.value.pdf, least));
     }
     return true;
 }
 
-// Metal, plastic and glass in one, likewise. What narrow facets send on meets lights as from a mirror, though the
-// diffuse surface beneath them was connected.
+// Shades the principled material: metal, plastic and glass in one. The path ends where a facet sends it to the wrong
+// side of the surface. What narrow facets send on meets lights as from a mirror, though the diffuse surface beneath
+// them was connected.
 template <class Config>
 PT_HD inline bool shade_principled(const SceneView<typename Config::Real>& scene,
                                    const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
@@ -230,7 +230,7 @@ PT_HD inline bool shade_principled(const SceneView<typename Config::Real>& scene
     return true;
 }
 
-// The colour of a material that may be an image: then it is the surface's.
+// The colour to shade with: the surface's where it may show an image, else the material's.
 template <class Config>
 PT_HD inline const Vec3<typename Config::Real>& colour_of(const Surface<typename Config::Real>& surface,
                                                           const Vec3<typename Config::Real>& of_material) {
@@ -301,7 +301,7 @@ PT_HD inline bool scatter(const SceneView<typename Config::Real>& scene, const S
     return false;
 }
 
-// Takes the path one step further on its walk. False: the path is lost.
+// Takes the path one step further on its subsurface walk. False: the path is lost.
 template <class Config>
 PT_HD inline bool walk_on(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
                           WalkOf<Config>& walk, auto& counters) {
@@ -313,7 +313,7 @@ PT_HD inline bool walk_on(const SceneView<typename Config::Real>& scene, Path<ty
     return step != WalkStep::lost;
 }
 
-// Light that the path meets at the end of its ray.
+// Adds the light of an emitter that the path meets, weighted against next-event estimation where both find it.
 template <class Config>
 PT_HD inline void meet_light(const SceneView<typename Config::Real>& scene,
                              const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
@@ -386,7 +386,7 @@ PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const Sce
     path.bsdf_pdf = Real(0);
     const RandomWords words =
         random_words<Config>(scene.seed, {path.pixel, path.sample, path.segment, random_block::scatter});
-    // A call that does nothing gives some kernels other registers.
+    // The branch is not called where it does nothing, since even such a call gives some kernels other registers.
     if constexpr (Branch::template acts_in<Config>) {
         if (!branch.template goes_on<Config>(scene, path, vertex, hit, unit_interval<Real>(words.w))) {
             return false;
@@ -409,7 +409,7 @@ PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const Sce
     return true;
 }
 
-// The same, walks and all.
+// Shades the hit, and takes a subsurface walk that begins there to its end. Returns whether the path goes on.
 template <class Config>
 PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const SceneView<typename Config::Real>& traced,
                         Path<typename Config::Real>& path, const Hit<typename Config::Real>& hit, auto& counters) {

@@ -14,7 +14,7 @@
 
 namespace pt {
 
-// Blended from its corners' normals, outward; `own` where these have none.
+// The shading normal of a mesh's triangle, blended from its corners' normals, outward; `own` where these have none.
 template <class Config, class Scene>
 PT_HD inline Vec3<typename Config::Real> normal_of_corners(const Scene& scene,
                                                            const ObjectNormals<typename Config::Real>& normals,
@@ -34,8 +34,8 @@ PT_HD inline Vec3<typename Config::Real> normal_of_corners(const Scene& scene,
     return square > Real(0) ? placed * (Real(1) / square_root(square)) : own;
 }
 
-// Which way u and v of an image grow on a surface, of any length, in double: of small triangles squares of it would
-// leave the range of float. Both 0: nowhere.
+// The directions on a surface in which an image's u and v grow, of any length; both 0: there are none. In double:
+// squares of a small triangle's would leave the range of float.
 struct Tangents {
     Vec3<double> along_u, along_v;
 };
@@ -58,14 +58,15 @@ PT_HD inline Tangents tangents_of(const MeshInstance<Real>& mesh, std::uint32_t 
     return {placed(u), placed(v)};
 }
 
-// On the face of the unit box whose normal is an axis, or, with sign -1, its opposite: as face_coordinates has them.
+// The tangents on the face of the unit box whose normal is `axis` or, with sign -1, its opposite; u and v are those of
+// face_coordinates.
 template <class Real>
 PT_HD inline Tangents tangents_of_face(const Transform<Real>& box, std::uint32_t axis, double sign) {
     const Vec3<double> x(box.column[0]), y(box.column[1]), z(box.column[2]);
     return axis == 0 ? Tangents{z * -sign, y} : axis == 1 ? Tangents{x, z * -sign} : Tangents{x * sign, y};
 }
 
-// As sphere_coordinates has them; nowhere at the poles.
+// The tangents on a sphere, with u and v as in sphere_coordinates; both 0 at the poles.
 template <class Real>
 PT_HD inline Tangents tangents_of_sphere(const Transform<Real>& sphere, const Vec3<Real>& p) {
     const Vec3<double> x(sphere.column[0]), y(sphere.column[1]), z(sphere.column[2]);

@@ -23,20 +23,20 @@
 
 namespace pt {
 
-// Where a line enters and leaves a convex body, in ray parameter. No hit: hits == false.
+// The ray parameters at which a line enters and leaves a convex body; hits == false: it misses the body.
 template <class Real>
 struct Interval {
     Real near, far;
     bool hits;
 };
 
-// A shape that a line crosses over one interval.
+// A convex body: a shape that a line crosses over one interval.
 template <class Shape, class Real>
 concept IsConvexBody = !Shape::is_flat && requires(const Shape& shape, const Vec3<Real>& v) {
     interval(shape, v, v).near;
 };
 
-// A point pulled back onto the surface, with the outward unit normal there.
+// A hit point pulled back onto the surface, with the outward unit normal there.
 template <class Real>
 struct SurfacePoint {
     Vec3<Real> position, normal;
@@ -50,7 +50,7 @@ struct LightSample {
     std::uint32_t primitive = 0;  // that the point lies on
 };
 
-// `inverse_pdf` is 1 / density by solid angle; 0: there is nothing to sample.
+// A direction towards a light. `inverse_pdf` is 1 / density by solid angle; 0: there is nothing to sample.
 template <class Real>
 struct DirectionSample {
     Vec3<Real> direction;  // unit
@@ -82,14 +82,15 @@ PT_HD inline Vec3<Real> rounded_to(const Vec3<double>& v) {
 
 PT_HD inline Vec3<double> widened(const Vec3<float>& v) { return Vec3<double>(v); }
 
-// The way out of a body for a ray that starts on it and runs inside: its own surface lies at t = 0 on the near side.
+// The distance through a body for a ray that starts on it and runs inside: its own surface lies at t = 0 on the near
+// side.
 template <class Shape, class Real>
 PT_HD inline Real chord(const Shape& shape, const Vec3<Real>& origin, const Vec3<Real>& direction) {
     return max(interval(shape, origin, direction).far, Real(0));
 }
 
-// The way out of a body from a point inside it or on its surface. Nothing is inside a flat shape: the loader refuses a
-// body of one.
+// The distance to the surface of a body from a point inside it or on its surface. Nothing is inside a flat shape: the
+// loader refuses a body of one.
 template <class Shape, class Real>
 PT_HD inline Real distance_out_of(const Shape& shape, const Vec3<Real>& origin, const Vec3<Real>& direction,
                                   bool on_surface) {

@@ -15,7 +15,7 @@
     SHAPE(quad, quads, Quad, QUADS, more)                                  \
     SHAPE(mesh, meshes, MeshInstance, MESHES, more)
 
-// SHAPE(name, array, Type).
+// The list of shapes without the word: SHAPE(name, array, Type) for each.
 #define PT_SHAPES(SHAPE) PT_SHAPES_WITH(PT_SHAPE_ALONE, SHAPE)
 #define PT_SHAPE_ALONE(name, array, Type, WORD, SHAPE) SHAPE(name, array, Type)
 

@@ -3,7 +3,8 @@
 
 #include "kernels/shape.h"
 
-// The n-th header. An #include takes a macro, but no loop: hence a line a place.
+// PT_PICK_n is the name of the list's n-th header. An #include takes a macro, but no loop, hence one line for each
+// place.
 #define PT_STEM(name, array, Type) name,
 #define PT_PICK_0(a, ...) a
 #define PT_PICK_1(a, b, ...) b
@@ -48,7 +49,7 @@ namespace pt {
 
 static_assert(shape_count <= 13, "kernels/shapes.h includes, and kernels/config.h has bits for, 13 shapes");
 
-// The class of a kind.
+// The class of a kind of shape.
 template <ShapeKind kind, class Real>
 struct ShapeOfKind;
 #define PT_SHAPE_OF(name, array, Type)          \
@@ -61,7 +62,7 @@ PT_SHAPES(PT_SHAPE_OF)
 template <ShapeKind kind, class Real>
 using ShapeOf = typename ShapeOfKind<kind, Real>::Shape;
 
-// The kinds that only a matrix kernel cannot meet by a matrix.
+// The kinds of shapes that are no image of a unit shape, and that a matrix kernel meets as any kernel does.
 #define PT_UNLESS_UNIT(name, array, Type) \
     | (Type<float>::unit_shape == UnitShape::none ? static_cast<FeatureSet>(Feature::name) : no_features)
 inline constexpr FeatureSet shapes_without_matrix = no_features PT_SHAPES(PT_UNLESS_UNIT);

@@ -61,12 +61,12 @@ PT_HD inline RandomWords sobol_point(std::uint32_t index) {
     return point;
 }
 
-// What belongs to all samples of a pixel at one place of its paths.
+// The random words that all samples of a pixel share at one place (bounce and block) of their paths.
 PT_HD inline RandomWords words_of_dimension(const RandomWords& seed, const RandomKey& key) {
     return pcg4d({key.pixel ^ seed.x, key.bounce ^ seed.y, key.block ^ seed.z, 0x5bd1e995u ^ seed.w});
 }
 
-// The key's numbers: point number `sample` of the sequence that belongs to the rest of the key.
+// The four random numbers of a key: point `sample` of the scrambled sequence that belongs to the rest of the key.
 PT_HD inline RandomWords sobol_owen_words(const RandomWords& seed, const RandomKey& key) {
     const RandomWords of_dimension = words_of_dimension(seed, key);
     const std::uint32_t of_order = pcg4d(of_dimension).x;

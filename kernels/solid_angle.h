@@ -18,7 +18,8 @@ template <class Real>
 struct Cone {
     Real one_minus_cosine;  // 2: the whole sphere of directions
 
-    // `radius_over_distance` above 1: inside.
+    // The cone of directions in which a sphere is seen. A `radius_over_distance` above 1 means that the point is
+    // inside, from where the sphere fills all directions.
     PT_HD explicit Cone(Real radius_over_distance) : one_minus_cosine(Real(2)) {
         if (radius_over_distance < Real(1)) {
             const Real cosine = square_root((Real(1) - radius_over_distance) * (Real(1) + radius_over_distance));
@@ -26,7 +27,7 @@ struct Cone {
         }
     }
     PT_HD Real inverse_pdf() const { return Real(2) * pi<Real> * one_minus_cosine; }
-    // Around +z.
+    // Draws a direction in a cone around +z.
     PT_HD Vec3<Real> direction(Real u, Real v) const {
         const Real below = u * one_minus_cosine;
         const Real sine = square_root(max(Real(0), below * (Real(2) - below)));
@@ -38,7 +39,7 @@ struct Cone {
 template <class Real>
 PT_HD inline Vec3<Real> along(const Vec3<Real>& axis, const Vec3<Real>& local) {
     const Real square = dot(axis, axis);
-    // At the very centre every axis will do.
+    // The direction from the centre is undefined at the very centre, where every axis will do.
     return square > Real(0) ? Frame<Real>(axis * (Real(1) / square_root(square))).to_world(local) : local;
 }
 
@@ -130,7 +131,7 @@ struct SeenBox {
         return near ? total : far_inverse_pdf(total, distance, diagonal);
     }
 
-    // Not yet unit; `inverse_pdf` is set.
+    // Draws a direction towards the box, which is not yet unit; its `inverse_pdf` is set.
     PT_HD DirectionSample<Real> sample(Real u, Real v, Real w) const {
         if (inside) {
             return {uniform_sphere(u, v), inverse_pdf(Real(1))};

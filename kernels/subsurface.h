@@ -77,7 +77,7 @@ struct Walk {
     PT_HD bool is_on() const { return step != none; }
 };
 
-// The same where walks are guided (kernels/guided_walk.h).
+// A subsurface walk in progress in kernels that guide walks by Dwivedi sampling (kernels/guided_walk.h).
 template <class Real>
 struct GuidedWalk : Walk {
     Vec3<Real> normal;            // outward, of the surface that is nearest as far as is known
@@ -91,17 +91,17 @@ struct GuidedWalk : Walk {
     }
 };
 
-// The walk of a kernel: one that guides none keeps nothing for it.
+// The walk that a kernel keeps: one that guides no walks keeps nothing for it.
 template <class Config>
 using WalkOf = std::conditional_t<has<Config>(Feature::guided_walk), GuidedWalk<typename Config::Real>, Walk>;
 
-// Not so where a kernel could guide walks and the variant asks for none.
+// Whether walks in this medium are guided; no walk is where a kernel could guide them and the variant asks for none.
 template <class Real>
 PT_HD inline bool is_guided(const Material<Real>& medium) {
     return medium.guided_share > Real(0);
 }
 
-// The sigma_t that the next flight is drawn by.
+// The extinction coefficient sigma_t that the next flight is drawn by.
 template <class Config>
 PT_HD inline typename Config::Real sigma_of_flight(const Path<typename Config::Real>& path, const WalkOf<Config>& walk,
                                                    const Material<typename Config::Real>& medium,
@@ -117,7 +117,7 @@ PT_HD inline typename Config::Real sigma_of_flight(const Path<typename Config::R
     return channel(medium.sigma_t, choose_channel(path.throughput, unit_interval<Real>(words.y)));
 }
 
-// Weight of the flight, and of a guided walk's direction too.
+// Weight of a step of a walk: of the flight and, in a guided walk, of its direction too.
 template <class Config>
 PT_HD inline Vec3<typename Config::Real> step_weight(const Path<typename Config::Real>& path,
                                                      const WalkOf<Config>& walk,
@@ -183,7 +183,7 @@ PT_HD inline WalkStep walk_step(const SceneView<typename Config::Real>& scene, P
         random_words<Config>(scene.seed, {path.pixel, path.sample, path.segment, random_block::walk + walk.step});
     walk.step += 1;
     const Real to_exit = distance_to_exit<Config>(scene, walk.object, path.origin, direction, walk.on_surface);
-    // Beyond what Real holds: the body is too thin or too far away for its coordinates.
+    // A distance beyond what Real holds means that the body is too thin or too far away for its coordinates.
     if (!(to_exit <= std::numeric_limits<Real>::max())) {
         return WalkStep::lost;
     }

@@ -21,15 +21,16 @@ PT_HD inline Real whole_below(Real x) {
     return floor(x);
 }
 
-// Of a row (or column) of texels the two between whose middles a coordinate lies, and how far towards the second.
+// The two texels of a row or column between whose middles a coordinate lies, and how far it lies towards the second.
 template <class Real>
 struct TexelPair {
     std::uint32_t first, second;
     Real share;
 };
 
-// `count`: at most 2^22, so that it and the halves below it are numbers of single precision. Of what is no number
-// the texels are some of the image's.
+// The two texels nearest to a coordinate along a row or column of `count` texels, which wrap around. `count` is at most
+// 2^22, so that it and the halves below it are numbers of single precision. A coordinate that is not a number gets some
+// texels of the image.
 template <class Real>
 PT_HD inline TexelPair<Real> texel_pair(Real coordinate, std::uint32_t count) {
     const Real place = (coordinate - whole_below(coordinate)) * static_cast<Real>(count) - Real(0.5);
@@ -53,7 +54,8 @@ PT_HD inline Vec3<Real> image_at(const Scene& scene, const TexelBlock& image, co
                  blend(texel(column.first, row.second), texel(column.second, row.second), column.share), row.share);
 }
 
-// On the face of the unit box whose normal is an axis, or, with sign -1, its opposite. A quad is the face +y.
+// Texture coordinates u, v of a point on the face of the unit box whose normal is `axis` or, with sign -1, its
+// opposite. A quad is the face +y.
 template <class Real>
 PT_HD inline Vec2<Real> face_coordinates(const Vec3<Real>& p, std::uint32_t axis, Real sign) {
     const Real half(0.5);
@@ -62,7 +64,7 @@ PT_HD inline Vec2<Real> face_coordinates(const Vec3<Real>& p, std::uint32_t axis
                        : Vec2<Real>{half + sign * p.x, half + p.y};
 }
 
-// The axis of the box that the normal is along, but for rounding: by the squares of its cosines.
+// The axis of the box that the normal is along, but for rounding: the one with the largest square of a cosine.
 template <class Real>
 PT_HD inline std::uint32_t axis_along(const Transform<Real>& box, const Vec3<Real>& normal) {
     const Real x = dot(box.row[0], normal) * dot(box.column[0], normal);
@@ -71,7 +73,7 @@ PT_HD inline std::uint32_t axis_along(const Transform<Real>& box, const Vec3<Rea
     return x > y ? (x > z ? 0u : 2u) : (y > z ? 1u : 2u);
 }
 
-// `p`: of any length but 0.
+// Texture coordinates u, v of a sphere by longitude and latitude, for a point p from its centre, of any length but 0.
 template <class Real>
 PT_HD inline Vec2<Real> sphere_coordinates(const Vec3<Real>& p) {
     const Real half(0.5);
@@ -96,7 +98,7 @@ PT_HD inline Vec3<Real> weights_of_corners(const MeshInstance<Real>& mesh, std::
     return weights;
 }
 
-// Where it meets it in an image.
+// The texture coordinates u, v of the point at which a ray meets a triangle.
 template <class Real>
 PT_HD inline Vec2<Real> triangle_coordinates(const MeshInstance<Real>& mesh, std::uint32_t primitive,
                                              const CornerCoordinates& corners, const Vec3<Real>& origin,
@@ -106,7 +108,7 @@ PT_HD inline Vec2<Real> triangle_coordinates(const MeshInstance<Real>& mesh, std
             corners.v[0] * weights.x + corners.v[1] * weights.y + corners.v[2] * weights.z};
 }
 
-// `position`: on the surface, `normal`: unit, on either side.
+// Texture coordinates of the hit. `position`: on the surface; `normal`: unit, on either side.
 template <class Config, class Scene>
 PT_HD inline Vec2<typename Config::Real> texture_coordinates_at(const Scene& scene,
                                                                 const ObjectTexture<typename Config::Real>& texture,
@@ -135,7 +137,8 @@ PT_HD inline Vec2<typename Config::Real> texture_coordinates_at(const Scene& sce
     return face_coordinates(p, axis, component_of(p, axis) < Real(0) ? Real(-1) : Real(1));
 }
 
-// The colour that the object shows where the ray has met it; left as it is where it shows no image.
+// Looks up the colour that the object's image has at the hit; `colour` is left as it is where the object shows no
+// image.
 template <class Config, class Scene>
 PT_HD inline void put_texture(Vec3<typename Config::Real>& colour, const Scene& scene,
                               const Ray<typename Config::Real>& ray, const Hit<typename Config::Real>& hit,
@@ -151,7 +154,8 @@ PT_HD inline void put_texture(Vec3<typename Config::Real>& colour, const Scene& 
     }
 }
 
-// The width of the facets' distribution there; left as it is where the object's roughness is no image.
+// Looks up the GGX alpha that the object's roughness image gives at the hit; `alpha` is left as it is where there is no
+// such image.
 template <class Config, class Scene>
 PT_HD inline void put_roughness(typename Config::Real& alpha, const Scene& scene, const Ray<typename Config::Real>& ray,
                                 const Hit<typename Config::Real>& hit, const Vec3<typename Config::Real>& position,

@@ -28,7 +28,7 @@ struct Transform {
     }
 };
 
-// As a quad's (kernels/shapes/quad.h), in the unit square: the edges reach out by the rounding of the point.
+// Where a ray meets the unit quad, as in kernels/shapes/quad.h: the edges reach out by the rounding of the hit point.
 template <class Real>
 PT_HD inline Interval<Real> unit_quad_interval(const Vec3<Real>& origin, const Vec3<Real>& direction) {
     const Real t = -origin.y / direction.y;
@@ -53,7 +53,7 @@ PT_HD inline Interval<Real> interval(const Transform<Real>& object, const Vec3<R
                          Vec3<Real>(Real(1) / d.x, Real(1) / d.y, Real(1) / d.z));
 }
 
-// The way out of a convex body for a ray that starts on it and runs inside.
+// The distance through a convex body for a ray that starts on it and runs inside.
 template <class Real>
 PT_HD inline Real chord(const Transform<Real>& object, const Vec3<Real>& origin, const Vec3<Real>& direction) {
     if (object.shape == UnitShape::sphere) {
@@ -74,7 +74,7 @@ PT_HD inline SurfacePoint<Real> surface_point(const Transform<Real>& object, con
         return {object.point_to_world(f * Real(0.5)), object.normal_to_world(f)};
     }
     if (object.shape == UnitShape::quad) {
-        // Inside the edges by the same bound: see kernels/shapes/quad.h.
+        // The point is kept inside the quad's edges by the bound on its rounding, as in kernels/shapes/quad.h.
         const Real reach =
             Real(0.5) - gamma<Real>(16) * (absolute(object.offset.x) + absolute(object.offset.z) + Real(1));
         const Real inner = max(Real(0), reach);

@@ -48,7 +48,7 @@ PT_HD inline Real edge_function(Real ax, Real ay, Real bx, Real by) {
     return rounded_product(ax, by) - rounded_product(ay, bx);
 }
 
-// The same in double: of the exact sign for float, whose products fit a double.
+// edge_function in double: its sign is exact for float, whose products fit a double.
 template <class Real>
 PT_HD inline double edge_function_in_double(Real ax, Real ay, Real bx, Real by) {
     return edge_function(static_cast<double>(ax), static_cast<double>(ay), static_cast<double>(bx),
@@ -76,8 +76,9 @@ PT_HD inline TriangleHit<Real> intersect(const Triangle<Real>& triangle, const V
         ((hit.u < Real(0)) != (hit.v < Real(0)) || (hit.u < Real(0)) != (hit.w < Real(0)))) {
         return hit;
     }
-    // In twice the precision also where it is hit: a needle's weights are differences of products that are almost
-    // equal, and boxes can only be trusted to be entered by t where t is that of a point of the triangle.
+    // The weights are formed in twice the precision also where the triangle is hit: a needle's are differences of
+    // products that are almost equal, and boxes can only be trusted to be entered by t where t is that of a point of
+    // the triangle.
     const double u = edge_function_in_double(cx, cy, bx, by), v = edge_function_in_double(ax, ay, cx, cy),
                  w = edge_function_in_double(bx, by, ax, ay), det = u + v + w;
     hit.u = static_cast<Real>(u);

@@ -1,5 +1,5 @@
-// From an object's number to its shape, whatever that is: the one place that knows in which order the kinds of shapes
-// are numbered. Who wants to do something with an object's shape hands a generic function over.
+// Finds an object's shape by its number: the one place that knows in which order the kinds of shapes are numbered. Who
+// wants to do something with an object's shape hands a generic function over.
 #pragma once
 
 #include "kernels/scene_view.h"
@@ -17,8 +17,8 @@ PT_HD constexpr bool is_last(ShapeKind kind, FeatureSet features) {
                              !contains(features, Feature::mesh));
 }
 
-// One of an array. A kernel that is compiled for a scene's numbers of objects need not ask which one it is if there is
-// one alone.
+// Shape i of an array. A kernel that is compiled for a scene's numbers of objects need not ask which one it is if there
+// is one alone.
 template <class Config, class Shapes>
 PT_HD inline decltype(auto) shape_in(const Shapes& shapes, std::uint32_t i) {
 #if defined(__CUDA_ARCH__)
@@ -56,7 +56,7 @@ PT_HD inline bool is_flat(const Scene& scene, std::uint32_t object) {
     return flat;
 }
 
-// The same for code that is compiled once, for every scene.
+// A configuration with every shape, for code that is compiled once for all scenes.
 template <class Real>
 using EveryShape = Config<Real, shape_features>;
 

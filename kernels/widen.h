@@ -38,7 +38,7 @@ struct WideScene {
     }
 };
 
-// The same kernel with its intersection in double.
+// The configuration of a kernel's intersection when that is done in double.
 template <class Kernel>
 using InDouble = Config<double, Kernel::features & ~static_cast<FeatureSet>(Feature::double_intersection),
                         typename Kernel::Accelerator>;

@@ -59,7 +59,7 @@ class TimeLeft:
                 yield fields[3], (int(fields[0]), int(fields[1]))
 
     def seconds(self, elapsed: float, finished: int, total: int) -> float | None:
-        """None while nothing is known."""
+        """Seconds that the build will still take; None while nothing is known."""
         entries = dict(self._entries())
         took = {output: (end - start) / 1000 for output, (start, end) in entries.items()}
         done = {output for output, entry in entries.items() if self._before.get(output) != entry}
@@ -116,7 +116,7 @@ class Progress:
 
 
 def build(folder: Path, jobs: int, targets: list[str], log: Path) -> tuple[int, str]:
-    """The exit code, and what the build said beside its progress."""
+    """Builds; returns the exit code, and what the build said beside its progress."""
     progress = Progress(TimeLeft(folder, outputs_of(folder, targets)))
     command = ["cmake", "--build", str(folder), "-j", str(jobs), "--target", *targets]
     environment = {**os.environ, "NINJA_STATUS": "[%f/%t] "}

@@ -15,7 +15,7 @@ import sys
 from collections import defaultdict
 from pathlib import Path
 
-# The first that matches what a step writes.
+# The kinds of steps; the first whose pattern matches what a step writes counts.
 GROUPS = [
     ("precompiled headers", r"\.gch$"),
     ("nvcc", r"ptbench_nvcc\.dir/"),

@@ -33,7 +33,7 @@ def _rgbe(colour: Colour) -> tuple[int, int, int, int]:
 
 
 def _runs(values: list[int]) -> bytes:
-    """Runs of equal values, and the rest one by one."""
+    """A row of texels encoded as runs of equal values, and the rest one by one."""
     coded = bytearray()
     start = 0
     while start < len(values):

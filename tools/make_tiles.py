@@ -17,7 +17,7 @@ Colour = tuple[int, int, int]
 
 
 def _colour(column: int, row: int) -> Colour:
-    """`row`: from the bottom, as texture coordinates go."""
+    """The colour of a texel. `row`: from the bottom, as texture coordinates go."""
     if column % TILE == 0 or row % TILE == 0:
         return (90, 80, 70)
     tile = (column // TILE, row // TILE)
@@ -30,7 +30,7 @@ def _colour(column: int, row: int) -> Colour:
 
 
 def _normal(column: int, row: int) -> Colour:
-    """Of a dome cut from a sphere, x to the right and y up; 128 is 0, as harness/scene/texture_image.h reads it."""
+    """Normal of a dome cut from a sphere, x right and y up; 128 is 0, as harness/scene/texture_image.h reads it."""
     x, y = (place % STUD + 0.5 - STUD / 2 for place in (column, row))
     if math.hypot(x, y) > STUD_RADIUS:
         return (128, 128, 255)

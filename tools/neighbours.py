@@ -19,7 +19,7 @@ import time
 from pathlib import Path
 
 COMMON = ["--scene", "cornell_open", "--backend", "cuda", "--resolution", "800x800", "--depth", "8", "--untuned"]
-# What GPU 1 does, without end: renders of a second or so.
+# The call that GPU 1 repeats without end: renders of a second or so.
 NEIGHBOURS = {
     "computing": ["--axis", "integrator=persistent", "--axis", "arithmetic=exact", "--spp", "16384"],
     "moving": [
@@ -32,7 +32,7 @@ _ENDLESS = "10000"  # repetitions
 
 
 def environment(gpu: int) -> dict[str, str]:
-    """This process's, with one GPU to be seen."""
+    """This process's environment, with one GPU to be seen."""
     shown = os.environ.get("CUDA_VISIBLE_DEVICES", "0,1").split(",")
     if len(shown) < 2:
         raise SystemExit(f"CUDA_VISIBLE_DEVICES: found {','.join(shown)}, allowed: two GPUs")
@@ -73,7 +73,7 @@ def timed(binary: Path, out: Path) -> None:
 
 
 def beside(binary: Path, work: str, out: Path) -> None:
-    """The suite while GPU 1 works."""
+    """Runs the suite on GPU 0 while GPU 1 works."""
     image = out.with_suffix(".neighbour.pfm")
     call = [str(binary), "render", *COMMON, *NEIGHBOURS[work], "--repetitions", _ENDLESS, "--out", str(image)]
     with subprocess.Popen(call, env=environment(1), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as neighbour:

@@ -51,7 +51,7 @@ using Traits = std::variant<std::monostate PT_AXES(PT_TRAITS)>;
 #undef PT_TRAITS
 static_assert(std::variant_size_v<Traits> == axis_count + 1);
 
-// The traits of the choice that a variant has, and its name: for messages alone.
+// The name of the choice that a variant has, for messages alone, and its traits.
 template <class AxisTraits>
 struct Chosen : AxisTraits {
     std::string_view name;
@@ -65,7 +65,7 @@ struct VariantTraits {
     std::map<std::string, std::uint32_t, std::less<>> tuning;  // Variant::tuning
 };
 
-// Why something does not apply.
+// Why something does not apply: a key for programs and a text for people; empty: it applies.
 struct Reason {
     std::string_view code = {};  // a short word that stays, for programs: "needs_queue"; empty: it applies
     std::string text = {};       // the sentence, for people

@@ -11,12 +11,13 @@ struct Axis {
     int order = 0;                    // a variant's name spells axes from the lowest one on; no two have the same
     std::string_view since = "";      // the commit that brought it; empty: the first one. Older result files lack it.
     std::string_view as_before = "";  // what every variant was until then; empty: of the first axes
-    // `ptbench verify` has its choices meet all others two by two alone: with a product of all it would take hundreds
-    // of times as long.
+    // Whether `ptbench verify` has the choices meet all others two by two alone: with a product of all it would take
+    // hundreds of times as long.
     bool by_pairs = false;
-    // Its choices decide the error at a number of samples; those of the other axes decide the time alone.
+    // Whether the choices decide the error at a number of samples; those of the other axes decide the time alone.
     bool decides_error = false;
-    // Its choices decide how often a pixel stays black: how often a sample is, and whether samples are independent.
+    // Whether the choices decide how often a pixel stays black: how often a sample is, and whether samples are
+    // independent.
     bool decides_samples = false;
 };
 

@@ -26,13 +26,13 @@ template <class Real>
 struct JobOf;  // variants/cuda/job.h
 
 struct Layout {
-    // Of a store whose paths carry these fields; a layout may give them more.
+    // Bytes of a store of `capacity` paths that carry these fields; a layout may give them more.
     std::size_t (*bytes)(std::uint32_t capacity, std::size_t real_bytes, const PathFields& fields) = nullptr;
     FieldView (*segment)(const PathStore& store, std::size_t real_bytes) = nullptr;         // Path::segment
     FieldView (*origin_surface)(const PathStore& store, std::size_t real_bytes) = nullptr;  // Path::origin_surface
 };
 
-// The same functions of a layout on the device for both sizes of a Real, which the host knows at run time only.
+// What a layout on the device says of itself, for both sizes of a Real, which the host knows at run time only.
 template <template <class Real> class Paths>
 constexpr Layout layout_hooks() {
     return {.bytes =

@@ -22,7 +22,7 @@ WorkCounters& WorkCounters::operator+=(const WorkCounters& other) {
 }
 
 std::size_t Variant::place(std::string_view axis) {
-    // Mostly a name of the table itself, whose letters need no look.
+    // Mostly the name is one of the table itself, whose letters need no look.
     const auto* found = std::find_if(axis_names.begin(), axis_names.end(),
                                      [&](std::string_view name) { return name.data() == axis.data(); });
     if (found == axis_names.end() || *found != axis) {
@@ -70,7 +70,7 @@ struct NamedFeature {
     const char* name;
 };
 
-// In the order in which results list them.
+// The features with their names, in the order in which results list them.
 constexpr NamedFeature named_features[] = {
 #define PT_NAMED(name, array, Type) {Feature::name, #name},
     PT_SHAPES(PT_NAMED)

@@ -15,7 +15,8 @@
 
 namespace pt {
 
-// bitwise: the same film bits as the reference variant. statistical: the same expectation. biased: neither, declared.
+// How a choice's film compares with the reference variant's. bitwise: the same bits. statistical: the same expectation.
+// biased: neither, declared.
 enum class Claim { bitwise, statistical, biased };
 
 enum class Backend : std::uint32_t { cpu = 1, cuda = 2 };
@@ -37,9 +38,10 @@ struct Tunable {
     std::uint32_t multiple_of = 1;
     std::string_view summary = "";
     bool sets_work = false;  // it changes what is computed, not only how: autotune leaves it alone
-    // A shortcut that leaves the same film: the reference variant (Registry::reference) does without, at `lowest`.
+    // Whether it is a shortcut that leaves the same film: the reference variant (Registry::reference) does without it,
+    // at `lowest`.
     bool is_shortcut = false;
-    // Of a tunable that came after its choice was measured: the value that does what was done until then.
+    // The value that does what was done before the tunable existed, if it came after its choice was measured.
     std::optional<std::uint32_t> as_before = {};
     // The default value beside a specialisation that leaves nothing out, where the kernel is another program.
     std::optional<std::uint32_t> generic_value = {};
@@ -64,7 +66,7 @@ public:
 
     // Position of an axis; axis_count for a name that is none.
     static std::size_t place(std::string_view axis);
-    // The same; throws std::out_of_range for a name that is none.
+    // Position of an axis; throws std::out_of_range for a name that is none.
     static std::size_t index(std::string_view axis);
 
     std::map<std::string, std::uint32_t, std::less<>> tuning;
@@ -102,21 +104,23 @@ struct Descriptor {
     std::string_view summary;       // one line: what it is
     std::string_view origin;        // who proposed it, or where it was first seen
     BackendSet baseline = on_none;  // where it is the axis's value if nothing else is asked for
-    // Where bitwise claims on this axis are held against this choice; where none says so, against the baseline.
+    // Backends on which bitwise claims on this axis are held against this choice; where no choice of the axis says so,
+    // they are held against the baseline.
     BackendSet reference = on_none;
     Claim claim = Claim::bitwise;
     std::string_view claim_note = "";  // for statistical and biased: against what, and why
-    // For statistical: the choice of the same axis that has the same expectation, at a depth so many segments greater.
+    // The choice of the same axis that has the same expectation as a statistical one, at a depth so many segments
+    // greater.
     std::string_view mean_of = "";
     std::uint32_t mean_at_extra_depth = 0;
     // The compiler may contract and reorder: two kernels of one formula need not round alike, so the variant is held
     // to its twin with mean_of by its mean, and the twin to the reference by its bits.
     bool fp_relaxed = false;
-    // The film depends on the order in which paths lie in the queue, and so on every other choice: it is held against
-    // nothing but the same variant's own film.
+    // Whether the film depends on the order in which paths lie in the queue, and so on every other choice: then it is
+    // held against nothing but the same variant's own film.
     bool depends_on_order = false;
-    // Of a sampler: the samples of a pixel do not know of each other, so that the error of their mean falls as n^-1/2
-    // and halves of a run are independent.
+    // Whether a sampler draws the samples of a pixel independently, so that the error of their mean falls as n^-1/2 and
+    // halves of a run are independent.
     bool has_independent_samples = true;
     Traits traits = {};  // what choices of other axes may ask of it; of its own axis alone
     BackendSet backends = on_cpu;
@@ -128,7 +132,7 @@ struct Descriptor {
     std::string (*check_counters)(const WorkCounters& work, std::uint64_t samples) = nullptr;
 };
 
-// Its own, or the defaults of its axis.
+// The traits of a choice: its own, or the defaults of its axis.
 template <class AxisTraits>
 constexpr AxisTraits traits_in(const Descriptor& descriptor) {
     const AxisTraits* own = std::get_if<AxisTraits>(&descriptor.traits);
@@ -137,7 +141,7 @@ constexpr AxisTraits traits_in(const Descriptor& descriptor) {
 
 std::string_view to_string(Claim claim);
 std::string_view to_string(Backend backend);
-// "axis_box emitter sphere ...": the names of the features in a set.
+// The names of the features in a set, as "axis_box emitter sphere ...".
 std::vector<std::string> feature_names(FeatureSet features);
 
 }  // namespace pt

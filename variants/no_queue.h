@@ -5,9 +5,11 @@
 
 namespace pt {
 
-// `where` the paths are kept instead of in an array.
+// Why an integrator without a queue cannot run with these choices; `where` it keeps paths instead of in an array.
+// Empty: it can.
 inline Reason needs_no_queue(const VariantTraits& variant, std::string_view where) {
-    // Appended step by step: of sums of strings g++ 12 warns of bounds, depending on what else a unit holds.
+    // The text is appended step by step: of sums of strings g++ 12 warns of bounds, depending on what else a unit
+    // holds.
     const auto no_queue = [](std::string_view text, std::string_view name) -> Reason {
         std::string whole(text);
         whole.append(", not ").append(name);

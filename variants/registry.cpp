@@ -45,7 +45,8 @@ const Descriptor& descriptor_at(std::string_view axis, const Variant& variant, B
 // What the variant's choices say of themselves, in the order of the axes; null: no backend has the choice.
 using Descriptors = std::array<const Descriptor*, axis_count>;
 
-// Of a choice that the backend lacks, what it says on the other.
+// The descriptors of a variant's choices, in the order of the axes. A choice that the backend lacks has the other
+// backend's; null: no backend has it.
 Descriptors descriptors_of(const Variant& variant, Backend backend) {
     Descriptors descriptors{};
     for (std::size_t axis = 0; axis < axis_count; ++axis) {

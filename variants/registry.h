@@ -1,5 +1,5 @@
-// Where choices register themselves, and where the harness finds them. A choice's file defines one namespace-scope
-// `Registration`; nothing else in the program names the choice.
+// The registry of choices: here they register themselves, and here the harness finds them. A choice's file defines one
+// namespace-scope `Registration`; nothing else in the program names the choice.
 #pragma once
 
 #include <array>
@@ -69,11 +69,11 @@ public:
 
     // The choices of an axis: its baseline first, then by name.
     std::vector<const Choice*> choices(std::string_view axis, Backend backend = Backend::cpu) const;
-    // Null if there is none of this name.
+    // Finds a choice; null if there is none of this name.
     const Choice* find(std::string_view axis, std::string_view name, Backend backend = Backend::cpu) const;
     const Choice& at(std::string_view axis, const Variant& variant, Backend backend = Backend::cpu) const;
 
-    // Every axis at its baseline.
+    // The variant with every axis at its baseline.
     Variant baseline(Backend backend = Backend::cpu) const;
     // The variant that `variant` must equal bit for bit: every axis whose choices claim `bitwise` goes to the plainest
     // choice (Descriptor::reference, else the baseline) and its tunables to their standards, shortcuts to none
@@ -99,35 +99,36 @@ struct IntegratorRegistration {
     }
 };
 
-// What the variant's choices say of themselves. For a choice that this backend lacks it is what it says on the other.
+// The traits of a variant's choices. A choice that this backend lacks has the traits that it has on the other backend.
 VariantTraits traits_of(const Variant& variant, Backend backend);
 
 // Why a variant cannot run on a scene with these features ("axis=choice reason"); empty: it can. A choice that the
 // backend lacks and a tunable that none of the choices has are such reasons.
 Reason reason_not_applicable(const Variant& variant, FeatureSet scene, Backend backend = Backend::cpu);
-// Its text alone.
+// The text of reason_not_applicable; empty: the variant can run.
 std::string why_not_applicable(const Variant& variant, FeatureSet scene, Backend backend = Backend::cpu);
 
 // The weakest claim among the variant's choices.
 Claim claim_of(const Variant& variant, Backend backend = Backend::cpu);
 
-// The compiler may round the variant's arithmetic as it likes (Descriptor::fp_relaxed).
+// Whether the compiler may round the variant's arithmetic as it likes (Descriptor::fp_relaxed).
 bool fp_relaxed(const Variant& variant, Backend backend);
-// The same variant with each choice that rounds freely replaced by the one whose mean it claims.
+// The variant with each choice that rounds freely replaced by the one whose mean it claims.
 Variant exact_twin(const Variant& variant, Backend backend);
-// The same with each choice of a statistical claim replaced by the one whose mean it claims.
+// The variant with each choice of a statistical claim replaced by the one whose mean it claims.
 Variant variant_of_mean(const Variant& variant, Backend backend);
 // The variant of the same film whose kernel has every feature and is compiled once for all scenes. Itself, if its
 // specialisation changes the film (matrix) or the order of the queue does.
 Variant with_every_feature(const Variant& variant, Backend backend);
-// Without the tunables that none of its choices has.
+// The variant without the tunables that none of its choices has.
 Variant without_foreign_tunables(Variant variant, Backend backend);
 
-// By the flags of the same names in Descriptor: that one of the variant's choices has the first, and all the second.
+// Whether one of the variant's choices depends on the order of the queue, and whether all its choices have independent
+// samples (the flags of the same names in Descriptor).
 bool depends_on_order(const Variant& variant, Backend backend);
 bool has_independent_samples(const Variant& variant, Backend backend);
-// By how many segments the paths of the same expectation are longer (Descriptor::mean_at_extra_depth). Summed along
-// chains: a choice may claim the mean of one that claims the mean of a third.
+// The number of segments by which the paths of the same expectation are longer (Descriptor::mean_at_extra_depth). It is
+// summed along chains: a choice may claim the mean of one that claims the mean of a third.
 std::uint32_t extra_depth(Variant variant, Backend backend);
 // The features that the variant's choices ask of a kernel, whatever the scene.
 FeatureSet features_asked(const Variant& variant, Backend backend);
@@ -136,7 +137,7 @@ FeatureSet features_asked(const Variant& variant, Backend backend);
 Tunable tunable_in(const Variant& variant, Tunable tunable, Backend backend);
 // The tunables that the variant's choices have, those of the integrator first.
 std::vector<Tunable> tunables_of(const Variant& variant, Backend backend);
-// Every tunable that some choice of the backend has, each name once.
+// Every tunable that some choice of the backend has; each name is listed once.
 std::vector<Tunable> all_tunables(Backend backend);
 // The value of a tunable in a variant. Throws std::logic_error if none of its choices has it.
 std::uint32_t tunable(const Variant& variant, std::string_view name, Backend backend);

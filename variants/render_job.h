@@ -32,7 +32,7 @@ struct PathQueue {
     std::uint32_t slot(std::size_t i) const { return indirect ? order[i] : static_cast<std::uint32_t>(i); }
 };
 
-// Takes the ended paths out of play, between two bounces.
+// A compaction on the CPU: takes the ended paths out of play, between two bounces.
 class Compaction {
 public:
     virtual ~Compaction() = default;
@@ -41,11 +41,11 @@ public:
     virtual bool is_active() const { return true; }
 };
 
-// Brings paths of equal key together before they are shaded.
+// A sort on the CPU: brings paths of equal key together before they are shaded.
 class Sorting {
 public:
     virtual ~Sorting() = default;
-    // queue.keys holds a key below key_count for every path in play.
+    // Sorts the paths in play by queue.keys, which holds a key below key_count for each of them.
     virtual void sort(PathQueue& queue, std::uint32_t key_count) = 0;
     virtual bool is_active() const { return true; }
 };
@@ -64,7 +64,7 @@ struct FirstBounceCache {
     bool has(std::uint32_t turn) const { return turn >= rays; }
 };
 
-// Where the time of a render goes. Only instrumented renders have one: it is never part of a timed sample.
+// Time of a render by stage. Only instrumented renders have one: it is never part of a timed sample.
 struct StageTimes {
     std::vector<std::pair<std::string_view, double>> milliseconds;  // by stage, in order of first use
     std::vector<std::uint64_t> live_paths;                          // [k]: paths that traced segment k + 1

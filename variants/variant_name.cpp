@@ -15,7 +15,7 @@ namespace {
 
 using Pairs = std::vector<std::pair<std::string, std::string>>;
 
-// What a name says besides the integrator.
+// The choices and tunables that a variant's name gives besides the integrator.
 Pairs differences(const Variant& variant, Backend backend) {
     const Variant baseline = Registry::instance().baseline(backend);
     Pairs differing;
@@ -38,7 +38,7 @@ std::string joined(const Variant& variant, Backend backend, char between, char i
     return text;
 }
 
-// Every tunable of the choices that the backend has; one that a choice lacks there has no value.
+// The values of all tunables of the variant's choices that the backend has; one that a choice lacks there has no value.
 Pairs tunable_values(const Variant& variant, Backend backend) {
     Pairs values;
     for (const std::string_view axis : axis_names) {

@@ -12,11 +12,11 @@ namespace pt {
 // baseline, and the tunables that are not at their default.
 std::string shown_name(const Variant& variant, Backend backend);
 
-// The same as the beginning of a benchmark's name: "wavefront/compaction:thrust_remove_if/layout:soa/jitters:4".
+// The variant as the beginning of a benchmark's name: "wavefront/compaction:thrust_remove_if/layout:soa/jitters:4".
 std::string benchmark_name(const Variant& variant, Backend backend);
 
-// 16 hexadecimal digits, of every choice and of every tunable of the choices, at whatever value. An axis or a tunable
-// that came later has no part in it where it is as it was before (Axis::as_before, Tunable::as_before).
+// A hash of every choice and of every tunable of the choices, at whatever value, as 16 hexadecimal digits. An axis or a
+// tunable that came later has no part in it where it is as it was before (Axis::as_before, Tunable::as_before).
 std::string variant_id(const Variant& variant, Backend backend);
 
 }  // namespace pt

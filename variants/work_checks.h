@@ -9,8 +9,8 @@
 
 namespace pt {
 
-// After `stage` of a queue that held `before` paths and now says that it holds `now`. Nobody may look at more: what
-// lies behind is no path. Throws std::runtime_error.
+// Checks the count of a queue after `stage`, which held `before` paths and now says that it holds `now`. Nobody may
+// look at more: what lies behind is no path. Throws std::runtime_error.
 inline void check_count_after(const char* stage, std::size_t before, std::size_t now) {
     if (now > before) {
         throw std::runtime_error("the " + std::string(stage) + " returned a count of " + std::to_string(now) +
@@ -19,13 +19,14 @@ inline void check_count_after(const char* stage, std::size_t before, std::size_t
     }
 }
 
-// Every path is taken out by a compaction or ends in the last segment.
+// Reports a compaction that missed a bounce: every path is taken out by one or ends in the last segment. Empty: none
+// did.
 inline std::string compacted_every_bounce(const WorkCounters& work, std::uint64_t) {
     if (work.compactions != work.bounces - work.last_bounces) {
         return std::to_string(work.compactions) + " compactions in " + std::to_string(work.bounces) + " bounces, " +
                std::to_string(work.last_bounces) + " of them last ones";
     }
-    // Differences of counts: what was put in instead of taken out is a number near 2^64.
+    // compacted_away is a difference of counts: paths put in instead of taken out make it a number near 2^64.
     if (work.compacted_away > work.paths) {
         return std::to_string(0 - work.compacted_away) + " paths more in play after compactions than before them, of " +
                std::to_string(work.paths);

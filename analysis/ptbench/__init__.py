@@ -29,7 +29,7 @@ def load(paths: Path | str | Iterable[Path | str]) -> Measured:
 
     Raises ptbench.errors.InputError, which says in one line what is wrong in which file.
     """
-    # A wrong call on the command line should not wait for it.
+    # numpy and the like are imported late: a wrong call on the command line should not wait for them.
     from ptbench import measured
 
     return measured.load(paths)

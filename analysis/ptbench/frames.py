@@ -107,7 +107,7 @@ def frame_of(table: Rows) -> pd.DataFrame:
 
 def _column(values: list, kind: str) -> pd.Series:
     if kind == columns.CATEGORY:
-        # In the order in which the values appear, as everything else orders them.
+        # Categories are in the order in which the values appear, as everything else orders them.
         return pd.Series(pd.Categorical(values, categories=list(dict.fromkeys(v for v in values if v is not None))))
     if kind == columns.NUMBER:
         return pd.Series(np.array([np.nan if value is None else value for value in values], dtype=float))

@@ -35,7 +35,7 @@ _COLUMNS = 4
 _PICTURE = 2.0  # inches
 _GAP = 0.18
 _LEAST_DPI = 128.0
-# What a render may report as wrong; shown where it is not zero.
+# Faults that a render may report, which are shown where they are not zero.
 _COUNTERS = ("nonfinite", "negative", "unfinished_walks")
 
 
@@ -49,13 +49,13 @@ class Picture:
 
     @property
     def file_name(self) -> str:
-        """Of its PNG."""
+        """Name of the picture's PNG file."""
         return safe_name("-".join([self.scene, *(f"{axis}_{choice}" for axis, choice in self.axes.items())])) + ".png"
 
 
 @dataclass(frozen=True)
 class Row:
-    """One figure of the texts: pictures that are held against each other."""
+    """One row of a gallery: pictures that are held against each other."""
 
     title: str
     pictures: tuple[Picture, ...]

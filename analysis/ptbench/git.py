@@ -7,7 +7,7 @@ from pathlib import Path
 
 
 def git(repository: Path, *arguments: str) -> str | None:
-    """Its answer without the space round it; None where it fails or is not there."""
+    """What git prints, without the space round it; None where git fails or is not installed."""
     try:
         answer = subprocess.run(["git", "-C", str(repository), *arguments], capture_output=True, text=True, check=False)
     except OSError:

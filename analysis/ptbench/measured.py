@@ -29,11 +29,11 @@ class Measured:
         return list(self.table(table).rows)
 
     def columns(self, table: str = "") -> dict[str, np.ndarray]:
-        """The same as one numpy array a column, all of one length: NaN or None where a row has no value."""
+        """A table as one numpy array a column, all of one length: NaN or None where a row has no value."""
         return self.table(table).columns()
 
     def frame(self, table: str = "") -> Any:
-        """The same as a pandas.DataFrame; raises ImportError where pandas is not installed."""
+        """A table as a pandas.DataFrame; raises ImportError where pandas is not installed."""
         # pandas is an extra: rows and columns do without it.
         from ptbench.frames import frame_of
 

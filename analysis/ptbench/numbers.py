@@ -15,12 +15,12 @@ def figures(value: float, digits: int = 4) -> str:
 
 
 def plural(count: int | str, what: str) -> str:
-    """ "1 cell", "2 cells"; files have some counts as text."""
+    """A count with its noun, "1 cell" or "2 cells"; files have some counts as text."""
     return f"{count} {what}{'' if str(count) == '1' else 's'}"
 
 
 def interval(low: float | None, high: float | None, digits: int = 4) -> str:
-    """ "[low, high]" with `digits` significant digits."""
+    """An interval as text, "[low, high]" with `digits` significant digits."""
     return "no interval" if low is None or high is None else f"[{figures(low, digits)}, {figures(high, digits)}]"
 
 
@@ -35,7 +35,7 @@ def share(value: float | None) -> str:
 
 
 def span(values: Iterable[int], unit: str = "") -> str:
-    """ "4", "1 to 8": the range of a setting."""
+    """The range of a setting, "4" or "1 to 8"."""
     ordered = sorted(set(values))
     text = str(ordered[0]) if len(ordered) == 1 else f"{ordered[0]} to {ordered[-1]}"
     return f"{text} {unit}".strip()

@@ -16,7 +16,7 @@ from ptbench.io.results import load
 
 
 def run_program(command: Sequence[str], text: str = "") -> subprocess.CompletedProcess:
-    """What it wrote, and its exit code; raises InputError where it does not run."""
+    """Runs a program; returns what it wrote, and its exit code. Raises InputError where it does not run."""
     try:
         return subprocess.run(command, input=text, capture_output=True, text=True, errors="replace", check=False)
     except OSError as error:
@@ -36,13 +36,13 @@ class Program:
     binary: Path
 
     def check(self) -> None:
-        """Raises InputError where it is no program."""
+        """Raises InputError where the path is no program."""
         if not self.binary.is_file() or not os.access(self.binary, os.X_OK):
             found = "a file that cannot be run" if self.binary.is_file() else "no such file"
             raise bad_value(self.binary, "--binary", found, "the ptbench program")
 
     def called(self, *arguments: object) -> subprocess.CompletedProcess:
-        """What a call wrote, and its exit code."""
+        """Calls the program; returns what it wrote, and its exit code."""
         return run_program(self._command(arguments))
 
     def output(self, *arguments: object) -> str:
@@ -63,7 +63,7 @@ class Program:
         return self.output("machine").strip()
 
     def scene(self, scene: str) -> dict:
-        """What `list --scene` says of one scene."""
+        """The facts of one scene, from `ptbench list --scene`."""
         (found,) = json.loads(self.output("list", "--scene", scene, "--json"))["scenes"]
         return found
 

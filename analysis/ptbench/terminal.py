@@ -30,7 +30,7 @@ def say(text: object) -> None:
     print(visible(str(text)))
 
 
-# As a shell reports a program that the signal ended.
+# The exit code that a shell reports for a program that the signal ended.
 READER_LEFT = 128 + signal.SIGPIPE
 
 
@@ -70,7 +70,7 @@ class _Visible:
         try:
             yield
         except OSError as error:
-            # What is still in the stream must go somewhere when the interpreter ends.
+            # Output goes nowhere from here on: what is still in the stream must go somewhere when the interpreter ends.
             os.dup2(os.open(os.devnull, os.O_WRONLY), self._stream.fileno())
             if self._may_be_lost:
                 return
@@ -84,7 +84,7 @@ class _Visible:
 
 @contextmanager
 def visible_output() -> Iterator[None]:
-    """Within it all that is printed is escaped but for the ends of lines."""
+    """A context in which all that is printed is escaped but for the ends of lines."""
     with redirect_stdout(_Visible(sys.stdout)), redirect_stderr(_Visible(sys.stderr, may_be_lost=True)):
         yield
         sys.stdout.flush()

@@ -24,7 +24,7 @@ constexpr std::string_view any_truth = "true|false|yes|no|on|off|1|0";
 constexpr std::string_view any_format = "console|json|csv";
 constexpr std::string_view any_seconds = "[0-9]+([.][0-9]*)?([eE][-+]?[0-9]+)?s?";
 
-// Of 1.7.1 and later versions.
+// The flags of Google Benchmark 1.7.1 and later versions, with what ptbench has in their place.
 constexpr std::array known_flags{
     BenchmarkFlag{"list_tests", "", "--dry-run, which lists the cells"},
     BenchmarkFlag{"dry_run", "", "--dry-run, which lists the cells"},

@@ -56,7 +56,8 @@ std::vector<double> resampled_medians(const std::vector<double>& values, Bootstr
     return medians;
 }
 
-// Linear between the two values that it lies between, from the nearer of them, as numpy.percentile.
+// A percentile of sorted values, linear between the two values that it lies between, from the nearer of them, as
+// numpy.percentile has it.
 double percentile(const std::vector<double>& sorted, double percent) {
     const double place = static_cast<double>(sorted.size() - 1) * (percent / 100);
     const auto below = static_cast<std::size_t>(place);

@@ -16,17 +16,17 @@ inline constexpr std::size_t fewest_samples = 9;     // on both sides of a ratio
 inline constexpr double least_difference = 0.01;     // of a ratio from 1
 inline constexpr double most_disturbed_share = 0.1;  // of a cell's samples
 
-// NumPy's default_rng(1986): PCG64 (O'Neill 2014, XSL-RR), whose 64 bits are handed out as two halves, the low one
-// first.
+// The random generator of the bootstrap: NumPy's default_rng(1986), PCG64 (O'Neill 2014, XSL-RR), whose 64 bits are
+// handed out as two halves, the low one first.
 class BootstrapRandom {
 public:
-    // Equally likely from 0 to `count` - 1 (Lemire 2019). Precondition: 1 <= count < 2^32.
+    // A whole number from 0 to `count` - 1, all equally likely (Lemire 2019). Precondition: 1 <= count < 2^32.
     std::uint32_t below(std::uint32_t count);
 
 private:
     std::uint32_t next();
     __extension__ using State = unsigned __int128;
-    // As NumPy's SeedSequence makes them of the seed.
+    // The generator's state and increment as NumPy's SeedSequence derives them from the seed.
     State state_ = (State{0x25f9e8be20ac44e0u} << 64) | 0xece195b0c628c17cu;
     State increment_ = (State{0x515d7956003607f8u} << 64) | 0xc7a947b5eca38d2du;
     std::optional<std::uint32_t> high_half_;
@@ -42,13 +42,13 @@ struct RatioEstimate {
     std::size_t samples = 0;                     // of the side that has fewer
 };
 
-// Precondition: at least one value.
+// The median of some values. Precondition: there is at least one.
 double median_of(std::vector<double> values);
 // Median of `values` over the median of `baseline`. Precondition: at least one of each.
 RatioEstimate ratio_estimate(const std::vector<double>& values, const std::vector<double>& baseline);
 
 enum class Word { faster, slower, same, unsure };
-// "FASTER", ..
+// The verdict's word as results show it, "FASTER" for instance.
 std::string to_text(Word word);
 
 struct TimeVerdict {
@@ -64,11 +64,11 @@ struct Times {
     bool is_contended = false;   // other processes disturbed more than most_disturbed_share of them
 };
 
-// On an interval of a ratio, however many samples are behind it.
+// The verdict on an interval of a ratio, however many samples are behind it.
 Word word_of(const RatioInterval& interval);
-// "[0.9938, 1.0102]", in the digits that show on which side of the verdict's limits each end lies.
+// The interval as "[0.9938, 1.0102]", in the digits that show on which side of the verdict's limits each end lies.
 std::string interval_text(const RatioInterval& interval);
-// What the times allow to say: cycles must not contradict them, and contended samples say nothing.
+// The verdict that the times allow: cycles must not contradict them, and contended samples allow none.
 TimeVerdict verdict_of(const RatioEstimate& ratio, const Times& times, const Times& baseline);
 
 }  // namespace pt

@@ -42,7 +42,7 @@ std::string first_varying_axis(const Cells& cells) {
     return "";
 }
 
-// At whatever value, standards included.
+// All tunables of a cell with their values, standard ones included.
 Tunables tunables_of(const Cell& cell) {
     Tunables values;
     for (const Tunable& t : pt::tunables_of(cell.variant, cell.backend)) {
@@ -66,7 +66,7 @@ std::optional<Question> question_of_tunable(const std::string& name, const Cells
     return Question{name, std::to_string(tunables_of(first).at(name)), true};
 }
 
-// What the cell has of the question's axis or tunable; empty: it has no such tunable.
+// The cell's choice on the question's axis, or its value of the question's tunable; empty: it has no such tunable.
 std::string value_of(const Cell& cell, const Question& question) {
     if (!question.is_tunable) {
         return cell.variant[question.axis];
@@ -91,7 +91,7 @@ bool is_same_setting(const Cell& cell, const Cell& other, const Question& questi
            });
 }
 
-// How the two are tuned differently, in what both have and the question is not about.
+// How two cells are tuned differently, in tunables that both have and that the question is not about.
 struct TuningDifference {
     bool is_comparable = true;  // values are equal, or both cells are at their choices' standards
     int differences = 0;
@@ -236,7 +236,7 @@ private:
         return fmt::format("{} {}x{}, depth {}, {} spp on {}", cell.scene->name, cell.settings.width,
                            cell.settings.height, cell.settings.depth, cell.spp, to_string(cell.backend));
     }
-    // Those of a group together, groups in the order of their first cells.
+    // The cells with those of a group side by side, and groups in the order of their first cells.
     static Cells ordered(const Cells& cells) {
         std::map<std::string, std::size_t> ranks;
         for (const Cell* const cell : cells) {
@@ -247,7 +247,7 @@ private:
                          [&](const Cell* a, const Cell* b) { return ranks[group_of(*a)] < ranks[group_of(*b)]; });
         return sorted;
     }
-    // Nobody knows what a cell that failed timed.
+    // A cell that failed does not count as measured: nobody knows what its samples timed.
     bool has_failed(const Cell& cell) const { return journal_.has_failed(cell.name); }
     bool is_measured(const Cell& cell) const { return !has_failed(cell) && !journal_.samples(cell.name).empty(); }
 

@@ -23,14 +23,14 @@ using Cells = std::vector<const Cell*>;
 
 // The plan's cells of a study.
 Cells cells_of_study(const Plan& plan, const std::string& study);
-// Nothing where the study compares no choices. `cells` are the study's.
+// The question that a study asks; nothing where it compares no choices. `cells` are the study's.
 std::optional<Question> question_of(const Study& study, const Cells& cells);
 // The cell that differs in what the question is about only: equal samples per pixel are preferred, and tunables that
 // both cells have are equal, or both at their standards. Null if there is none.
 const Cell* baseline_of(const Cell& cell, const Cells& cells, const Question& question);
 bool is_baseline(const Cell& cell, const Question& question);
 
-// Of a cell that has samples.
+// The times of a cell's samples. Precondition: it has some.
 Times times_of(const Cell& cell, const Journal& journal);
 
 // A line a cell, by study and scene: median, ratio to the baseline, interval and verdict; below it why verdicts are

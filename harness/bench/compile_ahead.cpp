@@ -45,7 +45,7 @@ public:
             ends_[1] = -1;
         }
     }
-    // False when every writer is gone.
+    // Reads the next number; false when every writer is gone.
     bool read(std::uint32_t& value) const { return ::read(ends_[0], &value, sizeof value) == sizeof value; }
 
 private:
@@ -84,8 +84,9 @@ private:
 
 constexpr std::uint32_t is_refused = 1u << 31;  // beside a program's number
 
-// In a child process: NVRTC compiles one program at a time in a process, whatever the threads (CUDA 13.0). The child
-// calls nothing of CUDA but the compiler, and leaves without running what its parent registered to run at exit.
+// Compiles a share of the programs in a child process: NVRTC compiles one program at a time in a process, whatever the
+// threads (CUDA 13.0). The child calls nothing of CUDA but the compiler, and leaves without running what its parent
+// registered to run at exit.
 [[noreturn]] void compile_share(const Programs& programs, const SharedCounter& next, int done, pid_t parent) {
     // A share holds the locks of its parent's files: one that outlived it would keep a resumed run from them.
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);

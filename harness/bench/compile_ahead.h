@@ -13,7 +13,7 @@ struct CompileTask {
     const Scene* scene = nullptr;
     Variant variant;
     std::string architecture = {};  // "sm_90"; empty: the device's
-    // Without what the variant's claim is held to: its exact twin and the reference.
+    // Whether the variants that its claim is held to, the exact twin and the reference, are left out.
     bool is_alone = false;
 };
 
@@ -24,16 +24,17 @@ struct CompiledPrograms {
     double cpu_seconds = 0;
 };
 
-// On CUDA; what variants have in common is compiled once. A variant that does not compile or does not apply is skipped:
-// it fails, with its message, when it is used. Shows progress on stderr.
+// Compiles the programs of CUDA variants into the cache on disk; what variants have in common is compiled once. A
+// variant that does not compile or does not apply is skipped: it fails, with its message, when it is used. Shows
+// progress on stderr.
 CompiledPrograms compile_ahead(const std::vector<CompileTask>& tasks);
 
-// The same for programs by name, those first that take longest. Needs neither a device nor
-// a driver. Does nothing for a single program or on a single processor, where nothing would run at once.
+// Compiles programs given by name, those first that take longest. Needs neither a device nor a driver. Does nothing for
+// a single program or on a single processor, where nothing would run at once.
 CompiledPrograms compile_programs(const cuda::ProgramsToCompile& programs);
 
-// For `--compile`: compiles on a machine that may have no GPU, and prints how many programs, where they lie, and what
-// they took. Throws InputError for an architecture that is none, MachineError where a program is refused.
+// Compiles for `--compile`, on a machine that may have no GPU, and prints how many programs, where they lie, and what
+// they took. Throws InputError for an architecture that does not exist, MachineError where a program is refused.
 void compile_for(const std::string& architecture, std::vector<CompileTask> tasks);
 
 }  // namespace pt

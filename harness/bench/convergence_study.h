@@ -8,16 +8,16 @@ namespace pt {
 
 // Error bars come from seeds only, and a spread told from fewer is none (docs/numerics.md 1.6).
 inline constexpr int fewest_seeds = 8;
-// What the name of a cell with checkpoints ends with, beyond that of the same cell without.
+// The endings of names of cells with checkpoints, and of studies of the same cells without them.
 inline constexpr std::string_view checkpoints_suffix = "/checkpoints:octaves";
 inline constexpr std::string_view without_checkpoints_suffix = "_without_checkpoints";
 
-// Keys that only such a study has.
+// The keys that only a convergence study has in a suite's file.
 inline const std::vector<std::string> convergence_keys{"reference", "images", "without_checkpoints"};
-// Reads the keys of such a study from its object; throws InputError.
+// Reads the keys of a convergence study from its object; throws InputError.
 ConvergenceSettings read_convergence(const JsonObject& study);
 
-// 1, 2, 4, ... and the last sample.
+// The checkpoints 1, 2, 4, ... and the last sample.
 std::vector<std::uint32_t> octaves(std::uint32_t spp);
 
 // Turns an ordinary cell into one with checkpoints. Precondition: its depth is that of depth_for_mean_of.

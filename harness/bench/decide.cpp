@@ -20,7 +20,8 @@ bool is_good(const Cell& cell, const Journal& journal) {
     return journal.is_ok(cell.name) && !journal.samples(cell.name).empty();
 }
 
-// Samples a side that would make the interval narrow enough; 0: the verdict is not open, or for another reason.
+// Number of samples a side that would make the interval narrow enough; 0: the verdict is not open, or for another
+// reason.
 std::size_t samples_for(const Times& times, const Times& baseline) {
     const RatioEstimate ratio = ratio_estimate(times.ms_per_spp, baseline.ms_per_spp);
     if (times.is_contended || baseline.is_contended || ratio.samples < fewest_samples || !ratio.interval ||

@@ -11,7 +11,7 @@
 
 namespace pt {
 
-// Samples that a cell may have where more are taken, as a multiple of those that every cell has.
+// Most samples that a cell may have where more are taken, as a multiple of the number that every cell has.
 inline constexpr int most_times_repetitions = 4;
 
 struct WantedSamples {
@@ -19,9 +19,9 @@ struct WantedSamples {
     std::size_t samples = 0;  // in all, more than it has
 };
 
-// Of the cells of such verdicts and of their baselines, the samples with which intervals would be narrow enough to lie
-// within the limits of SAME, at most `most` each; fewer in proportion where all of them would take longer than
-// `seconds`. In the order of the plan.
+// The samples, at most `most` for each cell, with which intervals would be narrow enough to lie within the limits of
+// SAME, for the cells of such verdicts and their baselines; fewer in proportion where all of them would take longer
+// than `seconds`. In the order of the plan.
 std::vector<WantedSamples> samples_to_decide(const Plan& plan, const Suite& suite, const Journal& journal,
                                              std::size_t most, double seconds);
 

@@ -11,7 +11,7 @@
 
 namespace pt {
 
-// A render at one of its checkpoints, copied.
+// The state of a render at one of its checkpoints, copied.
 struct Snapshot {
     std::uint32_t samples;
     double wall_ms, device_ms, cpu_ms;
@@ -31,21 +31,22 @@ public:
     void make_references();
     // Renders a reference on until its error is no more than `dual_error`, or it has the task's most_spp.
     void improve(const std::string& name, double dual_error);
-    // Throws std::runtime_error that says why there is none.
+    // The reference of a cell. Throws std::runtime_error that says why there is none.
     const Reference& reference(const Cell& cell) const;
 
-    // mse_dual at the cell's spp, extrapolated as 1/spp from a film of fewer samples.
+    // The error (mse_dual) that the cell is expected to have at its spp, extrapolated as 1/spp from a film of fewer
+    // samples.
     double expected_mse(const Cell& cell, const Film& film) const;
     // Why the reference is too noisy for a cell with this expected mse, with the spp that would do; empty: it is not.
     std::string refusal(const Cell& cell, double expected_mse) const;
 
-    // What the cell has in a result file besides the errors.
+    // The facts of a cell in a result file besides its errors.
     Json cell_facts(const Cell& cell) const;
     // The value of pt_checkpoints in a sample's row, without "shared", which the result file adds.
     Json rows(const Cell& cell, const std::vector<Snapshot>& snapshots);
 
 private:
-    // A film and its hash: of all samples so far or, where that was kept, of their first half.
+    // A film with its hash: that of all samples so far or, where it was kept, of their first half.
     struct Hashed {
         const Snapshot* snapshot = nullptr;
         std::string hash;

@@ -33,7 +33,7 @@ RatioInterval expanded_interval(std::vector<double> drawn, std::size_t count) {
             drawn[static_cast<std::size_t>(std::ceil((1 - tail) * last))]};
 }
 
-// Error times time of the seeds that were drawn.
+// Mean error times median time over the seeds that were drawn.
 double work_of(const std::vector<double>& errors, const std::vector<double>& ms,
                const std::vector<std::uint32_t>& drawn) {
     double error = 0;
@@ -118,7 +118,7 @@ std::optional<ErrorEfficiency> LastErrors::efficiency_by_rel_mse(const LastError
 
 namespace {
 
-// Nothing where the cell has failed, a sample has no errors, or there is one seed alone.
+// The errors of a cell; nothing where it has failed, a sample has no errors, or there is one seed alone.
 std::optional<LastErrors> errors_of(const Cell& cell, const Journal& journal) {
     if (journal.has_failed(cell.name)) {
         return std::nullopt;
@@ -141,7 +141,7 @@ std::optional<LastErrors> errors_of(const Cell& cell, const Journal& journal) {
     return found;
 }
 
-// The cell that renders the same without checkpoints.
+// The cell that makes the same render as this one without checkpoints.
 const Cell* companion_of(const Plan& plan, const Cell& cell) {
     const std::string name = cell.name.substr(0, cell.name.size() - checkpoints_suffix.size());
     const auto found =

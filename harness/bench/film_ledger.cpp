@@ -15,19 +15,20 @@ namespace {
 
 bool stops_matter(const Cell& cell) { return cell.convergence && stops_change_film(cell.variant, cell.backend); }
 
-// All cells whose films must be equal bit for bit.
+// The name of the group of cells whose films must be equal bit for bit.
 std::string bitwise_group(const Cell& cell) {
     std::string name = setting_in(cell.name);
     if (cell.convergence && !stops_matter(cell)) {
         name.erase(name.rfind('/'));
     }
-    // Two kernels that round freely need not agree: each is a group of its own.
+    // The variant is in the name, since two kernels that round freely need not agree: each is a group of its own.
     return bitwise_reference(cell).spelled_out() + name;
 }
 
 bool is_its_own_reference(const Cell& cell) { return bitwise_reference(cell) == cell.variant; }
 
-// What is rendered for every seed: where there are meshes, a tree, because every triangle in turn takes hours.
+// The reference that is rendered for every seed. It has a tree where there are meshes, because every triangle in turn
+// takes hours.
 Variant quick_reference(const Cell& cell) {
     return is_its_own_reference(cell) ? cell.variant : fast_reference_on(*cell.scene, cell.variant, cell.backend);
 }
@@ -83,7 +84,7 @@ bool FilmLedger::differ(const Entry& entry) {
                        [&](const Seen& seen) { return !(seen.imprint == right); });
 }
 
-// Before anybody is blamed, the reference that takes long has the last word.
+// Judges films that differ. Before any cell is blamed, the reference that takes long has the last word.
 std::vector<FailedCell> FilmLedger::judge(Entry& entry, const Cell& cell, std::uint32_t samples, std::uint64_t seed,
                                           const std::string& place) {
     if (const Variant plain = bitwise_reference(cell); differ(entry) && !(entry.reference == plain)) {
@@ -124,7 +125,7 @@ std::vector<FailedCell> FilmLedger::note_twin(const Cell& cell, const Imprint& f
 std::vector<FailedCell> FilmLedger::note_prepared(const Cell& rendered, const Variant& reference, const Cell& blamed,
                                                   const Imprint& found) {
     const std::uint32_t spp = rendered.samples_to_prepare();
-    // A film that depends on where the render stops is another one without the sample's checkpoints.
+    // A film that depends on where the render stops would be another film without the sample's checkpoints.
     const std::string part = spp != rendered.spp || stops_matter(rendered) ? fmt::format("/first:{}", spp) : "";
     Entry& entry = entries_[{bitwise_group(rendered) + part, 0}];
     if (!entry.right) {

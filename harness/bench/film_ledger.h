@@ -22,10 +22,10 @@ namespace pt {
 // every time.
 Variant bitwise_reference(const Cell& cell);
 
-// "sample 2 (seed 3)"
+// A sample in words, as "sample 2 (seed 3)".
 std::string sample_in_words(std::size_t index, std::uint64_t seed);
 
-// A cell that is found wrong.
+// A cell whose film or work is found wrong, and why.
 struct FailedCell {
     const Cell* cell = nullptr;
     std::string reason;
@@ -33,7 +33,8 @@ struct FailedCell {
 
 class FilmLedger {
 public:
-    // What `variant` leaves at the cell's own size and with its checkpoints. Throws what a render throws.
+    // Renders `variant` at the cell's own size and with its checkpoints, and returns the imprint. Throws what a render
+    // throws.
     using Render =
         std::function<Imprint(const Cell& cell, const Variant& variant, std::uint32_t samples, std::uint64_t seed)>;
 
@@ -46,10 +47,11 @@ public:
     // than are prepared (Cell::prepared_spp), whose renders take long, only where two of its group differ. Throws
     // std::runtime_error where the reference cannot be rendered.
     std::vector<FailedCell> note_sample(const Cell& cell, std::size_t index, const Imprint& found);
-    // The same of a render with the first sample's seed and samples_to_prepare(), which is held to the reference
-    // always.
+    // Notes a render with the first sample's seed and samples_to_prepare(), which is always held to the reference.
+    // Returns the cells that failed by it.
     std::vector<FailedCell> note_preparation(const Cell& cell, const Imprint& found);
-    // And of such a render of the exact twin of a cell that rounds freely: the one whose bits can be told from others'.
+    // Notes such a render of the exact twin of a cell that rounds freely; only the twin's bits can be held to the
+    // reference. Returns the cells that failed by it.
     std::vector<FailedCell> note_twin(const Cell& cell, const Imprint& found);
 
 private:

@@ -1,4 +1,4 @@
-// What two renders that agree bit for bit leave alike.
+// The imprint of a render: film hashes and counts that two renders which agree bit for bit have alike.
 #pragma once
 
 #include <cstdint>
@@ -21,9 +21,9 @@ struct Imprint {
     bool operator==(const Imprint&) const = default;
 };
 Imprint imprint_of(const RenderResult& result);
-// Of a sample's facts, as take_sample.h writes them. Throws what nlohmann::json throws where they lack one.
+// The imprint of a sample's facts as take_sample.h writes them. Throws what nlohmann::json throws where they lack one.
 Imprint imprint_of_sample(const Json& facts);
-// "film 1f.., not 3a..; 20475 rays, not 20478": what differs from what is right; empty: nothing.
+// What differs from what is right, as "film 1f.., not 3a..; 20475 rays, not 20478"; empty: nothing.
 std::string difference(const Imprint& found, const Imprint& right);
 
 }  // namespace pt

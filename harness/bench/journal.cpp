@@ -87,7 +87,7 @@ Json without(Json object, const std::vector<std::string>& keys) {
     return object;
 }
 
-// What was found of a line, and how to keep those before it.
+// The error for a damaged line: what was found, and how to keep the lines before it.
 InputError damaged(const std::string& file, std::size_t line, const std::string& found) {
     const std::string keep =
         line == 1 ? "" : fmt::format("keep the {} before it (head -n {}) to go on from there, or ", line - 1, line - 1);

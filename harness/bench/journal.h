@@ -19,12 +19,12 @@ public:
     // damaged line, other identity: what differs), MachineError (cannot write).
     Journal(std::string file, const Json& identity, bool resume, const std::vector<std::string>& that_may_differ = {});
 
-    // One sample of a cell, in the order of its index.
+    // Adds one sample of a cell; samples come in the order of their index.
     void add_sample(const std::string& cell, const Json& sample);
     // A sample again: it takes the place of the cell's sample with its pt_seed, which retaken() has from then on.
     // Precondition: there is one.
     void retake_sample(const std::string& cell, const Json& sample);
-    // What is known of a cell besides its samples; a later call replaces an earlier one.
+    // Sets the facts that are known of a cell besides its samples; a later call replaces an earlier one.
     void set_cell(const std::string& cell, const Json& facts);
     // Begins a session: facts about the process that takes the samples that follow.
     void add_session(const Json& facts);
@@ -33,7 +33,8 @@ public:
     // The samples whose places later ones took, in the order in which those came.
     const std::vector<Json>& retaken(const std::string& cell) const;
     const Json* cell(const std::string& cell) const;
-    // By the facts that are known of the cell: one that nothing is known of is neither.
+    // Whether the facts that are known of the cell say that it is good, or that it failed; a cell that nothing is known
+    // of is neither.
     bool is_ok(const std::string& cell) const;
     bool has_failed(const std::string& cell) const;
     // The facts of each session, with the number of the samples that it took, those again too, under "samples".
@@ -43,8 +44,8 @@ public:
     // The size of the last line, which a kill had cut off, so that it was dropped; 0: there was none.
     std::size_t dropped_bytes() const { return dropped_bytes_; }
 
-    // For a crash, which can write a text that is there and no more: where to, and what these lines would be if they
-    // were added next.
+    // The file's descriptor, and the text of these lines if they were added next, for a crash handler, which can write
+    // a text that is there and no more.
     int descriptor() const { return locked_.descriptor(); }
     std::string next_lines(const std::vector<Json>& lines) const;
     static Json session_line(const Json& facts);
@@ -61,7 +62,7 @@ private:
     void keep_sample(const std::string& cell, const Json& sample);
     void keep_retake(const std::string& cell, const Json& sample);
     void count_sample();
-    // The cell's sample with this one's seed, or null.
+    // The cell's sample that has the seed of `sample`, or null.
     Json* taken_before(const std::string& cell, const Json& sample);
     void keep_session(Json facts);
 

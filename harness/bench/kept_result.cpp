@@ -8,7 +8,7 @@ namespace pt {
 
 namespace {
 
-// The JSON of a file; discarded where it is none.
+// The JSON of a file; is_discarded() if it holds something else.
 Json parsed(const std::string& file) { return Json::parse(read_earlier_output(file, largest_result), nullptr, false); }
 
 // The text at a place of a document, or "".

@@ -10,11 +10,11 @@
 namespace pt {
 
 bool is_complete_result(const Json& result);
-// "a complete result of 2026-11-22T10:00:00+0000", "an interrupted result ..", or "a file that is no result of
-// ptbench".
+// What a file holds, in words: "a complete result of 2026-11-22T10:00:00+0000", "an interrupted result ..", or "a file
+// that is no result of ptbench".
 std::string describe_result(const Json& result);
 
-// Throws InputError if `file` is a result: for commands that write something else.
+// Throws InputError if `file` is a result, for commands that write something else.
 void refuse_result(const std::string& file);
 
 // What an earlier result at `file` is to a run of this `run` (ptbench.run of a result: run_identity.h).
@@ -27,7 +27,8 @@ struct EarlierResult {
     std::vector<std::string> images = {};  // that it names, relative to its folder
     std::string description;               // describe_result of it
 
-    // Whether it stays until the run's own is complete: not what this very run left when it was interrupted.
+    // Whether the earlier result stays until the run's own is complete; what this very run left when it was interrupted
+    // does not.
     bool is_kept() const { return is_there && !(is_of_this_run && !is_complete); }
 };
 // Throws MachineError if another command wrote `file` since it had this stamp. `where` says where the run's own samples
@@ -35,8 +36,8 @@ struct EarlierResult {
 void check_untouched(const std::string& file, const FileStamp& stamp, const std::string& where);
 EarlierResult earlier_result(const std::string& file, const nlohmann::ordered_json& run);
 
-// Throws InputError if `file` is there and the call does not say that it may be overwritten. A result takes seconds to
-// parse: the second one is for who has done so.
+// Throws InputError if `file` is there and the call does not say that it may be overwritten. The second form is for
+// callers who have read the earlier result, since a result takes seconds to parse.
 void check_overwrite(const std::string& file, bool overwrite);
 void check_overwrite(const std::string& file, const EarlierResult& earlier, bool overwrite);
 

@@ -20,14 +20,14 @@ using OrderedJson = nlohmann::ordered_json;
 
 constexpr const char* a_shard = "a result of `ptbench run --shard`";
 
-// What is a process's or a moment's own, and may differ between the shards of a run.
+// Whether a key of the context is a process's or a moment's own, and may differ between the shards of a run.
 bool is_own(const std::string& context_key) {
     static const std::set<std::string> keys{"date",     "host_name",          "mhz_per_cpu",
                                             "load_avg", "ptbench.rank_hosts", "ptbench.command_line"};
     return keys.contains(context_key);
 }
 
-// What the shards of one run have in common.
+// The facts that all shards of one run have in common.
 Json common_of(const OrderedJson& result) {
     Json machine = Json::object();
     for (const auto& [key, value] : result.at("context").items()) {
@@ -76,7 +76,8 @@ ShardResult read_shard(const std::string& file) {
     return shard;
 }
 
-// `read()`, which reads of a result what only another program, or an editor, can have written otherwise.
+// Calls `read()`, which reads of a result what only another program, or an editor, can have written otherwise; what it
+// throws becomes an InputError that names the file.
 template <class Read>
 auto guarded(const std::string& file, const Read& read) {
     try {
@@ -115,7 +116,7 @@ void drop_copies(std::vector<ShardResult>& shards) {
     shards.erase(std::unique(shards.begin(), shards.end(), is_copy), shards.end());
 }
 
-// Precondition: sorted by their index, of one run.
+// Checks that no shard is missing. Precondition: they are of one run, sorted by their index.
 void check_complete(const std::vector<ShardResult>& shards) {
     for (std::size_t i = 1; i < shards.size(); ++i) {
         if (shards[i].shard.index == shards[i - 1].shard.index) {
@@ -178,7 +179,7 @@ OrderedJson cell_of(OrderedJson cell, const ShardResult& shard, const std::strin
     return cell;
 }
 
-// What is said of a shard beside its rows.
+// The facts of a shard that the merged result keeps beside its rows.
 OrderedJson shard_json(const ShardResult& shard) {
     OrderedJson json{{"shard", shard.shard.name()}, {"cells", shard.positions.size()}};
     for (const auto& [key, value] : shard.result.at("context").items()) {
@@ -221,7 +222,7 @@ OrderedJson merged_run(const std::vector<ShardResult>& shards) {
     return run;
 }
 
-// Where a cell of the whole run is: a shard and the cell's number there.
+// For each cell of the whole run, its shard and its number there.
 using Places = std::vector<std::pair<const ShardResult*, std::size_t>>;
 
 Places places_of(const std::vector<ShardResult>& shards) {
@@ -243,7 +244,7 @@ void add_rows(OrderedJson& rows, const ShardResult& shard, std::size_t number, s
     }
 }
 
-// All samples that were taken again.
+// The samples of all shards that were taken again.
 OrderedJson merged_retakes(const std::vector<ShardResult>& shards) {
     OrderedJson samples = OrderedJson::array();
     std::size_t most = 0;

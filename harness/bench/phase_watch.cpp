@@ -55,7 +55,7 @@ std::string PhaseLines::due(double now) {
         return "";
     }
     const double elapsed = now - begun_;
-    // As rarely as Progress tells its steps.
+    // The next line is due as rarely as Progress tells its steps.
     next_ = now + (is_terminal_ ? 0.2 : std::clamp(elapsed / 50, 10.0, 600.0));
     return fmt::format("{}: {}: {}", command_, what_, times(elapsed));
 }
@@ -103,7 +103,7 @@ void PhaseWatch::end() {
     clear();
 }
 
-// Precondition of both: the lock is held.
+// Tells the line that is due. Precondition: the lock is held.
 void PhaseWatch::tell() {
     const std::string line = lines_.due(steady_seconds());
     if (!line.empty()) {

@@ -19,11 +19,11 @@ public:
     PhaseLines(std::string command, bool is_terminal, double patience = default_patience);
     // A phase begins, and whatever came before it has ended. `expected`: how long it is taken to last.
     void begin(const std::string& what, std::optional<double> expected, double now);
-    // So large a share of it is done, from 0 to 1.
+    // Tells that a share of the phase is done, from 0 to 1.
     void reached(double share, double now);
     void end() { is_over_ = true; }
 
-    // The line that is due; empty: none.
+    // The line about the phase that is due now; empty: none is.
     std::string due(double now);
 
 private:
@@ -35,7 +35,7 @@ private:
     std::optional<double> expected_;
 };
 
-// Tells them by a thread of its own, which sleeps but for some microseconds every quarter of a second.
+// Tells phases that last, by a thread of its own, which sleeps but for some microseconds every quarter of a second.
 class PhaseWatch {
 public:
     // PTBENCH_PATIENCE in the environment, in seconds, is for tests: with 0 each phase is told as it begins.
@@ -46,7 +46,7 @@ public:
 
     void begin(const std::string& what, std::optional<double> expected = {});
     void reached(double share);
-    // Nothing is told until the next phase begins, and a line that stands on the terminal is gone.
+    // Ends the phase: nothing is told until the next one begins, and a line that stands on the terminal is gone.
     void end();
 
 private:

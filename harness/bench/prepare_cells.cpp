@@ -25,7 +25,7 @@ RenderSettings verification_settings(RenderSettings settings) {
 
 constexpr std::uint32_t verification_spp = 2;
 
-// Where something went wrong that went wrong here.
+// The place that is named where a preparation went wrong.
 constexpr const char* the_preparation = "a render before the timed ones";
 
 // How long a cell's preparation takes beside those of other cells.
@@ -33,7 +33,7 @@ double size_of(const Cell& cell) {
     return static_cast<double>(cell.settings.width) * cell.settings.height * cell.samples_to_prepare();
 }
 
-// Remembers what cells of one scene and size have in common.
+// Prepares cells, and remembers what those of one scene and size have in common.
 class CellPreparer {
 public:
     CellPreparer(std::uint64_t seed, FilmLedger& films, ErrorBook& errors)
@@ -95,7 +95,8 @@ private:
         }
     }
 
-    // At full size too: the film and the work, and of a variant that rounds freely those of its exact twin as well.
+    // Whether the film and the work at full size are right and, for a variant that rounds freely, those of its exact
+    // twin.
     bool has_the_bits(const Cell& cell, const RenderResult& result, Prepared& prepared) {
         std::vector<FailedCell> failed = films_.note_preparation(cell, imprint_of(result));
         if (fp_relaxed(cell.variant, cell.backend)) {
@@ -117,7 +118,7 @@ private:
         return prepared.facts.at("status") == "ok";
     }
 
-    // At the cell's own size.
+    // The request of a render at the cell's own size.
     RenderRequest request(const Cell& cell, const Variant& variant, std::uint32_t samples) const {
         RenderRequest request{
             .variant = variant, .backend = cell.backend, .settings = cell.settings, .samples = samples};
@@ -143,7 +144,7 @@ std::vector<const Cell*> unknown_cells(const Plan& plan, const Journal& journal)
 
 void add_compilations(const Cell& cell, std::vector<CompileTask>& tasks) {
     tasks.push_back({.scene = cell.scene.get(), .variant = cell.variant});
-    // What its samples are held to (FilmLedger).
+    // The variants that the cell's samples are held to (FilmLedger) are compiled too.
     const Variant twin = exact_twin(cell.variant, cell.backend);
     tasks.push_back({.scene = cell.scene.get(), .variant = fast_reference_on(*cell.scene, twin, cell.backend)});
 }

@@ -11,7 +11,7 @@
 
 namespace pt {
 
-// For the cells that the journal does not know yet, until an interrupt. A cell that fails has its reason in the
+// Prepares the cells that the journal does not know yet, until an interrupt. A cell that fails has its reason in the
 // journal. `seed` is that of sample 0.
 void prepare_cells(const Plan& plan, std::uint64_t seed, RunJournal& journal, FilmLedger& films, ErrorBook& errors,
                    const Interrupt& interrupt, Progress::Lines lines);

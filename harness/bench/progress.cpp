@@ -123,7 +123,7 @@ void Progress::draw(const std::string& name) {
                                           left_ ? "about " + clock_text(*left_) : "unknown time", name);
     if (is_terminal_) {
         const std::string line = fmt::format("{} [{}] {}/{}  {}", what_, bar_of(done_, total_), done_, total_, times);
-        // One that the terminal breaks could not be written over.
+        // The line is cut to the terminal's width: one that the terminal breaks could not be written over.
         say("{}{}", erase_line, line.substr(0, terminal_width() - 1));
     } else {
         say("[{}/{}] {}: {}\n", done_, total_, what_, times);

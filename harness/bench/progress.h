@@ -10,21 +10,22 @@
 
 namespace pt {
 
-// Of a clock that is never set: for durations. It counts from no date.
+// Seconds of a clock that is never set, for durations. It counts from no date.
 double steady_seconds();
 
 // How long what is left will take, from what was measured: steps of one name are taken to last as long as those before
 // them; steps of a name that has none yet, as long as their size says at the rate of the names that have.
 class TimeLeft {
 public:
-    // `steps` of the name are to come; `size`, above 0, is how large each of them is beside those of other names.
+    // Tells that `steps` of this name are to come; `size`, above 0, is how large each of them is beside those of other
+    // names.
     void expect(const std::string& name, std::size_t steps, double size);
     // A step was measured: one of those to come, or (`was_expected` false) one of an earlier session.
     void took(const std::string& name, double seconds, bool was_expected = true);
-    // A step will not come after all.
+    // Takes a step out of the estimate: it will not come after all.
     void drop(const std::string& name);
 
-    // Nothing if nothing was measured yet.
+    // Seconds that are left; nothing if nothing was measured yet.
     std::optional<double> seconds() const;
 
 private:
@@ -44,11 +45,11 @@ public:
     // `what` names the phase; `total` steps are expected. Nothing is shown in the first `patience` seconds, and so
     // nothing at all of what takes no longer.
     Progress(std::string what, std::size_t total, Lines lines = Lines::shown, double patience = 0);
-    // The step of that name begins: a terminal says so, a log does not.
+    // Tells that a step of that name begins: a terminal says so, a log does not.
     void begin(const std::string& name);
-    // It is done. The steps so far are taken to say how long the others last.
+    // Tells that the step is done. The steps so far are taken to say how long the others last.
     void step(const std::string& name);
-    // `seconds_left` is called where a line is shown only.
+    // Tells that the step is done. `seconds_left` is called only where a line is shown.
     void step(const std::string& name, const std::function<std::optional<double>()>& seconds_left);
 
 private:
@@ -72,7 +73,7 @@ inline constexpr const char* erase_line = "\r\033[K";
 // Prints a line on stderr, in the place of a bar that may stand there; the bar goes on below.
 void say_below_progress(const std::string& line);
 
-// "0:07", "12:34", "3:04:05".
+// A duration as "0:07", "12:34" or "3:04:05".
 std::string clock_text(double seconds);
 
 }  // namespace pt

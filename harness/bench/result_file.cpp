@@ -62,8 +62,8 @@ OrderedJson row_head(const std::string& cell, const std::string& suffix, std::si
             {"repetitions", repetitions}};
 }
 
-// Another process took more than a tenth of the render's own CPU time, and more than the counter's resolution; or the
-// system gave less of it than there was.
+// Whether other processes disturbed a sample: one took more than a tenth of the render's own CPU time, and more than
+// the counter's resolution, or the system gave less of it than there was.
 bool is_contended(const Json& sample) {
     return is_throttled(sample) ||
            sample.value("pt_foreign_cpu_ms", 0.0) > std::max(20.0, 0.1 * sample.value("cpu_ms", 0.0));
@@ -224,7 +224,7 @@ private:
             text += fmt::format("/{}:{}", checkpoint.at("spp").get<std::uint32_t>(),
                                 checkpoint.at("film_hash").get<std::string>());
         }
-        // Without halves that are independent there is no bias2 to share.
+        // Cells without independent halves have no bias2 to share, so they have a key of their own.
         return text + (journal.cell(cell.name)->at("convergence").at("independent_samples") ? "" : "/dependent");
     }
     const std::string& owner(const Journal& journal, const Cell& cell, const Json& sample) const {
@@ -253,7 +253,8 @@ OrderedJson studies_json(const Suite& suite) {
 
 }  // namespace
 
-// Judged over the whole run: a sample's clock against the highest that was seen, its foreign load against its own time.
+// Marks low clocks and foreign load, judged over the whole run: a sample's clock against the highest that was seen, its
+// foreign load against its own time.
 void mark_low_clocks(OrderedJson& rows) {
     const auto clocks = [](const OrderedJson& row, double missing) {
         return std::pair(row.value("pt_clock_mhz_before", missing), row.value("pt_clock_mhz_after", missing));
@@ -331,7 +332,8 @@ std::string in_words(const Disturbance& d) {
 
 namespace {
 
-// `read()`, which reads of a journal what only another program, or an editor, can have written otherwise.
+// Calls `read()`, which reads of a journal what only another program, or an editor, can have written otherwise; what it
+// throws becomes an InputError that names the journal.
 template <class Read>
 auto guarded(const Journal& journal, const Read& read) {
     try {
@@ -421,7 +423,7 @@ std::string result_json(const Plan& plan, const Suite& suite, const Journal& jou
 
 void check_journal(const Plan& plan, const Suite& suite, const Journal& journal) {
     guarded(journal, [&] {
-        // What the runner reads besides what goes into the result.
+        // These facts are checked too, for the runner reads them besides what goes into the result.
         for (const Cell& cell : plan.cells) {
             const Json* facts = journal.cell(cell.name);
             if (facts != nullptr && facts->at("status").get<std::string>() == "ok" && cell.convergence) {

@@ -22,7 +22,7 @@ struct RunFacts {
 struct Aggregates {
     double mean, median, stddev, cv;  // stddev and cv are 0 for one value
 };
-// Precondition: at least one value.
+// Mean, median and spread of some values. Precondition: there is at least one.
 Aggregates aggregate(std::vector<double> values);
 
 // A document of rows as text: each member of an object and each element of an array begins a line, and an element is
@@ -49,12 +49,13 @@ Disturbance disturbance_of(const Plan& plan, const Journal& journal);
 bool is_disturbed(const Json& sample, Backend backend);
 // Whether a quota of CPU time was used up during the sample, so that its threads stood still.
 bool is_throttled(const Json& sample);
-// "disturbed: 3 of 54 samples (other processes 2, low clock 1)".
+// The disturbance in words, as "disturbed: 3 of 54 samples (other processes 2, low clock 1)".
 std::string in_words(const Disturbance& disturbance);
 
-// Throws InputError if the journal holds what no run can have written there.
+// The text of the result file. Throws InputError if the journal holds what no run can have written there.
 std::string result_json(const Plan& plan, const Suite& suite, const Journal& journal, const RunFacts& facts);
-// The same check before a run goes on with the journal: found at its end, the run would have been for nothing.
+// Checks the journal as result_json does, before a run goes on with it: found at its end, the run would have been for
+// nothing.
 void check_journal(const Plan& plan, const Suite& suite, const Journal& journal);
 
 }  // namespace pt

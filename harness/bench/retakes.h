@@ -15,8 +15,8 @@ namespace pt {
 // as many as it may still be given of `most`.
 std::vector<std::size_t> to_retake(const Cell& cell, const Journal& journal, int most);
 
-// "retaken: 5 disturbed samples, at most 9 a cell; 1 cell came to that limit", or why none was; empty: none was
-// disturbed.
+// The retakes in words: "retaken: 5 disturbed samples, at most 9 a cell; 1 cell came to that limit", or why none was;
+// empty: none was disturbed.
 std::string retakes_in_words(const Plan& plan, const Journal& journal, int most);
 
 // The result's ptbench.retakes: the limit and the samples whose places others took.

@@ -66,7 +66,7 @@ std::string fault_of_result(const std::string& file, const std::string& text) {
     return "";
 }
 
-// Returns the text that it wrote.
+// Writes the result file, and returns its text.
 std::string write_result(const RunEnding& ending, const Journal& journal, bool completed) {
     RunFacts facts = ending.facts;
     facts.date = iso_date();

@@ -20,8 +20,8 @@ struct RunSettings {
 // every cell and every reference.
 Json identity_of(const Plan& whole, const RunSettings& settings);
 
-// What a result file keeps of it, under ptbench.run: lists as hashes, and "identity", the hash of all but the host's
-// name and the shard.
+// The part of a run's identity that a result file keeps, under ptbench.run: lists as hashes, and "identity", the hash
+// of all but the host's name and the shard.
 nlohmann::ordered_json run_json(const Json& identity);
 
 }  // namespace pt

@@ -77,7 +77,8 @@ Json RunJournal::session_facts() const {
     return {{"date", iso_date()}, {"host_name", host_name_}, {"process", ::getpid()}};
 }
 
-// Before the first fact that this process finds: one that is refused, or has nothing to do, leaves no trace.
+// Begins a session with the first fact that this process finds: a run that is refused, or has nothing to do, leaves no
+// trace.
 void RunJournal::begin_session() {
     if (!std::exchange(has_session_, true)) {
         journal_.add_session(session_facts());

@@ -13,7 +13,8 @@ namespace pt {
 
 class RunJournal {
 public:
-    // Opens it: Journal's constructor. `go_on`: the command that goes on with the run, for what a crash says.
+    // Opens the journal of a run, as Journal's constructor does. `go_on`: the command that goes on with the run, for
+    // what a crash says.
     RunJournal(std::string file, const Json& identity, bool resume, const std::vector<std::string>& that_may_differ,
                std::string go_on);
 
@@ -24,9 +25,9 @@ public:
     std::string failure(const Cell& cell) const;
 
     void set_cell(const Cell& cell, const Json& facts);
-    // Of a cell that is known.
+    // Notes a failure of a cell that is known.
     void set_failed(const Cell& cell, const std::string& reason);
-    // The same of one that has not failed yet; said on stderr.
+    // Notes a failure of a cell that has not failed yet, and says so on stderr.
     void fail(const Cell& cell, const std::string& reason);
     void add_sample(const Cell& cell, const Json& sample);
     void retake_sample(const Cell& cell, const Json& sample);
@@ -34,9 +35,9 @@ public:
     // on.
     LastLine fails_if_crashed(const Cell& cell, const std::string& place) const;
 
-    // No change from now on: a thread that adds to the journal waits until the process ends.
+    // Ends all changes: a thread that adds to the journal from now on waits until the process ends.
     void close() { mutex_.lock(); }
-    // Removes the file: the result file is in place.
+    // Removes the journal's file, once the result file is in place.
     void finish() { journal_.finish(); }
 
 private:

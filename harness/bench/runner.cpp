@@ -104,7 +104,7 @@ void check_benchmark_out(const std::vector<std::string>& flags) {
     }
 }
 
-// What a result keeps of the run's identity, and of a shard its cells' positions in the whole plan.
+// The part of the run's identity that a result keeps and, for a shard, its cells' positions in the whole plan.
 nlohmann::ordered_json run_facts_of(const Json& identity, const Shard& shard,
                                     const std::vector<std::size_t>& positions) {
     nlohmann::ordered_json facts = run_json(identity);
@@ -142,7 +142,7 @@ int decide_seconds_of(const Suite& suite, const RunOptions& options) {
     return options.decide_seconds >= 0 ? options.decide_seconds : suite.decide_seconds;
 }
 
-// Samples that a cell may come to have.
+// The most samples that a cell may come to have.
 int most_repetitions(const Suite& suite, const RunOptions& options) {
     return repetitions_of(suite, options) * (decide_seconds_of(suite, options) > 0 ? most_times_repetitions : 1);
 }
@@ -175,7 +175,7 @@ void say_what_was_dropped(const Journal& journal) {
     }
 }
 
-// Several ranks: whatever cannot be run so is said before anything is.
+// Checks what several ranks cannot run, and says so before anything is run.
 void check_ranks(const Plan& plan) {
     for (const Cell& cell : plan.cells) {
         const std::string reason = why_not_split(cell.variant, cell.backend);
@@ -186,7 +186,7 @@ void check_ranks(const Plan& plan) {
     require_equal_machines(plan.cells.front().backend);
 }
 
-// Of a run that goes on: a cell that failed or crashed in an earlier process is not tried again.
+// Says which cells of a run that goes on failed or crashed in an earlier process: they are not tried again.
 void say_what_failed_before(const Plan& plan, const RunJournal& journal) {
     for (const Cell& cell : plan.cells) {
         const bool is_known = journal.known().cell(cell.name) != nullptr;

@@ -30,7 +30,7 @@ struct RunOptions {
     std::uint64_t seed = 1;            // of sample 0; sample i has seed + i
     std::string filter = {};           // regular expression on cell names; empty: all
     std::vector<std::string> benchmark_flags = {};  // --benchmark_*, passed on
-    // After an interrupt a sample in flight has so long to end.
+    // Time that a sample in flight has to end after an interrupt.
     std::chrono::milliseconds grace = std::chrono::seconds(1);
 };
 

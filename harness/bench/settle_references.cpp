@@ -44,7 +44,7 @@ void settle_reference(const Cell& cell, const std::string& result_file, RunJourn
     journal.set_cell(cell, facts);
 }
 
-// By reference, the smallest that a cell of it expects.
+// For each reference, the smallest error that a cell expects of it.
 std::map<std::string, double> smallest_errors(const Plan& plan, const RunJournal& journal, const ErrorBook& errors) {
     std::map<std::string, double> smallest;
     for (const Cell& cell : plan.cells) {

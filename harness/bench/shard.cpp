@@ -22,7 +22,7 @@ public:
         }
         return cell;
     }
-    // Cells of equal keys are one group.
+    // Joins a cell to the group of its key: cells of equal keys are one group.
     void join(std::map<std::string, std::size_t>& known, const std::string& key, std::size_t cell) {
         const std::size_t a = first_of(known.try_emplace(key, cell).first->second);
         const std::size_t b = first_of(cell);
@@ -33,7 +33,7 @@ private:
     std::vector<std::size_t> parents_;
 };
 
-// What the name says after the variant, but for checkpoints: a cell and its twin without them are compared.
+// The part of a cell's name after the variant, but for checkpoints: a cell and its twin without them are compared.
 std::string setting_of(const Cell& cell) {
     const std::string setting = setting_in(cell.name);
     return setting.substr(0, setting.find("/checkpoints:"));

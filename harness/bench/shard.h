@@ -17,7 +17,7 @@ struct Shard {
     std::string name() const;  // "2/4"
 };
 
-// "2/4" -> the second of four; throws InputError.
+// Reads a shard, "2/4" for the second of four; throws InputError.
 Shard parse_shard(const std::string& text);
 
 // The groups of a plan, each as the positions of its cells: cells of one scene, backend, resolution, depth and spp, and

@@ -11,7 +11,7 @@ namespace pt {
 class ShortNames {
 public:
     explicit ShortNames(const Plan& plan);
-    // "wavefront layout=soa, cornell_open, depth 4".
+    // A cell's short name, as "wavefront layout=soa, cornell_open, depth 4".
     std::string of(const Cell& cell) const;
 
 private:

@@ -37,7 +37,7 @@ std::vector<std::string> names_on_any_backend(std::string_view axis) {
     return {names.begin(), names.end()};
 }
 
-// Those of every choice, so a name may be there several times.
+// The tunables of every choice, so a name may be there several times.
 std::vector<Tunable> tunables_on_any_backend() {
     std::vector<Tunable> all;
     for (const Backend backend : all_backends) {
@@ -59,7 +59,7 @@ std::vector<std::string> names_of(const std::vector<const Choice*>& choices) {
     return names;
 }
 
-// {0, 0} stands for the scene's own size.
+// The image sizes of a study; {0, 0} stands for the scene's own size.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> sizes_of(const Study& study, Backend backend) {
     if (const auto own = study.sizes_on.find(backend); own != study.sizes_on.end()) {
         return own->second;
@@ -159,7 +159,7 @@ void check_choices(const AxisChoices& axes, const std::string& file, const std::
 
 namespace {
 
-// `list`: choices with commas between them, or "all".
+// Adds choices of an axis. `list`: choices with commas between them, or "all".
 void add_choices(AxisChoices& axes, const std::string& axis, const std::string& list, const char* option,
                  Backend backend) {
     std::vector<std::string> names;
@@ -412,7 +412,7 @@ private:
         return study;
     }
 
-    // At every size, depth and number of samples.
+    // Adds a variant's cells at every size, depth and number of samples.
     void add_variant(const Study& study, const std::shared_ptr<const Scene>& scene, const Variant& variant) {
         if (Reason reason = reason_not_applicable(variant, features_of(*scene), backend_); !reason.empty()) {
             plan_.not_applicable.push_back({study.name, scene->name, backend_, variant, std::move(reason)});
@@ -430,7 +430,8 @@ private:
         }
     }
 
-    // The cell at the depth whose mean is that of the cell's own, with checkpoints.
+    // Adds the asked cell with checkpoints, for its error over time, at the depth at which its variant has the mean
+    // that is asked for; and, if need be, the cell without checkpoints.
     void add_cells_with_error(const Study& study, const Cell& asked) {
         const ConvergenceSettings& settings = *study.convergence;
         const std::uint32_t depth = asked.settings.depth;

@@ -13,19 +13,19 @@
 
 namespace pt {
 
-// Choices by axis; an axis that is not named stays at its baseline.
+// The choices asked for by axis; an axis that is not named stays at its baseline.
 using AxisChoices = std::map<std::string, std::vector<std::string>>;
 
 // Values by tunable; one that is not named stays at its standard.
 using TunableValues = std::map<std::string, std::vector<std::uint32_t>>;
 
-// Choices and values that belong together.
+// A set of choices and tunable values that belong together, as part of a study.
 struct VariantSet {
     AxisChoices axes;
     TunableValues tunables;
 };
 
-// What error against run time asks for beside time (harness/bench/convergence_study.h).
+// The settings of a study of error against run time (harness/bench/convergence_study.h).
 struct ConvergenceSettings {
     std::string reference_scene = {};  // whose image is the right one; empty: the cell's own scene
     std::map<std::string, std::string> reference_axes =
@@ -41,7 +41,7 @@ struct ConvergenceSettings {
 struct Study {
     std::string name;
     std::string title;
-    // Which figure analysis draws from it: one by name, or an axis whose choices are compared; empty: none.
+    // The figure that analysis draws from the study: one by name, or an axis whose choices are compared; empty: none.
     std::string figure;
     std::vector<std::string> scenes;
     AxisChoices axes;
@@ -71,7 +71,7 @@ struct Suite {
     std::vector<Study> studies;
 };
 
-// What a cell's images are compared with, and when.
+// The reference that a cell's images are compared with, and the numbers of samples at which they are.
 struct CellConvergence {
     std::vector<std::uint32_t> checkpoints;
     ReferenceTask reference;
@@ -79,7 +79,8 @@ struct CellConvergence {
 };
 
 struct Cell {
-    // VARIANT/scene:NAME/backend:NAME/resolution:WxH/depth:D/spp:N, and "/checkpoints:octaves" if it has them.
+    // The cell's name, VARIANT/scene:NAME/backend:NAME/resolution:WxH/depth:D/spp:N, and "/checkpoints:octaves" if it
+    // has them.
     std::string name;
     std::vector<std::string> studies;
     std::shared_ptr<const Scene> scene;
@@ -111,7 +112,7 @@ struct Plan {
     std::vector<std::string> chosen = {};  // what no call and no suite named, for people: "SCENE: accelerator=bvh8 ..."
 };
 
-// Throws InputError. `file` is for the messages.
+// Loads a suite from its file, or from a text, for which `file` is for the messages. Throws InputError.
 Suite load_suite(const std::string& file);
 Suite parse_suite(const std::string& text, const std::string& file);
 // Loads the scenes; throws InputError for an unknown scene, axis, choice or tunable. A choice that only another backend
@@ -125,18 +126,18 @@ std::vector<Variant> variants_of(const Study& study, Backend backend = Backend::
 // a tunable's standard is left out of the variant.
 std::vector<Variant> expand(const AxisChoices& axes, Backend backend = Backend::cpu,
                             const TunableValues& tunables = {});
-// Every choice of every axis.
+// Every choice of every axis on a backend.
 AxisChoices all_choices(Backend backend = Backend::cpu);
 // A pairwise covering: variants that apply to a scene with these features, in which every compatible pair of choices of
 // two axes occurs. All combinations of choices would be too many.
 std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet features, Backend backend);
-// Of such a covering as few as have every choice that occurs in it.
+// As few of a covering's variants as have every choice that occurs in it.
 std::vector<Variant> each_choice_once(std::vector<Variant> covering);
 // "NAME=c1,c2" -> adds to `axes`; throws InputError, with the allowed names, for an unknown name and for an axis that
 // `axes` has already. "NAME=all": all choices of the backend.
 void add_axis_argument(AxisChoices& axes, const std::string& argument, Backend backend = Backend::cpu);
 AxisChoices parse_axis_arguments(const std::vector<std::string>& arguments, Backend backend = Backend::cpu);
-// And choices of the axis `devices` as --devices lists them; empty: none.
+// Reads axis arguments and the choices of the axis `devices` as --devices lists them; empty: none.
 AxisChoices parse_axis_arguments(const std::vector<std::string>& arguments, const std::string& devices,
                                  Backend backend);
 // "NAME=v1,v2" -> adds to `tunables`; throws InputError, with what is allowed, for a value that is not and for a name

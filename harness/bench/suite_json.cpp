@@ -1,4 +1,4 @@
-// Suites from their files.
+// Reads suites from their files.
 #include "harness/bench/suite.h"
 
 #include <algorithm>
@@ -50,7 +50,7 @@ std::pair<std::uint32_t, std::uint32_t> read_size(const JsonValue& value) {
             static_cast<std::uint32_t>(sides[1].whole(1, 8192, "a whole number from 1 to 8192"))};
 }
 
-// [width, height], or an array of such.
+// Reads a size, [width, height], or an array of such.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> read_sizes(const JsonValue& value) {
     if (!value.json().is_array() || value.json().empty() || !value.json().front().is_array()) {
         return {read_size(value)};
@@ -63,7 +63,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> read_sizes(const JsonValue&
     return sizes;
 }
 
-// Sizes, or an object with some by backend: a GPU needs more pixels than a CPU to be busy.
+// Reads a study's sizes, or an object with some by backend: a GPU needs more pixels than a CPU to be busy.
 void read_resolution(const JsonValue& value, Study& study) {
     if (value.json().is_object()) {
         const JsonObject object(value, {"cpu", "cuda"});

@@ -20,7 +20,7 @@ namespace pt {
 
 namespace {
 
-// Nothing where it cannot be known.
+// The clock of the backend's processor in MHz; nothing where it cannot be known.
 std::optional<double> clock_mhz(Backend backend) {
     return backend == Backend::cuda ? cuda::measure_clock_mhz() : clock_of(measure_clock_evidence());
 }
@@ -144,7 +144,7 @@ TakenSample SampleTaker::render_sample(const Cell& cell, std::size_t index) {
 
 void SampleTaker::warm_up(const Cell& cell, RenderRequest request) {
     if (warm_.insert(cell.name).second) {
-        // One for each rank, and of it for each device.
+        // The warm-up takes one sample for each device of each rank.
         request.samples =
             static_cast<std::uint32_t>(ranks().count) * traits_of(cell.variant, cell.backend).devices.count;
         (void)render_on_ranks(*cell.scene, request);
@@ -154,17 +154,18 @@ void SampleTaker::warm_up(const Cell& cell, RenderRequest request) {
 // What is wrong with a sample's film or counters, or nothing.
 std::string SampleTaker::fault(const Cell& cell, std::size_t index, const RenderResult& result,
                                std::vector<FailedCell>& others) {
-    // Several ranks have each checked their own.
+    // With several ranks, each has checked its own counters.
     if (const std::string missing = check_counters(cell.variant, result.work, cell.spp, cell.backend);
         ranks().count == 1 && !missing.empty()) {
         return fmt::format("{}: {}", place_of(index), missing);
     }
-    // Whatever the claim, and of a variant that rounds freely too, whose rays nobody else's can be held to.
+    // The number of paths is checked whatever the claim, also for a variant that rounds freely, whose rays cannot be
+    // held to anybody else's.
     const std::uint64_t paths = std::uint64_t{cell.settings.width} * cell.settings.height * cell.spp;
     if (result.work.paths != paths) {
         return fmt::format("{}: {} paths, not {}", place_of(index), result.work.paths, paths);
     }
-    // At full size too, every film of a group has the same bits and took the same work, seed by seed.
+    // Every film of a group has the same bits and took the same work, seed by seed, at full size too.
     std::string wrong;
     for (FailedCell& failed : films_.note_sample(cell, index, imprint_of(result))) {
         if (failed.cell == &cell) {
@@ -173,7 +174,7 @@ std::string SampleTaker::fault(const Cell& cell, std::size_t index, const Render
             others.push_back(std::move(failed));
         }
     }
-    // Where errors are measured, a sample that is not finite makes them null, with a count.
+    // A sample that is not finite is no failure where errors are measured: it makes them null, with a count.
     FilmFaults faults = result.film.faults();
     faults.nonfinite = cell.convergence ? 0 : faults.nonfinite;
     return !wrong.empty() || faults.none() ? wrong : fmt::format("{}: {}", place_of(index), faults_text(faults));

@@ -20,13 +20,13 @@ struct TakenSample {
 
 class SampleTaker {
 public:
-    // Numbers samples (pt_order) on from those that are in the journal.
+    // Takes samples, which are numbered (pt_order) on from those that are in the journal.
     SampleTaker(const Plan& plan, const Journal& journal, std::uint64_t first_seed, FilmLedger& films,
                 ErrorBook& errors);
 
     // The cell's sample `index`. What a render throws is its error.
     TakenSample take(const Cell& cell, std::size_t index);
-    // "sample 2 (seed 3)"
+    // The sample in words, as "sample 2 (seed 3)".
     std::string place_of(std::size_t index) const { return sample_in_words(index, first_seed_ + index); }
 
 private:

@@ -25,7 +25,7 @@ public:
     void ReportRuns(const std::vector<Run>&) override {}
 };
 
-// What a sample may take, told from the instrumented pass.
+// Milliseconds that a sample may take, told from the instrumented pass.
 double pass_ms(const Cell& cell, const Journal& journal) {
     const Json& facts = *journal.cell(cell.name);
     const auto pass = facts.find("instrumented");

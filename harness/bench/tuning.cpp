@@ -19,7 +19,7 @@ namespace pt {
 
 namespace {
 
-// Of files that are older than identities: their names spell every choice, joined by dots.
+// The identity of a variant in a file older than identities: its name spells every choice, joined by dots.
 std::string id_of_spelled_out(const JsonValue& name, Backend backend) {
     Variant variant;
     std::istringstream choices(name.text());
@@ -169,13 +169,14 @@ std::vector<std::uint32_t> candidates(const Tunable& tunable) {
     };
     const std::uint32_t range = tunable.highest - tunable.lowest;
     if (tunable.highest <= 64) {
-        // Evenly over a short range.
+        // Over a short range values lie evenly.
         const std::uint32_t steps = std::min<std::uint32_t>(8, range);
         for (std::uint32_t step = 0; step <= steps; ++step) {
             offer(tunable.lowest + std::uint64_t{range} * step / std::max(1u, steps));
         }
     } else {
-        // By factors of two round the standard over a long one, or, where the standard is none, down from the end.
+        // Values lie by factors of two round the standard over a wide range or, where the standard is none, down from
+        // the end.
         for (std::uint64_t factor = 1; factor <= 16; factor *= 2) {
             if (tunable.default_value == 0) {
                 offer(tunable.highest / factor);

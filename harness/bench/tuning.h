@@ -16,7 +16,7 @@ struct TunedVariant {
     std::string variant;                          // its name with every tunable at its default, for people
     std::string id;                               // what it is found by (variant_id)
     std::map<std::string, std::uint32_t> values;  // those that are not
-    // What was rendered to find them.
+    // The scene and settings that were rendered to find the values.
     std::string scene;
     std::uint32_t width = 0, height = 0, depth = 0, spp = 0;
     double standard_ms = 0, tuned_ms = 0;  // a render, medians on the device's clock
@@ -26,12 +26,12 @@ class Tuning {
 public:
     // An absent file is an empty tuning. Throws InputError for a file that is not a tuning.
     static Tuning load(const std::string& file, Backend backend);
-    // Replaces the entry of that variant, or adds one.
+    // Replaces the entry of a variant, or adds one.
     void put(const TunedVariant& tuned);
-    // Throws MachineError.
+    // Writes the file. Throws MachineError if it cannot be written.
     void save(const std::string& file, const std::string& machine) const;
 
-    // Null if the variant of that identity was never tuned.
+    // Finds the variant of an identity; null if it was never tuned.
     const TunedVariant* find(const std::string& id) const;
     // The variant with the values found for it, but for tunables in `named` and those that it has a value for already.
     Variant applied(const Variant& variant, const std::set<std::string>& named) const;
@@ -42,10 +42,11 @@ private:
     Backend backend_ = Backend::cpu;
 };
 
-// results/MACHINE/tuning.json beside scenes/.
+// The file of tuned values for this machine: results/MACHINE/tuning.json beside scenes/.
 std::string tuning_file(Backend backend);
 
-// Values worth trying, in increasing order, the standard among them; empty for a tunable that sets what is computed.
+// Values of a tunable worth trying, in increasing order, the standard among them; empty for a tunable that sets what is
+// computed.
 std::vector<std::uint32_t> candidates(const Tunable& tunable);
 
 }  // namespace pt

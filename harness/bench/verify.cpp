@@ -48,7 +48,7 @@ bool same_pixel(const Film& a, const Film& b, std::size_t pixel) {
     return true;
 }
 
-// Mean of each channel of each 16x16 block, and as the last entries of the whole image.
+// The mean of each channel of each 16x16 block, and as the last entries the means of the whole image.
 std::vector<double> block_means(const Film& film) {
     const std::uint32_t columns = (film.width() + 15) / 16;
     const std::uint32_t rows = (film.height() + 15) / 16;
@@ -73,7 +73,7 @@ std::vector<double> block_means(const Film& film) {
 constexpr int batches = 24;
 constexpr double failing_t = 7;
 
-// Block means of the batches, seed by seed.
+// The block means of batches of samples, seed by seed.
 std::vector<std::vector<double>> batch_means(const Scene& scene, RenderSettings settings, const Variant& variant,
                                              Backend backend, std::uint32_t spp) {
     std::vector<std::vector<double>> means;
@@ -214,7 +214,7 @@ Verifier::MeanCheck Verifier::check_statistical(const Variant& variant) {
     const std::uint32_t spp = std::max(4u, spp_);
     const auto claimed = batch_means(scene_, settings_, variant, backend_, spp);
     const auto expected = batch_means(scene_, deeper, plain, backend_, spp);
-    // Without extra depth, what is expected is what there is without the choice.
+    // Without extra depth, the image without the choice is the one that is expected.
     const auto without =
         deeper.depth != settings_.depth ? batch_means(scene_, settings_, plain, backend_, spp) : expected;
     MeanCheck check;

@@ -8,7 +8,7 @@
 
 namespace pt {
 
-// Where two variants that should agree first differ.
+// The first place at which two variants differ that should agree.
 struct Difference {
     std::uint32_t x = 0, y = 0;
     std::optional<std::uint32_t> sample;  // none: each sample alone agrees, so it is in how samples are put together
@@ -32,8 +32,8 @@ public:
     // is also held to the CPU's. A variant that rounds freely has its twin in exact arithmetic held to the reference's
     // bits, and its own mean to its twin's. Precondition: the variant applies to the scene.
     Verdict check(const Variant& variant);
-    // A part of it, for large sizes: the faults, the bits and the work alone, of a variant that rounds freely those of
-    // its twin; no means, and nothing of the CPU's on CUDA.
+    // Checks at large sizes the faults, the bits and the work alone (for a variant that rounds freely, those of its
+    // twin): no means, and nothing of the CPU's on CUDA.
     Verdict check_film(const Variant& variant);
 
 private:

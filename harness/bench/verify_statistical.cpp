@@ -22,7 +22,8 @@ const Descriptor& descriptor_at(std::string_view axis, const Variant& variant, B
     return Registry::instance().at(axis, variant, backend).descriptor;
 }
 
-// Into how many equal parts a run's samples go: at most 8, or one each where nothing else divides them.
+// The number of equal parts that a run's samples are divided into: at most 8, or one part a sample where nothing else
+// divides them.
 std::uint32_t parts_of(std::uint32_t spp) {
     for (std::uint32_t parts = 8; parts > 1; --parts) {
         if (spp % parts == 0) {
@@ -93,7 +94,7 @@ MeanVerdict StatisticalVerifier::check(const MeanClaim& claim) {
         return {true, fmt::format("same mean as {}: {}", against, report.text())};
     }
     const Statistic& strongest = report.strongest();
-    // Its errors may repeat while its mean is right.
+    // The last statistic is of independence: its errors may repeat while its mean is right.
     const bool dependent = &strongest == &report.statistics.back();
     return {false, fmt::format("{} {}: {} ({}): {}",
                                dependent ? "samples are not independent, tested with" : "not the mean of", against,

@@ -37,11 +37,11 @@ public:
         double family_error = 1e-3;
     };
 
-    // Runs have the seeds settings.seed, settings.seed + 1, .. and, of baselines, those after them.
+    // A verifier whose runs have the seeds settings.seed, settings.seed + 1, .. and, of baselines, those after them.
     StatisticalVerifier(const Scene& scene, const RenderSettings& settings, const Effort& effort, Backend backend)
         : scene_(scene), settings_(settings), effort_(effort), backend_(backend) {}
 
-    // Precondition: both variants apply to the scene.
+    // Checks a claim of a mean. Precondition: both variants apply to the scene.
     MeanVerdict check(const MeanClaim& claim);
 
 private:

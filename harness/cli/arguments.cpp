@@ -39,7 +39,7 @@ std::pair<std::uint32_t, std::uint32_t> parse_resolution(const std::string& text
 
 namespace {
 
-// "a,b,,c" -> {"a", "b", "", "c"}.
+// Splits a text at its commas: "a,b,,c" becomes {"a", "b", "", "c"}.
 std::vector<std::string> split_at_commas(const std::string& text) {
     std::vector<std::string> parts;
     std::size_t start = 0;

@@ -93,7 +93,7 @@ public:
         return best;
     }
 
-    // Both in turn: what drifts, drifts for both.
+    // Times of two variants, taken in turn: what drifts, drifts for both.
     std::pair<double, double> compared(const Variant& a, const Variant& b) const {
         std::vector<double> of_a, of_b;
         for (std::uint64_t seed = 1; seed <= samples_at_the_end; ++seed) {
@@ -124,7 +124,7 @@ int run(const AutotuneArguments& arguments) {
         throw InputError(fmt::format("n/a: {} on {}: {}", shown_name(standard, backend), scene.name, reason));
     }
     require_backend(backend);
-    // Before the search: it takes minutes, and what it finds must have a place.
+    // The file is checked before the search, which takes minutes, and what it finds must have a place.
     const std::string file = arguments.out.empty() ? tuning_file(backend) : arguments.out;
     check_output_file(file);
     refuse_result(file);

@@ -12,7 +12,7 @@
 
 namespace pt {
 
-// An exit code. May throw InputError and MachineError.
+// Carries a command out, and returns the exit code. May throw InputError and MachineError.
 using Command = std::function<int()>;
 
 Command add_list_command(CLI::App& app);
@@ -32,24 +32,25 @@ Command add_replay_command(CLI::App& app);
 Command add_stability_command(CLI::App& app, const std::string& command_line);
 Command add_rays_command(CLI::App& app, const std::string& command_line);
 
-// What `new` makes: "compaction", ..
+// The kinds of things that `ptbench new` makes, "compaction" for instance.
 std::vector<std::string> kinds_of_new();
-// "--axis", "--backend", ..: a command's options, for suggestions.
+// A command's options, "--axis" for instance, for suggestions.
 std::vector<std::string> option_names(const CLI::App& command);
-// "WxH" -> {W, H}; throws InputError.
+// Reads a resolution, "WxH"; throws InputError.
 std::pair<std::uint32_t, std::uint32_t> parse_resolution(const std::string& text);
-// "WxH,WxH" -> each once.
+// Reads resolutions, "WxH,WxH", each of which may stand once; throws InputError.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> parse_resolutions(const std::string& text);
-// "2,4,8" -> {2, 4, 8}; `flag` is for the messages. Throws InputError for what is no whole number from `low` to `high`,
-// or stands twice.
+// Reads whole numbers, "2,4,8"; `flag` is for the messages. Throws InputError for what is no whole number from `low` to
+// `high`, or stands twice.
 std::vector<std::uint32_t> parse_whole_numbers(const std::string& text, const std::string& flag, std::uint32_t low,
                                                std::uint32_t high);
-// "A,B" -> {A, B}, the names of `flag`; throws InputError for an empty name, or one that stands twice.
+// Splits "A,B", the names of `flag`, into {A, B}; throws InputError for an empty name, or one that stands twice.
 std::vector<std::string> split_names(const std::string& text, const std::string& flag = "--scene");
-// The same, and "all" -> every shipped scene.
+// Splits "A,B" into scene names; "all" stands for every shipped scene. Throws InputError for an empty name, or one that
+// stands twice.
 std::vector<std::string> scenes_asked_for(const std::string& text);
-// "cpu" or "cuda"; "": cuda where it is available, else cpu. Throws InputError for another name, MachineError for a
-// backend that this build lacks.
+// Reads the name of a backend, "cpu" or "cuda"; "" is cuda where it is available, else cpu. Throws InputError for
+// another name, MachineError for a backend that this build lacks.
 Backend parse_backend(const std::string& text);
 // Throws MachineError with the reason if the backend is not available here.
 void require_backend(Backend backend);
@@ -60,7 +61,7 @@ struct CompileOnly {
     std::string architecture;
 };
 void add_compile_options(CLI::App& command, CompileOnly& compile_only);
-// For CLI::Option::check, of file names: a shell's variable may have been empty.
+// For CLI::Option::check: what is wrong with an empty file name, which a shell's variable may have given; else nothing.
 std::string check_not_empty(const std::string& text);
 // For CLI::Option::check: what is wrong with a seed, or nothing. (CLI11 alone takes -1 for 2^64 - 1.)
 std::string check_seed(const std::string& text);

@@ -75,7 +75,7 @@ int import_file(const ImportArguments& arguments) {
     return exit_good;
 }
 
-// "CIS 565 JSON (.json), .."
+// The formats that can be imported, as "CIS 565 JSON (.json), ..".
 std::string import_format_list() {
     std::vector<std::string> formats;
     for (const ImportFormat& format : import_formats()) {

@@ -68,7 +68,7 @@ std::string text_of_report(const nlohmann::ordered_json& report) {
     return text;
 }
 
-// Renders the variant once for the number of its rays, and once more under ncu.
+// Renders the variant once to count its rays, and once more under ncu.
 void add_counters(const InspectArguments& arguments, const Scene& scene, const Variant& variant,
                   nlohmann::ordered_json& report) {
     RenderRequest request{

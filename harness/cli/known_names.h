@@ -11,7 +11,7 @@
 
 namespace pt {
 
-// Of an axis, on any of the backends: baselines first.
+// The names of an axis's choices on any of the backends, baselines first.
 std::vector<std::string> names_of_choices(std::string_view axis, BackendSet backends = on_every_backend);
 std::vector<std::string> names_of_axes();
 std::vector<std::string> names_of_tunables();
@@ -19,7 +19,7 @@ std::vector<std::string> names_of_commands(const CLI::App& app);
 
 // What `list --names` lists besides the choices of an axis.
 inline const std::vector<std::string> kinds_of_names{"axes", "scenes", "suites", "tunables", "backends", "commands"};
-// Of one of those kinds, or of the axis of that name. Throws InputError for another.
+// The names of one of the kinds, or the choices of the axis of that name. Throws InputError for another name.
 std::vector<std::string> known_names(const std::string& kind_or_axis, const CLI::App& app);
 
 }  // namespace pt

@@ -53,7 +53,7 @@ OrderedJson everything(const ListArguments& arguments) {
             {"backends", list_backends()}};
 }
 
-// The axes, one axis, the scenes or the suites.
+// The text about one topic of `ptbench list`: the axes, one axis, the scenes or the suites.
 std::string topic_text(const ListArguments& arguments) {
     const std::string& topic = arguments.topic;
     if (topic == "axes") {

@@ -64,7 +64,7 @@ OrderedJson choice_json(std::string_view axis, const std::string& name) {
             {"tunables", tunables}};
 }
 
-// Per backend and choice: why it does not apply to the scene with everything else at its baseline.
+// For each backend and choice, why it does not apply to the scene with everything else at its baseline.
 OrderedJson reasons_json(FeatureSet features) {
     OrderedJson all = OrderedJson::object();
     for (const Backend backend : all_backends) {
@@ -144,8 +144,8 @@ OrderedJson list_scene(const std::string& name) {
             {"not_applicable_on", reasons}};
 }
 
-// What leaving out saves: the same kernel of the scene with everything and with less, compiled for a GPU that need not
-// be there.
+// Lists what leaving features out saves: a scene's kernel with everything and with less, compiled for a GPU that need
+// not be there.
 OrderedJson list_kernels(const std::string& name, const std::string& architecture) {
     const Scene scene = find_scene(name);
     OrderedJson kernels = OrderedJson::array();

@@ -12,10 +12,10 @@ namespace pt {
 nlohmann::ordered_json list_axis_facts();
 nlohmann::ordered_json list_axis(std::string_view axis);
 nlohmann::ordered_json list_axes();
-// Throws InputError for a scene that is not there.
+// Lists a scene. Throws InputError for one that is not there.
 nlohmann::ordered_json list_scene(const std::string& name_or_file);
-// What leaving out saves: the same kernel of the scene with everything and with less, compiled for a GPU that need not
-// be there.
+// Lists what leaving features out saves: a scene's kernel with everything and with less, compiled for a GPU that need
+// not be there.
 nlohmann::ordered_json list_kernels(const std::string& scene, const std::string& architecture);
 nlohmann::ordered_json list_suite(const std::string& name);
 nlohmann::ordered_json list_backends();

@@ -21,7 +21,7 @@ std::string joined(const OrderedJson& names, const char* between) {
     return fmt::format("{}", fmt::join(names.get<std::vector<std::string>>(), between));
 }
 
-// Words with a space between them, in lines of at most 110 columns.
+// The words with a space between them, in lines of at most 110 columns.
 std::string wrapped(const std::vector<std::string>& words) {
     constexpr std::size_t width = 110;
     std::string text, line = " ";
@@ -39,7 +39,7 @@ bool is_there(std::string_view axis, const std::string& choice, Backend backend)
     return Registry::instance().find(axis, choice, backend) != nullptr;
 }
 
-// With a mark where the choice is not there on both backends.
+// A choice's name, with a mark where it is not there on both backends.
 std::string marked(std::string_view axis, const std::string& choice) {
     if (!is_there(axis, choice, Backend::cpu)) {
         return choice + "*";

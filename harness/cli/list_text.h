@@ -1,4 +1,4 @@
-// The same as text: in one screen, and an axis, scenes or suites in full.
+// The output of `ptbench list` as text: all on one screen, or an axis, scenes or suites in full.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace pt {
 
-// A line an axis with its choices, the names of scenes and suites, and the backends.
+// The overview of `ptbench list`: a line an axis with its choices, the names of scenes and suites, and the backends.
 std::string overview_text();
 // The axes, a line each.
 std::string axes_text();

@@ -24,7 +24,7 @@
 
 namespace {
 
-// As a shell takes it: quoted where it has to be.
+// An argument as a shell takes it, quoted where it has to be.
 std::string quoted(const std::string& argument) {
     constexpr const char* plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=.,:/@%^";
     if (!argument.empty() && argument.find_first_not_of(plain) == std::string::npos) {
@@ -45,7 +45,7 @@ std::string join_arguments(int argc, char** argv) {
     return joined;
 }
 
-// What the first argument that nothing knows may have been meant to be; empty where nothing is near.
+// The name that the first unknown argument may have been meant to be; empty where none is near.
 std::string suggestion(const CLI::App& app, const std::vector<std::string>& arguments) {
     const std::vector<std::string> subcommands = pt::names_of_commands(app);
     if (arguments.empty()) {
@@ -65,7 +65,7 @@ std::string suggestion(const CLI::App& app, const std::vector<std::string>& argu
     return "";
 }
 
-// CLI11 says "--seed: At Most 1 required but received 2".
+// The error of a call in our words: CLI11 says "--seed: At Most 1 required but received 2".
 std::string in_words(const CLI::ParseError& error) {
     const std::string message = error.what();
     const std::size_t place = message.find(": At Most 1 required but received");
@@ -74,7 +74,8 @@ std::string in_words(const CLI::ParseError& error) {
                                                     message.substr(message.find_last_of(' ') + 1));
 }
 
-// The others would leave all ranks but one with nothing to do, and time the one.
+// Refuses several ranks for commands other than run and render, which would leave all ranks but one with nothing to do,
+// and time the one.
 void check_ranks(const std::string& command) {
     if (pt::ranks().count > 1 && command != "run" && command != "render") {
         throw pt::InputError(
@@ -146,7 +147,7 @@ int guarded(const std::function<int()>& program) {
         pt::say("ptbench: {}\n", error.what());
         return pt::exit_machine_failed;
     } catch (const std::system_error& error) {
-        // What fmt::print throws where a line finds no room.
+        // fmt::print throws this where a line finds no room.
         const bool is_output = std::ferror(stdout) != 0;
         pt::say("ptbench: {}: {}\n", is_output ? "standard output: cannot be written" : "internal error",
                 is_output ? error.code().message() : error.what());

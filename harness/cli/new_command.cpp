@@ -28,7 +28,8 @@ struct TemplateFile {
     std::string_view what;
 };
 
-// In a template's path and in its text "@NAME@" stands for the name, "@TYPE@" for the class that a shape has of it.
+// Placeholders in a template's path and text: "@NAME@" stands for the name, "@TYPE@" for the class that a shape has of
+// it.
 constexpr std::string_view name_placeholder = "@NAME@";
 constexpr std::string_view type_placeholder = "@TYPE@";
 
@@ -48,7 +49,7 @@ constexpr TemplateFile shape_files[] = {
 };
 constexpr std::string_view shape_list = "kernels/shape_list.h";
 
-// What can be new.
+// A kind of thing that `ptbench new` makes.
 struct Kind {
     std::string_view name;  // also of its folder of templates
     std::span<const TemplateFile> files;
@@ -88,7 +89,7 @@ std::string replaced(std::string text, std::string_view placeholder, std::string
     return text;
 }
 
-// my_ball: MyBallShape.
+// The name of the class that a shape has: MyBallShape for my_ball.
 std::string type_of(const std::string& name) {
     std::string type;
     bool begins = true;
@@ -144,9 +145,9 @@ constexpr std::string_view reserved_names[] = {
     "unsigned",      "using",       "virtual",   "void",      "volatile",     "wchar_t",
     "while",         "xor",         "xor_eq"};
 
-constexpr std::size_t longest_name = 32;  // a variant's name spells it beside thirteen others
+constexpr std::size_t longest_name = 32;  // a variant's name spells it beside its other choices
 
-// Words of small letters and digits, joined by single underscores; the first character is a letter.
+// Whether a name is words of small letters and digits, joined by single underscores, the first character a letter.
 bool is_snake_case(const std::string& name) {
     constexpr std::string_view allowed = "abcdefghijklmnopqrstuvwxyz0123456789_";
     return !name.empty() && name.front() >= 'a' && name.front() <= 'z' && name.back() != '_' &&
@@ -178,7 +179,7 @@ fs::path file_named(const fs::path& folder, const std::string& name) {
     throw InputError("new", "NAME", "\"" + name + "\"", "a name that is not taken: " + by);
 }
 
-// A shape's name is a feature's too, and with an s an array's.
+// The name of a shape is also that of a feature and, with an s, of an array: both must be free.
 void check_shape_is_free(const std::string& name) {
     const std::vector<std::string> features = feature_names(~FeatureSet{0});
     if (std::find(features.begin(), features.end(), name) != features.end()) {
@@ -226,8 +227,8 @@ std::vector<NewFile> new_files(const fs::path& home, const Kind& kind, const std
     return files;
 }
 
-// All or none: what is there of them when one cannot be written is taken away again. A file that was there before is
-// the last, and is written whole or not at all.
+// Writes all files or none: what was written is taken away again if one cannot be. A file that was there before is the
+// last, and is written whole or not at all.
 void write_all(const std::vector<NewFile>& files) {
     std::size_t written = 0;
     try {

@@ -115,7 +115,7 @@ std::vector<std::string> names_or_none(const std::string& text, const std::strin
     return text.empty() ? std::vector<std::string>() : split_names(text, flag);
 }
 
-// Every fault of the call before anything is made.
+// Checks the call for every fault before anything is made.
 void check_arguments(const RaysArguments& arguments, std::size_t meshes) {
     if (meshes == 0) {
         throw InputError("rays", "--mesh", "none", "--mesh NAME:SIZE|FILE,.. or --scene S,..");
@@ -143,7 +143,7 @@ void check_arguments(const RaysArguments& arguments, std::size_t meshes) {
     }
 }
 
-// Asked again of each mesh, once it is read.
+// Throws InputError where an output is a file that was read; it is asked again of each mesh, once that is read.
 void refuse_sources(const RaysArguments& arguments) {
     refuse_source(arguments.out);
     refuse_source(arguments.write_mesh, "--write-mesh");
@@ -193,7 +193,7 @@ void check_leak_arguments(const RaysArguments& arguments) {
     }
 }
 
-// Exit code 1 where a ray leaves a closed mesh.
+// Looks for leaks; the exit code is 1 where a ray leaves a closed mesh.
 int find_leaks(const RaysArguments& arguments) {
     const std::vector<std::string> meshes = names_or_none(arguments.meshes, "--mesh");
     check_arguments(arguments, meshes.size());
@@ -221,7 +221,7 @@ int find_leaks(const RaysArguments& arguments) {
     return leaks == 0 ? exit_good : exit_check_failed;
 }
 
-// What each mesh or scene of the call is asked for.
+// Calls each(mesh) for every mesh or scene of the call.
 template <class Each>
 void for_each_mesh(const RaysArguments& arguments, const Each& each) {
     for (const std::string& name : names_or_none(arguments.meshes, "--mesh")) {

@@ -10,24 +10,24 @@
 
 namespace pt {
 
-// "albedo", "normal", ..
+// The names of the AOVs that a render can write: "albedo", "normal", and so on.
 std::vector<std::string> names_of_aovs();
-// The same with commas between.
+// The names of the AOVs with commas between, for messages.
 std::string aov_names_text();
 
 class RenderAovs {
 public:
-    // "albedo,variance" or "all"; "": none. Throws InputError for other names.
+    // Reads the AOVs asked for, "albedo,variance" or "all"; "": none. Throws InputError for other names.
     static RenderAovs parse(const std::string& text);
 
     bool none() const { return names_.empty(); }
-    // Throws InputError where the file's format, the variant or the number of samples cannot have them.
+    // Throws InputError where the file's format, the variant or the number of samples cannot have these AOVs.
     void check(const std::string& file, const RenderRequest& request) const;
 
-    // What the render has to feed from its checkpoints, which it makes at variance_stops; null if none needs it.
+    // The variance that a render feeds from its checkpoints, which it makes at variance_stops; null if no AOV needs it.
     PixelVariance* variance() { return has("variance") ? &variance_ : nullptr; }
 
-    // After the render. Adds to the summary what they were made from.
+    // Makes the layers after the render, and adds to the summary what they were made from.
     std::vector<ExrLayer> layers(const Scene& scene, const RenderRequest& request, const RenderResult& result,
                                  nlohmann::ordered_json& summary) const;
 

@@ -48,8 +48,8 @@ struct RenderArguments {
 };
 
 constexpr double shortest_to_mention = 2;  // seconds: a render that takes less says nothing
-// Of the samples of all pixels. A render of so few samples a pixel that none can be spent on finding out how long it
-// takes is announced where it has more than these, which take seconds on a CPU.
+// Samples of all pixels above which a render is announced that has too few a pixel to spend any on finding out how long
+// it takes; so many take seconds on a CPU.
 constexpr double most_samples_unmentioned = 1 << 23;
 
 struct Trial {
@@ -79,8 +79,8 @@ Trial try_with_pixels(const Scene& scene, RenderRequest request, double pixels) 
     return {is_known ? std::optional(1e-3 * ms * times) : std::nullopt, cold.cuda};
 }
 
-// Of a small image, and of a larger one where that may take long as a whole and takes little itself. Nothing where
-// the render is so small that it would be told late.
+// Times a small image, and a larger one where the whole may take long and that takes little itself. The time is unknown
+// where the render is so small that it would be told late.
 Trial try_small(const Scene& scene, const RenderRequest& request) {
     constexpr double least_times = 16, most_seconds = 0.5;
     const double whole = pixels_of(request.settings) * request.samples;
@@ -102,7 +102,7 @@ Trial try_small(const Scene& scene, const RenderRequest& request) {
     return trial;
 }
 
-// One sample a pixel, after one that warms up; where that alone would take long, of a small image.
+// Times one sample a pixel, after one that warms up; where that alone would take long, of a small image.
 Trial try_out(const Scene& scene, RenderRequest request) {
     constexpr std::uint32_t fewest_samples = 32;
     Trial trial = try_small(scene, request);
@@ -125,8 +125,8 @@ Trial try_out(const Scene& scene, RenderRequest request) {
     return trial;
 }
 
-// Where a long render stops to say how far it is: every two seconds or less often, at multiples of the samples that
-// kernels have in flight; one of few samples at each.
+// The numbers of samples at which a long render stops to say how far it is: every two seconds or less often, at
+// multiples of the samples that kernels have in flight; a render of few samples stops at each.
 std::vector<std::uint32_t> stops_of(const RenderRequest& request, std::optional<double> seconds) {
     constexpr std::uint32_t multiple = 16;
     std::uint32_t step = 1;
@@ -158,7 +158,7 @@ RankedRender render_aloud(const Scene& scene, RenderRequest request, const Trial
         say("render: {}x{}, {} spp, {}{}\n", request.settings.width, request.settings.height, request.samples,
             shown_name(request.variant, request.backend), seconds ? ": about " + clock_text(*seconds) : "");
     }
-    // Several ranks would meet at each stop.
+    // A render on several ranks does not stop, since they would meet at each stop.
     if (stops_change_film(request.variant, request.backend) || (ranks().count > 1 && variance == nullptr)) {
         return render_on_ranks(scene, request);
     }
@@ -184,7 +184,8 @@ struct Chosen {
     std::string by;  // whom
 };
 
-// What the call names; the fastest integrator and accelerator that go with it, where it names none.
+// The variant that the call names; where it names none, it has the fastest integrator and accelerator that go with the
+// rest.
 Chosen choose_variant(const RenderArguments& arguments, const Scene& scene, Backend backend) {
     const AxisChoices asked = parse_axis_arguments(arguments.axes, arguments.devices, backend);
     const TunableValues tunables = parse_tunable_arguments(arguments.tunables);
@@ -216,7 +217,7 @@ Chosen choose_variant(const RenderArguments& arguments, const Scene& scene, Back
     return {Tuning::load(tuning_file(backend), backend).applied(variant, kept), by};
 }
 
-// The same render once more, warm: for whoever times other programs beside this one.
+// Renders once more, warm, for whoever times other programs beside this one.
 nlohmann::ordered_json timed_again(const Scene& scene, const RenderRequest& request) {
     const ForeignLoad before = ForeignLoad::now();
     const auto [result, ranked] = render_on_ranks(scene, request);
@@ -227,7 +228,7 @@ nlohmann::ordered_json timed_again(const Scene& scene, const RenderRequest& requ
             {"foreign_cpu_seconds", 1e-3 * foreign.cpu_ms}};
 }
 
-// For people: a program reads the summary.
+// Tells people on a terminal where the render runs; a program reads the summary.
 void say_where(const RenderArguments& arguments, const RenderRequest& request, const std::string& chosen_by) {
     if (::isatty(STDERR_FILENO) == 0) {
         return;

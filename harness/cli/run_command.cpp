@@ -137,7 +137,7 @@ std::string compared_axis(const AxisChoices& axes) {
     return axes::integrator;
 }
 
-// Two values for one of Google Benchmark's flags: the last would win without a word.
+// Throws InputError for two values of one of Google Benchmark's flags: the last would win without a word.
 void check_flags_once(const std::vector<std::string>& extras) {
     std::set<std::string> names;
     for (const std::string& extra : extras) {

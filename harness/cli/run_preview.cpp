@@ -14,7 +14,7 @@ namespace pt {
 
 namespace {
 
-// By the text of suite and scenes: reading them as a run does would take seconds for each large mesh.
+// Whether the suite's text names scenes with meshes: reading them as a run does would take seconds for each large mesh.
 bool has_scenes_with_meshes(const std::string& suite_file) {
     const Json suite = parse_loosely(suite_file);
     for (const Json& study : array_in(suite, "studies")) {

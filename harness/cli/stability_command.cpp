@@ -103,7 +103,7 @@ std::string evaluated(const Task& task, bool quiet) {
     return stability::Json{{"rows", to_json(task, rows)}, {"text", std::move(text)}}.dump();
 }
 
-// "cuda 17": the call's 17th task on that backend.
+// The function by which a worker answers a question such as "cuda 17": the call's 17th task on that backend.
 stability::Answer worker_of(const StabilityArguments& arguments) {
     auto tasks = std::make_shared<std::vector<Task>>();
     return [&arguments, tasks](const std::string& question) {
@@ -115,7 +115,7 @@ stability::Answer worker_of(const StabilityArguments& arguments) {
     };
 }
 
-// On a CPU every render has all processors already.
+// The number of worker processes. On a CPU one is enough, since every render has all processors already.
 std::size_t worker_count(const StabilityArguments& arguments) {
     if (arguments.jobs != 0) {
         return arguments.jobs;
@@ -167,7 +167,7 @@ public:
         return tasks;
     }
 
-    // Without workers `answer` is called here.
+    // Answers the missing tasks, by the workers or, without any, in this process by `answer`.
     int run(stability::Workers* workers, const stability::Answer& answer) {
         std::vector<std::string> questions;
         for (const std::size_t task : missing_) {
@@ -204,7 +204,7 @@ private:
         }
     }
 
-    // On another thread, for good: nothing else of this process is put away.
+    // Ends the process from another thread, for good: nothing else of it is put away.
     int abandon() {
         mutex_.lock();
         const int exit_code = end_interrupted();
@@ -252,7 +252,7 @@ int run(const StabilityArguments& arguments) {
         compile_for(arguments.compile_only.architecture, compilations_of(all_tasks(arguments, Backend::cuda), scenes));
         return exit_good;
     }
-    // Before the backend is looked at: a process that has started CUDA cannot be forked.
+    // Workers are forked before the backend is looked at: a process that has started CUDA cannot be forked.
     const stability::Answer answer = worker_of(arguments);
     std::optional<stability::Workers> workers;
     if (const std::size_t count = worker_count(arguments); count > 1) {

@@ -30,7 +30,7 @@ const Case& find_case(const std::string& name) {
                      fmt::format("{}{}", fmt::join(names, ", "), did_you_mean(name, names)));
 }
 
-// "NAME=VALUE".
+// Reads values of parameters, each as "NAME=VALUE".
 std::map<std::string, double> parse_values(const std::vector<std::string>& arguments) {
     std::map<std::string, double> values;
     for (const std::string& argument : arguments) {
@@ -110,7 +110,7 @@ std::vector<Variant> accelerated_variants(const Variant& plain, Backend backend)
     return variants;
 }
 
-// Each accelerator with one after the other of the kernels that are timed, of which there are some, in either
+// Adds each accelerator with one after the other of the kernels that are timed, of which there are some, in either
 // arithmetic.
 void add_accelerators(std::vector<Variant>& all, const std::vector<Variant>& timed, std::size_t turn, Backend backend) {
     const std::vector<const Choice*> accelerators = Registry::instance().choices(axes::accelerator, backend);
@@ -123,7 +123,7 @@ void add_accelerators(std::vector<Variant>& all, const std::vector<Variant>& tim
     }
 }
 
-// What the case asks for of other estimators, as choices that go together, unless the call named an axis of theirs.
+// The other estimators that a case asks for, as choices that go together, unless the call named an axis of theirs.
 std::vector<std::map<std::string, std::string>> estimators_of(const Case& stiff_case, const StabilityRequest& request) {
     std::vector<std::map<std::string, std::string>> estimators;
     for (const auto& [axis, choices] : stiff_case.estimators) {
@@ -146,7 +146,8 @@ Variant with_choices(Variant variant, const std::map<std::string, std::string>& 
     return variant;
 }
 
-// The kernels that are timed: each without estimators and accelerators, and these with two of them at a time.
+// Adds the kernels that are timed: each without estimators and accelerators, and these with two of the kernels at a
+// time.
 void add_timed(std::vector<Variant>& all, const Case& stiff_case, const StabilityRequest& request, Backend backend) {
     const std::vector<Case>& catalogue = stability::catalogue();
     const auto turn = static_cast<std::size_t>(&stiff_case - catalogue.data());

@@ -18,11 +18,12 @@ struct StabilityRequest {
     bool quick = false;
 };
 
-// In the order of the call, then of the catalogue. Throws InputError, as all of these.
+// The cases that a call asks for, in its order, then in the catalogue's. Throws InputError, as all functions here.
 std::vector<const stability::Case*> chosen_cases(const StabilityRequest& request);
 
-// Where no axis is named: every precision, arithmetic and robustness with the plainest integrator, and the other
-// integrators in single precision, all by the general kernel. What is timed is added by case (variants_of_case).
+// The variants of a call that names no axis: every precision, arithmetic and robustness with the plainest integrator,
+// and the other integrators in single precision, all by the general kernel. What is timed is added by case
+// (variants_of_case).
 std::vector<Variant> asked_variants(const StabilityRequest& request, Backend backend);
 
 // The variants, and each with the estimators that the case asks for unless the call named their axis; likewise the
@@ -31,7 +32,7 @@ std::vector<Variant> asked_variants(const StabilityRequest& request, Backend bac
 std::vector<Variant> variants_of_case(const std::vector<Variant>& variants, const stability::Case& stiff_case,
                                       const StabilityRequest& request, Backend backend);
 
-// Case after case.
+// The tasks that a call asks for, case after case.
 std::vector<stability::Task> all_tasks(const StabilityRequest& request, Backend backend);
 
 }  // namespace pt

@@ -21,7 +21,8 @@ namespace {
 // Turns of a loop with a pause, which takes 40 to 140 cycles: 0.1 to 0.4 ms. Measured (results/*/waiting.txt): on an
 // idle machine as fast as the default of 300,000; with 1,000 a wavefront of 32x32 takes two to three times as long.
 constexpr const char* spins_where_times_count = "10000";
-// Beside other jobs a small wavefront takes less than a third of that time without a single turn (the same file).
+// Turns of that loop beside other jobs, where a small wavefront takes less than a third of the time without a single
+// turn (results/*/waiting.txt).
 constexpr const char* spins_elsewhere = "0";
 
 bool is_set(const char* name) { return std::getenv(name) != nullptr; }

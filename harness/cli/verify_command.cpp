@@ -46,7 +46,7 @@ struct Tally {
     std::size_t held = 0, failed = 0, not_applicable = 0;
 };
 
-// What does not apply in a scene: most of a product of axes, for few reasons, of which each is a line.
+// Collects what does not apply in a scene: most of a product of axes, for few reasons, of which each is a line.
 class NotApplicableLines {
 public:
     void add(const std::string& variant, const std::string& reason) {
@@ -114,7 +114,7 @@ public:
 
     static std::string size() { return fmt::format("{}x{}", width, height); }
 
-    // What the variant's own verdict becomes.
+    // The variant's own verdict, or that of its film at the larger size if it fails only there.
     Verdict after(const Verdict& verdict, const Variant& variant) {
         if (!verdict.holds || !checked_.contains(variant)) {
             return verdict;
@@ -137,7 +137,7 @@ private:
         settings.height = height;
         return settings;
     }
-    // Of each choice the variant that has it and else the fewest choices other than the baseline's.
+    // For each choice, the variant that has it and otherwise the fewest choices other than the baseline's.
     static std::set<Variant> plainest_of_each_choice(const Scene& scene, const std::vector<Variant>& variants,
                                                      Backend backend) {
         const Variant baseline = Registry::instance().baseline(backend);
@@ -203,7 +203,7 @@ void verify_scene(const Scene& scene, Backend backend, const std::vector<Variant
     }
 }
 
-// What there is to compare of a variant: its image, which all that differ in bitwise choices share.
+// The variant whose image is compared, which all that differ in bitwise choices share.
 Variant image_of(const Scene& scene, const Variant& variant, Backend backend) {
     return fp_relaxed(variant, backend) ? variant : fast_reference_on(scene, variant, backend);
 }
@@ -309,7 +309,8 @@ std::vector<Variant> single_steps(Backend backend) {
     return variants;
 }
 
-// Every triangle in turn is the reference, and too slow for every other choice.
+// The accelerator of variants in which another axis is varied: every triangle in turn is the reference, and too slow
+// for every other choice.
 std::string plain_accelerator(const Scene& scene, Backend backend) {
     std::string name = Registry::instance().baseline(backend)[axes::accelerator];
     for (const Choice* choice : Registry::instance().choices(axes::accelerator, backend)) {

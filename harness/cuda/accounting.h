@@ -6,7 +6,7 @@
 
 namespace pt::cuda {
 
-// Each of these waits for the device.
+// These functions wait for the device.
 void download_film(const Job& job, Film& film);
 FilmFaults download_faults(const Job& job);
 
@@ -18,14 +18,14 @@ struct DeviceCounts {
 };
 DeviceCounts download_counts(const Job& job, const IntegratorTraits& integrator);
 
-// What the job counted on the host, the integrator's loops on the device (device_work) and its kernels.
+// The work of a job: what it counted on the host, the integrator's loops on the device (device_work) and its kernels.
 WorkCounters work_of(const Job& job, const IntegratorTraits& integrator, const WorkCounters& device_work,
                      const DeviceCounts& counts);
 
-// Of `live`, up to the last segment that a path reached.
+// The counts of `live` up to the last segment that a path reached.
 std::vector<std::uint64_t> reached_segments(const std::vector<std::uint64_t>& live);
 
-// What the compiler made of the integrator's kernels.
+// The registers and memory that the compiler gave the integrator's kernels.
 std::vector<CudaFacts::Kernel> kernel_facts(const Module& module, const std::vector<KernelSignature>& kernels);
 
 }  // namespace pt::cuda

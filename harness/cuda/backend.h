@@ -44,16 +44,17 @@ nlohmann::ordered_json kernel_counters(const std::vector<std::string>& arguments
 
 // Throws MachineError where counters cannot be had: no device, no ncu.
 void require_counters();
-// The same of batches, whose arguments are those of `ptbench rays`: each of the kernel's function and the number of its
-// rays, in the order of the launches between calls of switch_counting. {"ceilings": .., "launches": [..]}.
+// Hardware counters of ray batches, whose arguments are those of `ptbench rays`: a batch is the kernel's function and
+// the number of its rays, in the order of the launches between calls of switch_counting. Returns {"ceilings": ..,
+// "launches": [..]}.
 nlohmann::ordered_json batch_counters(const std::vector<std::string>& arguments,
                                       const std::vector<std::pair<std::string, double>>& batches);
-// Under ncu: whether what is launched from here on is counted.
+// Switches, under ncu, whether what is launched from here on is counted.
 void switch_counting(bool on);
 
 // What is wrong with the name of an architecture ("sm_90"); empty: nothing.
 std::string why_not_an_architecture(const std::string& name);
-// Where compiled kernels are kept; empty in a build without CUDA.
+// The folder of compiled kernels; empty in a build without CUDA.
 std::string kernel_cache();
 
 // While it lives, the programs that this process compiles share headers that are translated once.
@@ -69,8 +70,7 @@ private:
     std::unique_ptr<Implementation> implementation_;
 };
 
-// By name what compiles a program and puts it into the cache on disk, and how many features the program has: the more,
-// the longer it takes.
+// A program to compile into the cache on disk, and how many features it has: the more, the longer it takes.
 struct ProgramToCompile {
     std::function<void()> compile;
     int features = 0;

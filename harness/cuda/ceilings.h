@@ -5,7 +5,7 @@
 namespace pt::cuda {
 
 struct Ceilings {
-    // Warp instructions a second, of the whole GPU.
+    // Rates of warp instructions a second, of the whole GPU.
     double issue = 0;   // multiply-adds and logic in turn: the two pipes together
     double fma = 0;     // multiply-adds alone
     double alu = 0;     // logic alone

@@ -49,7 +49,7 @@ KeyBounds key_bounds(const Scene& scene) {
     return bounds;
 }
 
-// By object number: 0 diffuse-like, 1 delta-like.
+// The class of each object by its number: 0 diffuse-like, 1 delta-like.
 template <class Real>
 std::vector<unsigned char> object_classes(const SceneView<Real>& scene) {
     std::vector<unsigned char> classes;
@@ -102,7 +102,7 @@ RenderCell<Real>::RenderCell(const Scene& scene, const RenderRequest& request, c
 
 template <class Real>
 RenderCell<Real>::~RenderCell() {
-    // Before the graph goes.
+    // The stream must be idle before the graph is destroyed.
     (void)cudaStreamSynchronize(job_.stream);
 }
 

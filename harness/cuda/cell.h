@@ -19,7 +19,8 @@ namespace pt::cuda {
 template <class Real>
 class RenderCell {
 public:
-    // On the current device, which is current whenever it is used. `rows`: those that it renders.
+    // Makes the cell on the current device, which must be current whenever it is used. `rows`: the rows that it
+    // renders.
     RenderCell(const Scene& scene, const RenderRequest& request, const RenderSettings& settings,
                const KernelChoice& kernel, const FilmView& film, const Rows& rows = {});
     ~RenderCell();
@@ -37,7 +38,7 @@ public:
     bool has_rendered() const { return is_ready(cudaEventQuery(end_.get())); }
     // Reads film and counters back.
     void collect(RenderResult& result);
-    // All but the film.
+    // Reads the counters back, but not the film.
     void collect_counts(RenderResult& result);
     // Adds what was spent before anything could be rendered, while the device waited.
     void add_learning(RenderResult& result) const;

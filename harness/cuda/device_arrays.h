@@ -19,7 +19,7 @@ HostArray<T> host_array(const T*& pointer, std::size_t bytes) {
     return {pointer, bytes};
 }
 
-// Frees them with itself.
+// Arrays in device memory, which are freed with this object.
 class DeviceArrays {
 public:
     // Copies each array, and sets its pointer to the copy: null where there are no bytes.

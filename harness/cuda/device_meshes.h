@@ -16,7 +16,7 @@ public:
 
     using Key = std::pair<const PlacedMesh*, const MeshTree*>;
     static Key key_of(const MeshGeometry& host) { return {host.placed.get(), host.tree.get()}; }
-    // With pointers of the device.
+    // The mesh with pointers to the device's memory.
     const MeshView& view() const { return view_; }
     std::size_t bytes() const { return arrays_.bytes(); }
 
@@ -26,18 +26,18 @@ private:
     DeviceArrays arrays_;
 };
 
-// The copy that there is on the current device, or a new one. What was used longest ago is let go where all together
-// pass a quarter of the device's memory. Returns after the copy has been made.
+// The current device's copy of a mesh, made if there is none yet. What was used longest ago is let go where all
+// together pass a quarter of the device's memory. Returns after the copy has been made.
 std::shared_ptr<const DeviceMesh> device_mesh(const MeshGeometry& host);
 
-// The tree of the axis `levels` over them, kept likewise.
+// The tree of the axis `levels` over meshes in device memory, kept as the meshes are.
 class DeviceTree {
 public:
     explicit DeviceTree(const std::shared_ptr<const SceneTree>& host);
 
     using Key = const SceneTree*;
     static Key key_of(const std::shared_ptr<const SceneTree>& host) { return host.get(); }
-    // With pointers of the device.
+    // The top-level tree with pointers to the device's memory.
     const ObjectTree& objects() const { return objects_; }
     const FlatTree& flat() const { return flat_; }
     std::size_t bytes() const { return arrays_.bytes(); }
@@ -49,7 +49,8 @@ private:
     DeviceArrays arrays_;
 };
 
-// The copy that there is, or a new one; null for null. Returns after the copy has been made.
+// The device's copy of a tree over meshes, made if there is none yet; null for null. Returns after the copy has been
+// made.
 std::shared_ptr<const DeviceTree> device_tree(const std::shared_ptr<const SceneTree>& host);
 
 }  // namespace pt::cuda

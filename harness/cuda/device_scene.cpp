@@ -12,7 +12,7 @@ namespace pt::cuda {
 
 namespace {
 
-// As kernels find it there (scene_in_constant.cuh).
+// The bytes of the scene's arrays as kernels find them in constant memory (scene_in_constant.cuh).
 template <class Real>
 std::vector<unsigned char> constant_scene(const SceneView<Real>& scene, FeatureSet features) {
     std::vector<unsigned char> bytes;

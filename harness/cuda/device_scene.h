@@ -11,18 +11,19 @@
 
 namespace pt::cuda {
 
-// Of the 64 KiB of constant memory that a module may have; larger scenes stay in global memory.
+// Most bytes of a scene in constant memory, of the 64 KiB that a module may have; larger scenes stay in global memory.
 inline constexpr std::uint32_t constant_bytes = 32768;
 inline constexpr const char* scene_in_constant = "in_constant";
 
-// Where a kernel with these features finds the scene's arrays: the name of a file variants/cuda/scene_*.cuh.
+// The name of the file variants/cuda/scene_*.cuh by which a kernel with these features finds the scene's arrays.
 template <class Real>
 std::string scene_place(const SceneView<Real>& scene, FeatureSet features, bool is_baked);
 // The scene's numbers of objects and which of them are a room's walls, as constants where the kernel has the scene's
 // features only.
 template <class Real>
 void fix_counts(const SceneView<Real>& scene, KernelConfig& config);
-// Arrays of words under which scene_baked.cuh finds the scene's numbers: constants that the compiler sees through.
+// The text of the arrays of words under which scene_baked.cuh finds the scene's numbers: constants that the compiler
+// sees through.
 template <class Real>
 std::string baked_text(const SceneView<Real>& scene);
 
@@ -34,11 +35,11 @@ public:
     DeviceScene(const SceneView<Real>& host, const std::vector<MeshGeometry>& meshes,
                 const std::shared_ptr<const SceneTree>& tree, FeatureSet features, bool is_baked);
     void reserve(Arena& arena);
-    // Waits for the device.
+    // Copies the scene to the device, and waits for it.
     void upload(const Module& module, cudaStream_t stream) const;
-    // With pointers of the device.
+    // The scene with pointers to the device's memory.
     const SceneView<Real>& view() const { return view_; }
-    // Of meshes and the tree over them, outside of the arena.
+    // Bytes of meshes and of the trees over them, which are outside of the arena.
     std::size_t mesh_bytes() const;
 
 private:

@@ -60,7 +60,7 @@ Json pipes_json(const PipeCounts& counts) {
     return json;
 }
 
-// What NVRTC compiles of a variant.
+// A program that NVRTC compiles for a variant.
 struct Program {
     std::string of;  // "compaction=atomic_append"
     ModuleRequest request;
@@ -89,7 +89,8 @@ std::vector<Program> programs_of(const Scene& scene, const Variant& variant, con
     return programs;
 }
 
-// What runs of a variant besides: nvcc compiled it with ptbench, for other GPUs than the one that is asked about.
+// The library calls of a variant besides: nvcc compiled them with ptbench, for other GPUs than the one that is asked
+// about.
 Json library_calls(const Variant& variant) {
     Json calls = Json::array();
     for (const Choice* const stage : stages_of(variant)) {

@@ -18,10 +18,10 @@ struct Occupancy {
     std::string limit;  // "registers", "shared memory", "warps" or "blocks"
 };
 
-// By the limits of the compute capability ("sm_90") in the CUDA C++ Programming Guide's table. Throws InputError for
-// an architecture that the table here lacks.
+// The occupancy of a kernel by the limits of the compute capability ("sm_90") in the CUDA C++ Programming Guide's
+// table. Throws InputError for an architecture that the table here lacks.
 Occupancy occupancy(const std::string& architecture, int registers, int shared_bytes, int threads_per_block);
-// "sm_75, sm_80, ...": those that occupancy knows.
+// The architectures that occupancy() knows, as "sm_75, sm_80, ...".
 std::string known_architectures();
 
 // Compiles for the scene all that NVRTC compiles of the variant, its integrator and the compaction and sorting of its

@@ -9,11 +9,11 @@
 
 namespace pt::cuda {
 
-// The copy that was used last in front. Copy::key_of(host) says what a copy is of, copy.bytes() what it takes.
+// An LRU cache of copies on a device. Copy::key_of(host) tells what a copy is of, copy.bytes() what it takes.
 template <class Copy>
 class KeptCopies {
 public:
-    // Null: there is none.
+    // Finds the copy of a host's object; null: there is none.
     template <class Host>
     std::shared_ptr<const Copy> find(const Host& host) {
         const auto known = by_key_.find(Copy::key_of(host));
@@ -23,7 +23,7 @@ public:
         entries_.splice(entries_.begin(), entries_, known->second);
         return entries_.front().copy;
     }
-    // Precondition: there is none.
+    // Copies a host's object. Precondition: find() has none.
     template <class Host>
     std::shared_ptr<const Copy> make(const Host& host) {
         const auto copy = std::make_shared<const Copy>(host);

@@ -10,9 +10,9 @@
 namespace pt::cuda {
 
 ModuleRequest module_request(const Scene& scene, const Variant& variant, const std::string& architecture);
-// All programs that a render of the variant loads: the integrator's, and those of its stages.
+// The requests of all programs that a render of the variant loads: the integrator's, and those of its stages.
 std::vector<ModuleRequest> module_requests(const Scene& scene, const Variant& variant, const std::string& architecture);
-// Of a compaction or sorting whose kernels NVRTC compiles, whatever the variant's own is.
+// The request of a compaction or sorting whose kernels NVRTC compiles, whatever the variant's own is.
 ModuleRequest stage_request(const Variant& variant, const Choice& stage, const std::string& architecture);
 // The compaction and the sorting that the variant's queue is given; none where it has no queue, or needs none.
 std::vector<const Choice*> stages_of(const Variant& variant);

@@ -6,7 +6,7 @@
 
 namespace pt::cuda {
 
-// Valid until the process ends. What it took is added to `facts`.
+// The loaded module of a request, valid until the process ends. The time that it took is added to `facts`.
 const Module& loaded_module(const ModuleRequest& request, CudaFacts& facts);
 
 }  // namespace pt::cuda

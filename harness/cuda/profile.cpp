@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Those in percent, which are weighted by time.
+// ncu's metrics in percent, which are weighted by time.
 constexpr std::pair<const char*, double KernelCounters::*> shares[] = {
     {"sm__warps_active.avg.pct_of_peak_sustained_active", &KernelCounters::occupancy},
     {"l1tex__throughput.avg.pct_of_peak_sustained_elapsed", &KernelCounters::l1},
@@ -29,7 +29,7 @@ constexpr std::pair<const char*, double KernelCounters::*> shares[] = {
     {"l1tex__t_sector_hit_rate.pct", &KernelCounters::l1_hit_rate},
     {"lts__t_sector_hit_rate.pct", &KernelCounters::l2_hit_rate},
     {"smsp__warp_issue_stalled_long_scoreboard_per_warp_active.pct", &KernelCounters::memory_stalls}};
-// Those that are summed over launches.
+// ncu's metrics that are summed over launches.
 constexpr std::pair<const char*, double KernelCounters::*> sums[] = {
     {"gpu__time_duration.sum", &KernelCounters::seconds},
     {"smsp__inst_executed.sum", &KernelCounters::instructions},
@@ -52,7 +52,7 @@ std::string metric_names() {
     return names;
 }
 
-// Fields of one line; a quoted field may hold commas, and two quotes for one.
+// Splits a line of CSV into fields; a quoted field may hold commas, and two quotes for one.
 std::vector<std::string> csv_fields(const std::string& line) {
     std::vector<std::string> fields(1);
     bool quoted = false;
@@ -72,7 +72,7 @@ std::vector<std::string> csv_fields(const std::string& line) {
     return fields;
 }
 
-// "1,234.5" in the unit's base: ncu scales as it likes and says so in the second line.
+// A number such as "1,234.5" in the unit's base: ncu scales as it likes and says so in the second line.
 double number(std::string text, const std::string& unit) {
     text.erase(std::remove(text.begin(), text.end(), ','), text.end());
     static const std::map<std::string, double> factors{
@@ -231,7 +231,7 @@ std::vector<KernelCounters> count_launches_under_ncu(const std::string& ncu,
                                                      const std::vector<std::string>& arguments) {
     std::vector<std::string> call{"rays", "--counted"};
     call.insert(call.end(), arguments.begin(), arguments.end());
-    // Caches as the launch before left them, as they are where batches are timed.
+    // Caches are left as the launch before left them, as they are where batches are timed.
     return parse_ncu_launches(csv_under_ncu(
         ncu, {"--profile-from-start", "off", "--cache-control", "none", "--print-kernel-base", "function"}, call));
 }

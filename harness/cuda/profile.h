@@ -21,7 +21,7 @@ struct KernelCounters {
     double thread_instructions = 0;                      // instructions times the lanes that were active
     double fma = 0, alu = 0, xu = 0, lsu = 0, fp64 = 0;  // of the instructions, by pipe
     double memory_bytes = 0;                             // to and from device memory
-    // Weighted by time, 0 to 1. Of the caches: the busiest part of the unit, of its peak as ncu knows it.
+    // Averages from 0 to 1, weighted by time. For a cache: the busiest part of the unit, of its peak as ncu knows it.
     double occupancy = 0;   // achieved, of the most warps
     double l1 = 0, l2 = 0;  // throughput
     double l1_hit_rate = 0, l2_hit_rate = 0;
@@ -34,7 +34,7 @@ struct CountedBatch {
     double rays = 0;
 };
 
-// Where ncu is: $PTBENCH_NCU, the PATH, the toolkit; empty: nowhere.
+// The path of ncu, from $PTBENCH_NCU, the PATH or the toolkit; empty: it is in none of them.
 std::string find_ncu();
 
 // Renders `spp` samples a pixel once more, under ncu, in a process of its own: `arguments` are those of `ptbench
@@ -48,14 +48,15 @@ std::vector<KernelCounters> count_launches_under_ncu(const std::string& ncu, con
 
 // Reads `ncu --csv --page raw`: an entry a launch, in their order.
 std::vector<KernelCounters> parse_ncu_launches(const std::string& csv);
-// The same, summed by kernel, by name.
+// Reads `ncu --csv --page raw` and sums the launches of each kernel; one entry for each kernel, by name.
 std::vector<KernelCounters> parse_ncu_csv(const std::string& csv);
 
 nlohmann::ordered_json ceilings_json(const Ceilings& ceilings);
 // The counters in figures that compare: a ray, and as fractions of the ceilings. `rays`: that the kernels traced.
 nlohmann::ordered_json counters_json(const KernelCounters& counters, const Ceilings& ceilings, double rays);
 
-// The same of each batch. Throws MachineError unless the launches are those of the batches, one each.
+// The figures of each batch, as counters_json gives them. Throws MachineError unless the launches are those of the
+// batches, one each.
 std::vector<nlohmann::ordered_json> batch_counters_json(const std::vector<KernelCounters>& launches,
                                                         const std::vector<CountedBatch>& batches,
                                                         const Ceilings& ceilings);

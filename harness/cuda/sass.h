@@ -8,8 +8,9 @@
 
 namespace pt::cuda {
 
-// By pipe: "fma" (multiply, add, integer multiply-add), "alu" (compare, select, logic, integer add), "xu" (reciprocal,
-// root, conversion), "fp64", "lsu" (memory, shuffles, votes), "uniform", "control". After the groups of Nsight Compute.
+// Number of instructions by pipe: "fma" (multiply, add, integer multiply-add), "alu" (compare, select, logic, integer
+// add), "xu" (reciprocal, root, conversion), "fp64", "lsu" (memory, shuffles, votes), "uniform", "control". The groups
+// follow Nsight Compute's.
 using PipeCounts = std::map<std::string, std::size_t>;
 
 struct KernelCode {
@@ -25,11 +26,11 @@ std::string pipe_of(const std::string& mnemonic);
 // Counts the instructions in nvdisasm's text (`nvdisasm -c`).
 std::vector<KernelCode> count_instructions(const std::string& disassembly);
 
-// Where nvdisasm is: $PTBENCH_NVDISASM, the PATH, the toolkit, or the Python environment beside the program's home;
-// empty: nowhere.
+// The path of nvdisasm, from $PTBENCH_NVDISASM, the PATH, the toolkit, or the Python environment beside the program's
+// home; empty: it is in none of them.
 std::string find_nvdisasm();
 
-// Throws MachineError if nvdisasm fails.
+// Disassembles a cubin. Throws MachineError if nvdisasm fails.
 std::string disassemble(const std::string& nvdisasm, const std::string& cubin);
 
 }  // namespace pt::cuda

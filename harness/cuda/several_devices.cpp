@@ -28,8 +28,8 @@ double milliseconds_between(SteadyClock::time_point begin, SteadyClock::time_poi
 // long as a short render.
 class DeviceThreads {
 public:
-    // `work(device)` makes its device current, and may throw: what the first of them threw is thrown here, after all
-    // have ended.
+    // Runs `work(device)` on a thread for each device. It makes its device current, and may throw: what the first of
+    // them threw is thrown here, after all have ended.
     template <class Work>
     static SteadyClock::time_point run(std::uint32_t devices, const Work& work) {
         std::atomic<std::uint32_t> ready{0}, done{0};
@@ -73,7 +73,7 @@ public:
     }
 };
 
-// Opens when all threads have come or have given up.
+// A gate that opens when all threads have come or have given up.
 class Gate {
 public:
     explicit Gate(std::uint32_t threads) : missing_(threads) {}
@@ -83,7 +83,7 @@ public:
         missing_ -= 1;
     }
     bool is_open() const { return missing_ == 0; }
-    // Once it is open: whether all have come.
+    // Whether all threads have come, once the gate is open.
     bool have_all_come() const { return !is_given_up_; }
 
 private:
@@ -103,7 +103,7 @@ public:
         const std::uint32_t used =
             devices_at_work(traits_.partition, traits_.devices.count, request.samples, settings.height);
         const SampleSource source(traits_.partition, used, {request.first_sample, request.samples});
-        // What a cell is made for: the most that it renders at once.
+        // A cell is made for the most samples that it renders at once.
         request_.samples = std::min(request.samples, source.most_at_once());
         request_.checkpoints = {};
         request_.on_checkpoint = {};
@@ -126,7 +126,7 @@ public:
     DeviceGroup(const DeviceGroup&) = delete;
     DeviceGroup& operator=(const DeviceGroup&) = delete;
 
-    // Once: a device learns for all of them.
+    // Adds the learning of the first device alone, which learns for all of them.
     void add_learning(RenderResult& result) const { cells_[0]->add_learning(result); }
     // Adds to the times of `result`.
     void run(const SampleRange& samples, RenderResult& result) {
@@ -224,7 +224,8 @@ private:
         }
     }
 
-    // As cudaStreamSynchronize of the first device, which would not see that another one failed.
+    // Waits until the first device is done, and throws if any has failed; cudaStreamSynchronize of the first device
+    // would not see that another one failed.
     void wait_for_sum() {
         while (!is_done(0)) {
             for (std::size_t device = 1; device < cells_.size(); ++device) {

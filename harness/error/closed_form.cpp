@@ -36,7 +36,8 @@ Polygon clipped(const Polygon& polygon, const Distance& distance) {
     return inside;
 }
 
-// Relative to its first corner, so that a pixel far from the origin is as exact as one near it.
+// The area of a polygon. It is formed relative to its first corner, so that a pixel far from the origin is as exact as
+// one near it.
 double area(const Polygon& polygon) {
     double twice = 0;
     for (std::size_t i = 1; i + 1 < polygon.size(); ++i) {
@@ -117,7 +118,7 @@ std::optional<ClosedForm> of_lit_quad(const Scene& scene, const RenderSettings& 
     return form;
 }
 
-// What every bounce keeps, if all that the material does keeps the same.
+// The part of the light that every bounce keeps; nothing unless all that the material does keeps the same part.
 std::optional<Vec3d> reflected_part(const SceneMaterial& material) {
     if (shows_images(material)) {
         return std::nullopt;

@@ -14,9 +14,9 @@ struct ClosedForm {
     std::string formula;
 };
 
-// There is one for two kinds of scene:
+// The exact image of a scene, for two kinds of scene:
 // - One emitter that is a still quad wholly in front of a pinhole: a pixel is the quad's radiance on the part of the
-//   pixel that its image covers, and the environment on the rest.
+// pixel that its image covers, and the environment on the rest.
 // - One closed object around the eye, which reflects and emits the same everywhere: a geometric series.
 std::optional<ClosedForm> closed_form(const Scene& scene, const RenderSettings& settings);
 

@@ -16,7 +16,7 @@ constexpr double tiny = 1e-290;  // stands for 0 in a denominator
 class Lentz {
 public:
     explicit Lentz(double b0) : value_(b0 == 0 ? tiny : b0), c_(value_) {}
-    // Adds a/(b + ...) and returns by how much it changed the value, relatively.
+    // Adds the fraction's next term a/(b + ...) and returns by how much it changed the value, relatively.
     double add(double a, double b) {
         d_ = b + a * d_;
         d_ = 1 / (d_ == 0 ? tiny : d_);
@@ -33,7 +33,7 @@ private:
 
 constexpr double converged = 4e-16;
 
-// lgamma(a) less Stirling's formula for it, for a >= 16.
+// The difference between lgamma(a) and Stirling's formula for it, for a >= 16.
 double stirling_rest(double a) {
     const double square = a * a;
     return (1.0 / 12 - (1.0 / 360 - (1.0 / 1260 - 1.0 / 1680 / square) / square) / square) / a;
@@ -61,7 +61,7 @@ double lower_gamma(double a, double x) {
     return sum * gamma_front(a, x);
 }
 
-// The upper one by its continued fraction, for x >= a + 1.
+// The upper incomplete gamma function by its continued fraction, for x >= a + 1.
 double upper_gamma(double a, double x) {
     Lentz fraction(x + 1 - a);
     for (int n = 1; n < most_terms && fraction.add(-n * (n - a), x + 1 - a + 2 * n) > converged; ++n) {
@@ -69,7 +69,7 @@ double upper_gamma(double a, double x) {
     return gamma_front(a, x) / fraction.value();
 }
 
-// x^a (1-x)^b / (a B(a, b)).
+// The factor x^a (1-x)^b / (a B(a, b)) before the continued fraction of I_x(a, b).
 double beta_front(double a, double b, double x, double complement) {
     const double log_beta = std::lgamma(a) + std::lgamma(b) - std::lgamma(a + b);
     return std::exp(a * std::log(x) + b * std::log(complement) - log_beta) / a;
@@ -102,8 +102,8 @@ double where_falling(Function function, double value, double low, double high) {
 
 double normal_upper(double z) { return 0.5 * std::erfc(z / std::numbers::sqrt2); }
 
-// From the approximation 26.2.23 of Abramowitz and Stegun (4.5e-4) by Newton's method on the logarithm of the tail,
-// whose steps do not leave its domain.
+// Inverse of normal_upper: Newton's method on the logarithm of the tail, whose steps do not leave its domain, from the
+// approximation 26.2.23 of Abramowitz and Stegun (4.5e-4).
 double normal_deviate(double p) {
     if (p > 0.5) {
         return -normal_deviate(1 - p);

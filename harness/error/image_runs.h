@@ -7,7 +7,7 @@
 
 namespace pt {
 
-// Mean radiance, three channels a pixel, row by row.
+// An image of mean radiance, three channels a pixel, row by row.
 using Radiance = std::vector<double>;
 
 class ImageRuns {
@@ -48,7 +48,7 @@ private:
 struct Covariance {
     double rr = 0, gg = 0, bb = 0, rg = 0, rb = 0, gb = 0;
     double trace() const { return rr + gg + bb; }
-    // Trace of the product of two.
+    // The trace of the product of two covariances.
     static double product_trace(const Covariance& a, const Covariance& b) {
         return a.rr * b.rr + a.gg * b.gg + a.bb * b.bb + 2 * (a.rg * b.rg + a.rb * b.rb + a.gb * b.gb);
     }
@@ -60,7 +60,7 @@ struct PixelMoments {
     Covariance covariance;  // unbiased
 };
 
-// Of every pixel over the runs' images. Precondition: at least two runs.
+// The moments of every pixel over the runs' images. Precondition: at least two runs.
 std::vector<PixelMoments> pixel_moments(const ImageRuns& runs);
 
 // Mean and unbiased variance of a number over runs.
@@ -71,8 +71,8 @@ struct RunMoments {
 };
 RunMoments moments_of(const std::vector<double>& values);
 
-// Means over blocks, run by run: [block][channel][run], channel 3 being the mean of the others. The last entry is the
-// whole image.
+// The means over blocks of 16x16 pixels, run by run: [block][channel][run], channel 3 being the mean of the others. The
+// last entry is the whole image.
 using BlockMeans = std::vector<std::array<std::vector<double>, 4>>;
 BlockMeans block_means(const ImageRuns& runs);
 

@@ -34,7 +34,8 @@ double covariance(const std::vector<double>& a, const std::vector<double>& b) {
     return sum / static_cast<double>(a.size() - 1);
 }
 
-// 1/variance, pooled over the block: one pixel's own would go with its error. 0 where nothing varies but roundings.
+// The weight of each pixel's error: 1/variance, pooled over the block, since one pixel's own would go with its error.
+// It is 0 where nothing varies but roundings.
 std::vector<double> weights_of(const ImageRuns& runs, const RunErrors& errors) {
     constexpr double rounding = 1e-6;
     std::vector<double> variances(runs.blocks()), counts(runs.blocks()), roundings(runs.blocks());

@@ -7,7 +7,7 @@
 
 namespace pt {
 
-// Something that is 0 in the mean where samples are independent, pooled over the image.
+// A statistic that is 0 in the mean where samples are independent, pooled over the image.
 struct Dependence {
     const char* name = "";
     double value = 0;
@@ -23,7 +23,8 @@ struct Independence {
     const Dependence& strongest() const;
 };
 
-// Precondition: at least three runs of at least two parts, in the order of their seeds.
+// Tests whether samples are independent. Precondition: at least three runs of at least two parts, in the order of their
+// seeds.
 Independence test_independence(const ImageRuns& runs);
 
 }  // namespace pt

@@ -11,7 +11,7 @@
 
 namespace pt {
 
-// Mean radiance: three channels a pixel, row-major.
+// An image of mean radiance, three channels a pixel, row-major.
 using Image = std::vector<double>;
 
 // The halves of one run: of its first and of its last n/2 samples.
@@ -19,7 +19,7 @@ struct Halves {
     Image first, second;
 };
 
-// Defined only if every pixel is finite.
+// The errors of an image against a reference, which are defined only if every pixel is finite.
 struct Errors {
     std::array<double, 3> me_rgb{};
     double mse = 0;
@@ -33,7 +33,7 @@ struct Errors {
 // Name and definition of each metric, as result files state them.
 extern const std::vector<std::pair<std::string_view, std::string_view>> metric_definitions;
 
-// Pixels with a channel that is not finite.
+// The number of pixels with a channel that is not finite.
 std::uint64_t nonfinite_pixels(const Image& image);
 
 // Nothing if a pixel of the image or of its halves is not finite. `halves` may be null. Precondition: all images are of

@@ -59,7 +59,7 @@ void add_samples(Image& mean, const Image& more, std::uint64_t done, std::uint64
     }
 }
 
-// At most up to the task's most_spp.
+// Doubles the reference's samples, at most up to the task's most_spp.
 void double_samples(Reference& reference, const ReferenceTask& task, const Variant& variant) {
     const std::uint64_t done = reference.spp_per_half;
     const std::uint64_t next = std::min(task.most_spp, std::max(first_spp, 2 * done));

@@ -19,7 +19,7 @@ Image image_of(const Film& film);
 // A variance that every reference has: what decides is the error that it leaves (ReferenceNoise::dual_error).
 inline constexpr double any_variance = 1e300;
 
-// Which image, and how well it is to be known.
+// The image that a reference is of, and how well it is to be known.
 struct ReferenceTask {
     std::shared_ptr<const Scene> scene;
     std::uint32_t width = 0, height = 0, depth = 0;
@@ -27,7 +27,7 @@ struct ReferenceTask {
     std::map<std::string, std::string> axes = {};  // choices that take the place of reference_variant's own
     double variance = 0;                           // of the mean of the halves, a pixel and channel
     std::uint64_t most_spp = 1;                    // of each half
-    // "cornell_open/64x64/depth:8/cpu", and "/AXIS=CHOICE" for each of `axes`.
+    // The task's name, as "cornell_open/64x64/depth:8/cpu", and "/AXIS=CHOICE" for each of `axes`.
     std::string name() const;
 };
 
@@ -49,9 +49,9 @@ struct Reference {
     Image mean() const;
 };
 
-// As far from what is measured as the program goes: every axis at its plainest, and where the backend has them and the
-// scene allows them depth_first or megakernel, the kernel with everything, Philox and double precision. The task's own
-// choices may not apply to its scene.
+// The variant that a reference is made with, as far from what is measured as the program goes: every axis at its
+// plainest, and where the backend has them and the scene allows them depth_first or megakernel, the kernel with
+// everything, Philox and double precision. The task's own choices may not apply to its scene.
 Variant reference_variant(const ReferenceTask& task);
 
 // The depth at which a variant has the expectation of plain paths of `depth`: smaller by the segments that its choices
@@ -70,7 +70,7 @@ public:
         std::function<void(const std::string&)> says = [](const std::string&) {};
     };
 
-    // An empty folder: nothing is kept.
+    // Makes references, and keeps them in `folder`; if that is empty, nothing is kept.
     explicit ReferenceMaker(std::string folder) : ReferenceMaker(std::move(folder), Hooks{}) {}
     ReferenceMaker(std::string folder, Hooks hooks) : folder_(std::move(folder)), hooks_(std::move(hooks)) {}
 
@@ -84,7 +84,7 @@ private:
     Hooks hooks_;
 };
 
-// $XDG_CACHE_HOME/ptbench/references, or below ~/.cache.
+// The folder of kept references: $XDG_CACHE_HOME/ptbench/references, or below ~/.cache.
 std::string default_reference_folder();
 
 }  // namespace pt

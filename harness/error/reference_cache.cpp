@@ -18,7 +18,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-// What makes a file the one that is asked for.
+// The facts by which a file is the one that is asked for.
 Json identity_of(const Reference& reference) {
     return {{"format", 1},
             {"scene", reference.scene},
@@ -38,7 +38,7 @@ std::string bytes_of(const Image& first, const Image& second) {
 
 std::string hash_of(const std::string& bytes) { return fmt::format("{:016x}", fnv1a(bytes)); }
 
-// Throws std::runtime_error that says what is wrong.
+// Reads a kept reference. Throws std::runtime_error that says what is wrong with it.
 void read_into(Reference& reference, const std::string& stem) {
     const Json json = parse_json(read_file(stem + ".json"), stem + ".json");
     const Json expected = identity_of(reference);

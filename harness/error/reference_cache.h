@@ -16,11 +16,11 @@ public:
     // Fills in the halves, their spp and git_sha if there is a file for the same scene, size, depth, variant, seeds and
     // sources. One that is damaged or of something else is refused in one line.
     bool load(Reference& reference) const;
-    // Under a temporary name, then renamed: the doubles first, so that a JSON always finds its own (which it knows by
-    // their hash). A folder that cannot be written to is said in one line.
+    // Writes both files under temporary names, then renames them: the doubles first, so that a JSON always finds its
+    // own (which it knows by their hash). A folder that cannot be written to is said in one line.
     void store(const Reference& reference) const;
 
-    // The two files' common stem.
+    // The path, without the ending, of a reference's JSON and of its doubles.
     std::string stem(const Reference& reference) const;
 
 private:

@@ -10,14 +10,15 @@ namespace pt {
 
 namespace {
 
-// Two kernels of one formula may round differently, where nothing is random too: relative difference that is none.
+// Relative difference that counts as none: two kernels of one formula may round differently, where nothing is random
+// too.
 constexpr double rounding = 1e-6;
-// How well a mean has to be known to count: relative standard error.
+// Relative standard error to which a mean has to be known to count.
 constexpr double known_to = 0.1;
 
 constexpr const char* channel_names[] = {"red", "green", "blue", "mean"};
 
-// Welch's two-sample test.
+// Welch's test of two samples for equal means.
 struct Welch {
     RunMoments tested, baseline;
     double difference() const { return tested.mean - baseline.mean; }
@@ -28,7 +29,7 @@ struct Welch {
             a * a / static_cast<double>(tested.count - 1) + b * b / static_cast<double>(baseline.count - 1);
         return squares > 0 ? (a + b) * (a + b) / squares : 1;
     }
-    // Two-sided.
+    // The two-sided p-value of the difference.
     double p() const {
         const double allowed = rounding * std::max(std::abs(tested.mean), std::abs(baseline.mean));
         const double beyond = std::abs(difference()) - allowed;
@@ -172,7 +173,7 @@ private:
                 fmt::format("block {},{} {}", block_x(block), block_y(block), channel_names[smallest.unit() % 3])};
     }
 
-    // Trace of the squared covariance, unbiased for normal errors and too large for those with heavier tails.
+    // The trace of the squared covariance, unbiased for normal errors and too large for those with heavier tails.
     double squared_trace(const Covariance& covariance, std::size_t count) const {
         const double n = static_cast<double>(count - 1);
         const double trace = covariance.trace();
@@ -198,7 +199,8 @@ private:
             pixels += other.pixels;
             return *this;
         }
-        // Where nothing is random, differences are roundings or seen by the other statistics.
+        // Whether the images are random enough for this statistic: where nothing is random, differences are roundings
+        // or seen by the other statistics.
         bool is_random() const { return noise > rounding * rounding * light; }
     };
     SquaredBias pixel_bias(std::size_t index) const {

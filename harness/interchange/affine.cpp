@@ -15,7 +15,7 @@ double length_of_column(const Vec3d& v) { return std::hypot(v.x, v.y, v.z); }
 
 double from_radians(double angle) { return angle * (180.0 / pi<double>); }
 
-// Within (-180, 180].
+// The angle brought into (-180, 180] degrees.
 double wrapped(double degrees) {
     const double turned = std::remainder(degrees, 360.0);
     return turned == -180.0 ? 180.0 : turned;
@@ -173,7 +173,7 @@ TranslateRotateScale take_apart(const Affine& map) {
     const Vec3d quarters = nearest_quarters(angles), off = quarters - angles;
     if (!parts.is_exact && std::max({std::abs(off.x), std::abs(off.y), std::abs(off.z)}) < straight) {
         parts.is_straightened = error_of_columns(quarters, decimals, column) > last_bits;
-        // The same turns, about as few axes as they can be said by.
+        // The turns are said once more, about as few axes as they can be.
         parts.rotate_degrees = nearest_quarters(angles_of(rotation_of(quarters).column)) + Vec3d(0.0);
         parts.scale = decimals;
     }

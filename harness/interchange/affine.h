@@ -16,7 +16,7 @@ struct Affine {
     Vec3d point(const Vec3d& p) const { return direction(p) + origin; }
 };
 
-// First the right one, then the left one.
+// The map that applies first the right one, then the left one.
 Affine operator*(const Affine& left, const Affine& right);
 
 Affine translation(const Vec3d& offset);
@@ -31,7 +31,7 @@ bool is_finite(const Affine& map);
 // The greatest cosine between two columns: 0 where they are perpendicular, as translate * rotate * scale has them.
 double shear_of(const Affine& map);
 
-// The decimal of least digits that is off a number by no more than that.
+// The decimal of fewest digits that is off a number by no more than the error given.
 double shortest_within(double value, double tolerance);
 
 struct TranslateRotateScale {
@@ -40,7 +40,7 @@ struct TranslateRotateScale {
     bool is_straightened = false;  // a few millionths of a degree off quarter turns were taken away
 };
 
-// Of a map without shear; of one that mirrors, the map with its last column turned about. Angles and scales are the
+// Takes a map without shear apart; if it mirrors, the map with its last column turned about. Angles and scales are the
 // shortest decimals that give the columns back to their last bits.
 TranslateRotateScale take_apart(const Affine& map);
 

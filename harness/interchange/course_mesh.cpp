@@ -35,7 +35,7 @@ std::optional<fs::path> with_an_ending(const fs::path& path) {
     return std::nullopt;
 }
 
-// "C:\course\scenes\a.obj" -> course, scenes, a.obj
+// The parts of a path of any system: "C:\course\scenes\a.obj" has course, scenes and a.obj.
 std::vector<std::string> parts_of(std::string name) {
     std::replace(name.begin(), name.end(), '\\', '/');
     std::vector<std::string> parts;
@@ -94,7 +94,7 @@ std::optional<fs::path> CourseFileFinder::find_above(const std::string& name) co
     return std::nullopt;
 }
 
-// Of files of one name the first by its path.
+// Lists the project's files by name; of files of one name the first by its path.
 void CourseFileFinder::list_project() {
     project_.emplace();
     std::error_code error;

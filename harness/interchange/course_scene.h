@@ -30,14 +30,15 @@ struct CourseImport {
     CourseMotion motion = {};
     std::set<std::size_t> used_materials = {};
     std::vector<ScenePart> materials = {}, objects = {};
-    // Of meshes with the materials of their own files: by the mesh file, and by library and name.
+    // Parts of meshes with the materials of their own files, by the mesh file, and the names of these materials, by
+    // library and name.
     std::map<std::string, std::vector<OwnPart>> own_parts = {};
     std::map<std::pair<std::string, std::string>, std::string> own_names = {};
     std::deque<Cis565Line> places = {};  // in those files, for messages
 };
 
-// Where a line cannot be read, a value that is right stands for it, so that the others can be checked.
-// The material that a MATERIAL section is read as. Readings that lose something are warnings.
+// Reads the material of a MATERIAL section. Where a line cannot be read, a value that is right stands for it, so that
+// the others can be checked. Readings that lose something are warnings.
 ScenePart import_material(CourseImport& import, std::size_t index);
 // Adds to `objects`: one, or one for each material of its mesh's own file.
 void import_object(CourseImport& import, std::size_t index);

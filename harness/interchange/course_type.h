@@ -15,10 +15,10 @@ enum class CourseType {
     subsurface,
 };
 
-// Whether it is a type, be it one that scene files have nothing for.
+// Whether a word is a TYPE of the course's, be it one that scene files have nothing for.
 bool is_course_type(const std::string& word);
 
-// What is no type, or one that scene files have nothing for, is a problem of the line.
+// Reads a TYPE line. What is no type, or one that scene files have nothing for, is a problem of the line.
 CourseType read_course_type(Cis565SectionReader& reader, const Cis565Line& line);
 
 }  // namespace pt

@@ -27,7 +27,8 @@ struct CourseWord {
     CourseUse use = CourseUse::value;
 };
 
-// `section`: MATERIAL, CAMERA, OBJECT or SETTINGS; of the JSON format also ROOT. Null where the word is not known.
+// Finds a word of the format; null where it is not known. `section`: MATERIAL, CAMERA, OBJECT or SETTINGS; of the JSON
+// format also ROOT.
 const CourseWord* find_course_word(const std::string& section, const std::string& word);
 
 // The words that have a place in scene files, for messages.
@@ -36,7 +37,7 @@ const std::vector<std::string>& course_keys(const std::string& section);
 // What is wrong with a word of this use, as in "TEXTURE a.png: ..".
 std::string missing_for(CourseUse use);
 
-// In capitals, without '_' and '-'.
+// The spelling by which words are compared: in capitals, without '_' and '-'.
 std::string course_spelling(const std::string& word);
 
 // Whether values say that what they belong to is off: none, 0, NULL, OFF.

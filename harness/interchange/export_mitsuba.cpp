@@ -21,7 +21,7 @@ std::string number(double value) { return fmt::format("{}", value + 0.0); }
 
 std::string triple(const Vec3d& v) { return fmt::format("{}, {}, {}", number(v.x), number(v.y), number(v.z)); }
 
-// What maps a shape's own space to the scene's: columns of the matrix.
+// The map from a shape's own space to the scene's, as the columns of a matrix.
 struct Matrix {
     Vec3d x, y, z, origin;
 
@@ -288,7 +288,7 @@ private:
         xml_.close();
     }
 
-    // What every shape ends with.
+    // Writes what every shape ends with: its material, emission and medium.
     void write_surface(const SceneObject& object) {
         const SceneMaterial& material = scene_.materials[object.material];
         xml_.leaf("ref", {{"name", "bsdf"}, {"id", id_of(object.material)}});
@@ -347,8 +347,9 @@ private:
         xml_.close();
     }
 
-    // One with an image lies face down, so that its y is where an image has its first row at the other end: both sides
-    // are the same. One that emits is two, back to back and a little apart: Mitsuba's emit on one side only.
+    // A quad with an image lies face down, since Mitsuba has an image's first row at the other end of y: both sides of
+    // a quad are the same. A quad that emits is written as two, back to back and a little apart: Mitsuba's emit on one
+    // side only.
     void write_quad(const SceneObject& object) {
         if (!is_emissive(scene_.materials[object.material])) {
             write_rectangle(object, !has_image(object), Vec3d(0.0));
@@ -462,7 +463,7 @@ MitsubaScene mitsuba_scene(const Scene& scene, const MitsubaSettings& settings, 
 
 Mesh indexed_mesh(const SceneMesh& mesh) {
     using Corner = std::array<float, 3>;
-    // Of +0 and -0 the first: they are one place.
+    // Adding +0 turns -0 into +0: they are one place.
     const auto corner = [](const Vec3<float>& v) { return Corner{v.x + 0.0f, v.y + 0.0f, v.z + 0.0f}; };
     Mesh indexed;
     for (const Triangle<float>& t : mesh.triangles) {

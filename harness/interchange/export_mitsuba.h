@@ -23,8 +23,8 @@ struct MitsubaScene {
     std::size_t meshes = 0, images = 0;
 };
 
-// Of a scene without mitsuba_problems. `out`: the file that it is to be written to, from
-// which the names of the others follow.
+// The scene as Mitsuba's XML. Precondition: it has no mitsuba_problems. `out`: the file that it is to be written to,
+// from which the names of the others follow.
 MitsubaScene mitsuba_scene(const Scene& scene, const MitsubaSettings& settings, const std::filesystem::path& out);
 
 // The triangles with each corner once, and their texture coordinates.

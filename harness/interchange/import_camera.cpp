@@ -60,7 +60,7 @@ struct CourseLens {
     const Cis565Line* focus_line = nullptr;
 };
 
-// DOF with the radius and the distance.
+// Reads the lens of a DOF line, which has the radius and the distance.
 CourseLens lens_of_dof(Cis565SectionReader& reader, const Cis565Line& line) {
     if (line.words.size() != 3) {
         reader.fail(line, "DOF and 2 numbers, the lens's radius and the distance of focus");

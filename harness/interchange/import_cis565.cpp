@@ -36,7 +36,7 @@ public:
           import_{.sections = &sections, .source = &source, .result = &result, .files = CourseFileFinder(source.file)} {
     }
 
-    // Their lines live as long as this does.
+    // The parts of the scene, whose lines live as long as this object does.
     SceneParts parts();
 
 private:
@@ -109,7 +109,7 @@ ScenePart SceneImporter::root() {
     return root;
 }
 
-// Whatever else a dialect says of its environment: the file that its light is in.
+// Adds the environment: the file that its light is in, whatever else a dialect says of it.
 void SceneImporter::add_environment(ScenePart& root, CourseFileFinder& files) {
     const auto line = sections_->camera->lines.find("ENVIRONMENT");
     if (line == sections_->camera->lines.end() || is_course_off("ENVIRONMENT", line->second.values())) {
@@ -246,7 +246,7 @@ Vec3d rotation_x_first(const Vec3d& degrees) {
     const Rotation transpose = rotation_of(-degrees);
     const auto matrix = [&](int row, int column) { return transpose.column[row][column]; };
     const double cosine_y = std::hypot(matrix(0, 0), matrix(1, 0));
-    // Where cosine_y is 0, x and z turn about the same axis, and z may as well be 0.
+    // If cosine_y is 0, x and z turn about the same axis, and z may as well be 0.
     const double cosine_z = cosine_y > 0 ? matrix(0, 0) / cosine_y : 1;
     const double sine_z = cosine_y > 0 ? matrix(1, 0) / cosine_y : 0;
     // x from what Rz^-1 leaves, not from the third row: that one is noise near cosine_y = 0.

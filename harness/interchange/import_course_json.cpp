@@ -64,7 +64,7 @@ Cis565Line CourseJsonReader::line(const std::string& place, const Json& value) c
     return line;
 }
 
-// Null where it is missing, which is a problem.
+// The member `key` of the file's object; null where it is missing, which is a problem.
 const Json* CourseJsonReader::member(const char* key) {
     if (root_->contains(key)) {
         return &root_->at(key);
@@ -103,7 +103,8 @@ void CourseJsonReader::read_meshes() {
     }
 }
 
-// What an object's TYPE and its keys for files say in words of the text.
+// Adds a member of an object as words of the text format; an object's TYPE and its keys for files have words of their
+// own.
 void CourseJsonReader::add_member(Cis565Section& section, const std::string& key, const Json& value,
                                   const std::string& place) {
     const Cis565Line found = line(place + "." + key, value);

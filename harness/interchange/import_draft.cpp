@@ -19,10 +19,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Columns that meet at other than right angles by less are a matter of a file's digits.
+// Deviations from right angles between columns: one smaller than the first is a matter of a file's digits.
 constexpr double slight_shear = 1e-6, shear_of_rounding = 1e-12;
 
-// Letters, digits, '_' and '-' of a text, up to 64 of them.
+// The letters, digits, '_' and '-' of a text, up to 64 of them.
 std::string plain_part_of(const std::string& text) {
     std::string plain;
     for (const char c : text.substr(0, 64)) {
@@ -31,7 +31,8 @@ std::string plain_part_of(const std::string& text) {
     return plain;
 }
 
-// By the map's cofactors, so that they stay across what they were across; outward of what it mirrors too.
+// Normals turned by the map's cofactors, so that they stay across what they were across; outward of what it mirrors
+// too.
 std::vector<std::array<float, 3>> normals_placed_by(const std::vector<std::array<float, 3>>& normals,
                                                     const Affine& map) {
     const auto& [x, y, z] = map.column;
@@ -46,7 +47,7 @@ std::vector<std::array<float, 3>> normals_placed_by(const std::vector<std::array
     return placed;
 }
 
-// Where a map mirrors, triangles go round the other way, so that their outside stays outside.
+// The mesh placed by a map. If the map mirrors, triangles go round the other way, so that their outside stays outside.
 Mesh mesh_placed_by(const Mesh& mesh, const Affine& map) {
     Mesh made;
     for (const auto& vertex : mesh.vertices) {
@@ -180,7 +181,8 @@ bool ImportDraft::add_mesh(const std::string& file, const Affine& map, std::size
     return true;
 }
 
-// Moved by nothing: far off, single precision would have few digits left for its shape.
+// Keeps a mesh that is placed by a map, but for its translation: far off, single precision would have few digits left
+// for its shape.
 std::optional<std::string> ImportDraft::keep_placed(const std::string& file, const Affine& map, bool has_normals,
                                                     const Cis565Line* at) {
     try {

@@ -32,25 +32,26 @@ public:
     // The scene's name: the call's, else `wanted` if it can be one, else of the file.
     void begin(const std::string& wanted, const Cis565Line* head);
 
-    // The name is made one that no other material has. Returns the material's number.
+    // Adds a material under a name that no other one has. Returns the material's number.
     std::size_t add_material(ScenePart part, const std::string& name);
     const std::string& material_name_of(std::size_t material) const { return parts.materials[material].name; }
 
-    // Of a shape whose own space is that of scene files. False, and a problem, where scene files have no such
-    // placement.
+    // Adds an object of a shape whose own space is that of scene files. False, and a problem, where scene files have no
+    // such placement.
     bool add_shape(const std::string& shape, const Affine& placed, std::size_t material, const Cis565Line* at);
-    // Of a mesh in a file; one that is placed in a way that scene files lack becomes a file of its own.
-    // `has_normals`: it is shaded with those of its vertices.
+    // Adds an object of a mesh in a file; a mesh that is placed in a way that scene files lack becomes a file of its
+    // own. `has_normals`: it is shaded with those of its vertices.
     bool add_mesh(const std::string& file, const Affine& placed, std::size_t material, const Cis565Line* at,
                   bool has_normals = false);
-    // A mesh that is to be written beside the scene; returns the name to add it by.
+    // Keeps a mesh that is to be written beside the scene; returns the name to add it by.
     std::string keep_mesh(const Mesh& mesh);
-    // Likewise an image file's content; `ending` with its dot. Returns the name that the scene has for it.
+    // Keeps an image file's content that is to be written beside the scene; `ending` with its dot. Returns the name
+    // that the scene has for it.
     std::string keep_image(const std::string& content, const std::string& ending);
-    // Whether a material is one that needs texture coordinates.
+    // Whether a material shows an image, and so needs texture coordinates.
     bool shows_image(std::size_t material) const;
 
-    // Where a file that the source names lies; and by which name the scene has it.
+    // The path of a file that the source names, and the name by which the scene has a file.
     std::string path_of(const std::string& named) const;
     std::string name_in_scene(const std::string& path) const;
 
@@ -61,8 +62,8 @@ public:
 private:
     ScenePart object(const std::string& shape, std::size_t material, const Cis565Line* at) const;
     void add_placement(ScenePart& object, const TranslateRotateScale& parts, const Cis565Line* at);
-    // The mesh in the shape that a map gives it, as a file beside the scene: its name there. Nothing, and told, where
-    // that leaves none.
+    // Keeps the mesh in the shape that a map gives it, as a file beside the scene, and returns its name there. Nothing,
+    // and told, where that leaves no triangle.
     std::optional<std::string> keep_placed(const std::string& file, const Affine& placed, bool has_normals,
                                            const Cis565Line* at);
 

@@ -12,7 +12,8 @@ struct ImportFinding {
     std::string text;      // one line
 };
 
-// In the order of the file. A file can be wrong in every line: all findings are counted, the first are kept.
+// What an import found in a file, in the file's order. A file can be wrong in every line: all findings are counted, the
+// first are kept.
 class ImportFindings {
 public:
     static constexpr std::size_t most_listed = 50;
@@ -21,8 +22,8 @@ public:
 
     std::size_t count() const { return count_; }
     const std::vector<ImportFinding>& listed() const { return listed_; }
-    // "FILE:LINE: KIND: TEXT" of each that is kept, and how many more there are. An empty `kind` goes without its
-    // colon.
+    // A message for each finding that is kept, "FILE:LINE: KIND: TEXT", and how many more there are. An empty `kind`
+    // goes without its colon.
     std::vector<std::string> messages(const std::string& file, const std::string& kind) const;
 
 private:

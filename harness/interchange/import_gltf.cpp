@@ -17,7 +17,7 @@ namespace pt {
 
 namespace {
 
-// What glTF leaves to whoever shows it.
+// Settings that glTF leaves to whoever shows a scene.
 constexpr int gltf_picture_height = 600, gltf_max_depth = 8;
 constexpr double gltf_aspect = 4.0 / 3.0, gltf_view_degrees = 45;
 
@@ -68,7 +68,7 @@ private:
     void add_node(int index, const glm::dmat4& parent, int depth);
     void refuse_of_node(const tinygltf::Node& node, const std::string& pointer);
     void add_mesh(int index, const Affine& map, const Cis565Line* at);
-    // The name to add it by; empty where there is none, and told.
+    // The name of a mesh file to add a primitive by; empty where there is none, which is told.
     const std::string& file_of(int mesh, std::size_t primitive, const std::string& pointer);
     void add_camera(int index, const Affine& map, const std::string& node);
     void add_view(const Vec3d& eye, const Vec3d& look_at, const Vec3d& up, double degrees, double aspect,
@@ -199,7 +199,7 @@ void GltfImporter::add_view(const Vec3d& eye, const Vec3d& look_at, const Vec3d&
                                       width, gltf_picture_height));
 }
 
-// It looks along -z of its node, y being up. What the node scales, its view is not.
+// Adds a camera, which looks along -z of its node, y being up. What the node scales, its view is not.
 void GltfImporter::add_camera(int index, const Affine& map, const std::string& node) {
     const std::string pointer = fmt::format("/cameras/{}", index);
     if (static_cast<std::size_t>(index) >= model_->cameras.size()) {
@@ -262,7 +262,7 @@ void GltfImporter::add_node(int index, const glm::dmat4& parent, int depth) {
     }
 }
 
-// In front of all, along -z, so far off that a ball about all fits into the view.
+// Makes a camera in front of all objects, looking along -z, so far off that a ball about all fits into the view.
 void GltfImporter::make_camera(const Scene& scene) {
     Vec3d low(0.0), high(0.0);
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {

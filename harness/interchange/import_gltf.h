@@ -10,7 +10,7 @@ namespace pt {
 
 ImportResult import_gltf(const ImportSource& source);
 
-// Whether a text that no file ending tells of may be one.
+// Whether a text may be glTF, for a file whose ending tells nothing.
 bool is_like_gltf(const std::string& text);
 
 }  // namespace pt

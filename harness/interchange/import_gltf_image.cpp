@@ -10,7 +10,7 @@ namespace pt {
 
 namespace {
 
-// "my%20image.png" is the file "my image.png".
+// The file name of a URI: "my%20image.png" is "my image.png".
 std::string without_percents(const std::string& uri) {
     const auto digit = [](char c) {
         return c >= '0' && c <= '9'   ? c - '0'

@@ -23,7 +23,7 @@ bool is_white_colour(const Vec3d& v) { return v.x == 1 && v.y == 1 && v.z == 1; 
 
 }  // namespace
 
-// Of one material.
+// Reads one material.
 struct GltfMaterials::Reader {
     const tinygltf::Material* material;
     ImportDraft* draft;
@@ -219,7 +219,7 @@ void GltfMaterials::Reader::add_glass(ScenePart& part, const Vec3d& colour, doub
     }
     const double length = number_in(volume, "attenuationDistance", 1);
     const Vec3d kept = colour_in(volume, "attenuationColor", Vec3d(1.0));
-    // Of light that has come that far, so much is left.
+    // The attenuation colour is what is left of light that has come the attenuation distance.
     Vec3d sigma(0.0);
     for (int i = 0; i < 3; ++i) {
         sigma[i] = -std::log(kept[i]) / length;
@@ -234,8 +234,8 @@ void GltfMaterials::Reader::add_glass(ScenePart& part, const Vec3d& colour, doub
     }
 }
 
-// Of the coat over what is no metal; 1 where it reflects nothing. By KHR_materials_specular, which scales what it
-// reflects: the index that reflects as much at normal incidence.
+// The index of refraction of the coat over what is no metal; 1 where it reflects nothing. KHR_materials_specular scales
+// what it reflects: this is the index that reflects as much at normal incidence.
 double GltfMaterials::Reader::coat_index() {
     const double index = number_in(index_of_refraction, "ior", 1.5);
     const double factor = number_in(specular, "specularFactor", 1);
@@ -265,7 +265,7 @@ double GltfMaterials::Reader::coat_index() {
     return same;
 }
 
-// But for its base colour and emission.
+// Adds the keys of a principled material but for its base colour and emission.
 void GltfMaterials::Reader::add_principled(ScenePart& part, double metallic, double roughness, double through) {
     const double index = coat_index();
     part.add("metallic", json_of(metallic), place("/pbrMetallicRoughness/metallicFactor", json_of(metallic)), "0");

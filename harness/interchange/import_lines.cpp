@@ -39,7 +39,7 @@ bool is_file_name(const std::string& word) {
     return false;
 }
 
-// The key that may not stand beside this one; empty: there is none.
+// The key that may not stand beside `key`; empty: there is none.
 std::string rival_of(const std::string& key) {
     static const std::map<std::string, std::string> rivals{
         {"cube", "sphere"}, {"sphere", "cube"}, {"LOOKAT", "VIEW"}, {"VIEW", "LOOKAT"}};
@@ -47,14 +47,14 @@ std::string rival_of(const std::string& key) {
     return found == rivals.end() ? "" : found->second;
 }
 
-// 0.5, and a comma: as programs read it that stop at what is no number.
+// Whether a character is part of a number. "0.5," counts as 0.5: programs read it so that stop at what is no number.
 bool is_of_number(char c) { return (c >= '0' && c <= '9') || c == '.'; }
 
 class LineSorter {
 public:
     explicit LineSorter(ImportResult& result) : result_(&result) {}
 
-    // `is_first`: behind an empty line or a comment, where sections start.
+    // Adds a line to its section. `is_first`: it stands behind an empty line or a comment, where sections start.
     void add(const Cis565Line& line, bool is_first);
     Cis565File take() { return std::move(file_); }
 
@@ -63,7 +63,7 @@ private:
         result_->problems.add(line.number, fmt::format("found \"{}\", allowed: {}", line.text(), allowed));
     }
     bool starts_section(const Cis565Line& line, bool is_first) const;
-    // Null for a second camera: nobody knows whose the lines behind it are.
+    // Starts a section; null for a second camera, since nobody knows whose the lines behind it are.
     Cis565Section* start_section(const Cis565Line& line);
     Cis565Section* start_camera(const Cis565Line& line);
     void start_numbered(const Cis565Line& line, std::vector<Cis565Section>& sections);
@@ -125,7 +125,8 @@ Cis565Section* LineSorter::start_camera(const Cis565Line& line) {
     return &file_.camera.emplace(Cis565Section{.kind = "CAMERA", .head = line, .lines = {}});
 }
 
-// Sections count up from 0 in the course; its programs leave out what does not, and students' do not.
+// Starts a numbered section. They count up from 0 in the course, whose programs leave out what does not; students'
+// programs do not.
 void LineSorter::start_numbered(const Cis565Line& line, std::vector<Cis565Section>& sections) {
     const std::string next = std::to_string(sections.size());
     const std::string label = line.words.size() == 2 ? line.words[1] : "";
@@ -159,7 +160,7 @@ void LineSorter::add_outside(const Cis565Line& line) {
     }
 }
 
-// It stands in no section, wherever it is.
+// Takes the background's line, which stands in no section, wherever it is.
 void LineSorter::add_background(const Cis565Line& line) {
     if (file_.background) {
         fail(line, fmt::format("{} once; line {} has it", line.words[0], file_.background->number));

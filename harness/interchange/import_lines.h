@@ -43,7 +43,8 @@ struct Cis565File {
     std::map<std::string, std::string> mesh_files;  // by the names that objects call them
 };
 
-// What is no line of the format is a problem, and left out; so is what changes the picture beyond what scenes hold.
+// Reads the text of a scene of CIS 565. What is no line of the format is a problem, and left out; so is what changes
+// the picture beyond what scenes hold.
 Cis565File read_cis565_file(const std::string& text, ImportResult& result);
 
 // A line by what its word is for: kept, left out, or refused. `word` as the file has it.
@@ -57,14 +58,14 @@ public:
 
     bool is_whole() const { return is_whole_; }
     void fail(const Cis565Line& line, const std::string& found, const std::string& allowed);
-    // Found is the line itself.
+    // Notes a problem of a line, and names the whole line as what was found.
     void fail(const Cis565Line& line, const std::string& allowed);
 
-    // Null where there is no such line; a problem if it is required.
+    // The line of a key; null where there is none, which is a problem if it is required.
     const Cis565Line* line(const std::string& key) const;
     const Cis565Line* required(const std::string& key, const std::string& allowed = "with it");
 
-    // Nothing where the line is missing or wrong. Numbers of the format are never below 0.
+    // These return nothing where the line is missing or wrong. Numbers of the format are never below 0.
     std::optional<double> required_number(const std::string& key);
     std::optional<Vec3d> required_vector(const std::string& key);
     // A word of the line as a whole number from 0 to 10^9.
@@ -72,7 +73,7 @@ public:
     // A line as a vector, or as a number of 0 or more.
     std::optional<double> number_of(const Cis565Line& line);
     std::optional<Vec3d> vector_of(const Cis565Line& line);
-    // 0 where there is no such line, or a wrong one.
+    // The number or vector of a key; 0 where there is no such line, or a wrong one.
     double number(const std::string& key);
     Vec3d vector(const std::string& key);
 

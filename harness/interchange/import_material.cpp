@@ -101,7 +101,7 @@ MaterialImporter::MaterialImporter(CourseImport& import, std::size_t index)
     }
 }
 
-// In JSON, where materials have names.
+// Whether TYPE names another material, which only JSON scenes can, where materials have names.
 bool MaterialImporter::names_a_material() const {
     return has("TYPE") && line("TYPE").words.size() == 2 && import_->sections->is_json &&
            !is_course_type(line("TYPE").words[1]) &&
@@ -148,7 +148,7 @@ void MaterialImporter::warn_unless_one(const std::string& key) {
     }
 }
 
-// For a colour that is not used: white would change nothing.
+// Warns of a colour that is not used, unless it is white, which would change nothing.
 void MaterialImporter::warn_unless_white(const std::string& key) {
     if (colour(key) != Vec3d(1.0)) {
         warn(key, "is not used: " + what_);
@@ -368,7 +368,7 @@ void MaterialImporter::apply_layers() {
     }
 }
 
-// Whether it is what no material of a scene file is.
+// Refuses what no material of a scene file can be; returns whether it did.
 bool MaterialImporter::refuse() {
     if (is_set("EMITTANCE")) {
         return false;

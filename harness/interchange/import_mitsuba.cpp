@@ -16,7 +16,7 @@ namespace {
 // An endless path with roulette there has an end here: at half the light a bounce, 2^-64 is left.
 constexpr int depth_for_endless = 64;
 
-// Where look_at_map makes a view of it.
+// The view that look_at_map makes a map of.
 struct SensorView {
     Vec3d eye{0.0}, look_at{0, 0, 1}, up{0, 1, 0};
 };
@@ -55,7 +55,7 @@ private:
     double width_ = 768, height_ = 576;  // as Mitsuba's films are
 };
 
-// $NAME in an attribute, of a <default> that stands before it; the longest name that fits.
+// An attribute's value with $NAME replaced by that of a <default> that stands before it; the longest name that fits.
 std::string MitsubaImporter::filled(const XmlElement& element, std::string value) {
     constexpr std::size_t longest = 4096;
     for (std::size_t at = value.find('$'); at != std::string::npos && value.size() < longest;
@@ -63,7 +63,7 @@ std::string MitsubaImporter::filled(const XmlElement& element, std::string value
         const auto is_named = [&](const auto& parameter) {
             return value.compare(at + 1, parameter.first.size(), parameter.first) == 0;
         };
-        // Names that begin with another come after it.
+        // The search runs backward, since names that begin with another come after it.
         const auto found = std::find_if(parameters_.rbegin(), parameters_.rend(), is_named);
         if (found == parameters_.rend()) {
             file_.refuse(element, fmt::format("a <default> before it that gives {} its value", value.substr(at)));
@@ -92,7 +92,7 @@ void MitsubaImporter::fill_in(XmlElement& element) {
     }
 }
 
-// camelCase names of before version 2, as Mitsuba 3 reads them.
+// Turns camelCase names of before version 2 into today's, as Mitsuba 3 reads them.
 void MitsubaImporter::modernise(XmlElement& element) {
     for (auto& [key, value] : element.attributes) {
         if (key != "name") {
@@ -234,7 +234,7 @@ std::optional<SensorView> MitsubaImporter::read_view(MitsubaObject& sensor) {
     if (!sensor.is_good()) {
         return std::nullopt;
     }
-    // By its own numbers, where there is nothing else.
+    // A lone lookat is read by its own numbers.
     if (element != nullptr && element->children.size() == 1 && element->children.front().tag == "lookat") {
         const XmlElement& look = element->children.front();
         const auto three = [&](const char* name) {

@@ -10,7 +10,7 @@ namespace pt {
 
 ImportResult import_mitsuba(const ImportSource& source);
 
-// Whether a text that no file ending tells of may be one.
+// Whether a text may be Mitsuba's XML, for a file whose ending tells nothing.
 bool is_like_mitsuba(const std::string& text);
 
 }  // namespace pt

@@ -9,7 +9,7 @@
 
 namespace pt {
 
-// src/textures/bitmap.cpp: the first row of the image is where v is 0.
+// Reads an image. Its first row is where v is 0 (src/textures/bitmap.cpp of Mitsuba).
 MitsubaMaterials::Colour MitsubaMaterials::read_bitmap(const XmlElement& element, MitsubaObject& object) {
     MitsubaObject bitmap(element, *file_);
     if (bitmap.type() != "bitmap") {

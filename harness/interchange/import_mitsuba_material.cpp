@@ -35,7 +35,7 @@ MitsubaMaterials::Bsdf MitsubaMaterials::read_diffuse(MitsubaObject& object) {
             .image = albedo.image};
 }
 
-// alpha = roughness^2. `changes`: what is told of the distribution.
+// Reads a roughness, of which Mitsuba has the square, alpha. `changes`: what is told of the distribution.
 double MitsubaMaterials::read_roughness(MitsubaObject& object, std::string& changes) {
     const double alpha = object.number("alpha", 0.1);
     const double along = object.number("alpha_u", alpha), across = object.number("alpha_v", alpha);

@@ -30,7 +30,7 @@ public:
     // only.
     std::optional<std::size_t> material_behind(const MitsubaSurface& surface);
 
-    // Null where both its sides reflect here and there; else the element that has one side in Mitsuba.
+    // The element that has one side in Mitsuba; null where both sides of the material reflect here and there.
     const XmlElement* one_sided(std::size_t material) const { return one_sided_.at(material); }
     const XmlElement* emitter(std::size_t material) const { return emitters_.at(material); }
     MitsubaImage image(std::size_t material) const { return images_.at(material); }
@@ -44,7 +44,7 @@ private:
         bool is_good = true, is_black = false, is_glass = false;
         MitsubaImage image = MitsubaImage::none;
     };
-    // One colour, or an image.
+    // A colour of a material: one colour, or an image.
     struct Colour {
         Vec3d value{0.0};
         std::string json;  // as scene files have it

@@ -16,7 +16,7 @@ namespace pt {
 
 namespace {
 
-// Mitsuba's word, and no choice of light_sampling.
+// Mitsuba's word for an emitter on a surface, which is no choice of light_sampling.
 constexpr std::string_view mitsuba_area_emitter = "area";
 
 // Instances of groups of instances can be without end.
@@ -26,7 +26,7 @@ double length_of_vector(const Vec3d& v) { return std::sqrt(dot(v, v)); }
 
 double largest_part_of(const Vec3d& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
-// Side 2 there, 1 here.
+// The map for a shape that has the side 1 here and the side 2 in Mitsuba.
 Affine of_twice_the_side(const Affine& map) {
     Affine own = map;
     for (Vec3d& column : own.column) {
@@ -53,7 +53,7 @@ Affine quad_of(const Affine& map, bool is_flipped) {
     return quad;
 }
 
-// Between two numbers that were one until a small gap was put between them.
+// The middle of two numbers that were one until a small gap was put between them.
 double middle_of(double a, double b) {
     constexpr double last_bits = 2 * std::numeric_limits<double>::epsilon();
     return a == b ? a : shortest_within(0.5 * a + 0.5 * b, last_bits * std::max(std::abs(a), std::abs(b)));
@@ -67,7 +67,7 @@ void MitsubaShapes::add(const XmlElement& shape) {
     }
 }
 
-// False where nothing can be made of it.
+// Reads the surface of a shape; false where nothing can be made of it.
 bool MitsubaShapes::read_surface(MitsubaObject& object, MitsubaSurface& surface) {
     surface.shape = &object.element();
     const std::vector<const XmlElement*> bsdfs = object.objects("bsdf"), emitters = object.objects("emitter"),
@@ -196,7 +196,7 @@ void MitsubaShapes::add_placed(const XmlElement& shape, const Affine& outer, int
     }
 }
 
-// `far`: what a gap between the two is small against.
+// Whether two lamps stand back to back. `far`: the length that a gap between the two is small against.
 bool MitsubaShapes::are_back_to_back(const Placed& a, const Placed& b, double far) const {
     const auto is_lamp = [](const Placed& p) {
         return p.kind == "quad" && p.surface.emitter != nullptr && !p.is_pair && !p.is_gone;
@@ -224,7 +224,7 @@ bool MitsubaShapes::are_back_to_back(const Placed& a, const Placed& b, double fa
            length_of_vector(gap - normal * along) <= std::ldexp(along, -8) + 1e-14 * far;
 }
 
-// As `ptbench export` writes a lamp of two sides.
+// Joins pairs of lamps of one side into a lamp of two sides, which `ptbench export` writes as such a pair.
 void MitsubaShapes::pair_lamps(const Vec3d& eye) {
     double far = 0;
     for (const Placed& shape : shapes_) {
@@ -244,7 +244,8 @@ void MitsubaShapes::pair_lamps(const Vec3d& eye) {
     }
 }
 
-// So that each point has the texel that it has there: src/shapes/ of Mitsuba 3, and kernels/texture.h.
+// Lays an image on a shape so that each point has the texel that it has in Mitsuba (src/shapes/ of Mitsuba 3, and
+// kernels/texture.h).
 bool MitsubaShapes::lay_image(Placed& placed, MitsubaImage image) {
     const XmlElement& shape = *placed.surface.shape;
     const bool is_up = image == MitsubaImage::v_up;
@@ -354,7 +355,7 @@ void MitsubaShapes::dim_lamps_in_glass(const Scene& scene) {
     }
 }
 
-// What reflects or shines on one side there, and on both here.
+// Warns of shapes that reflect or shine on one side in Mitsuba, and on both here.
 void MitsubaShapes::warn_of_sides(const Scene& scene) {
     std::map<const XmlElement*, std::size_t> one_sided;
     for (const Placed& shape : shapes_) {

@@ -11,9 +11,9 @@ class MitsubaShapes {
 public:
     explicit MitsubaShapes(const MitsubaFile& file) : file_(&file), materials_(file) {}
 
-    // Of what stands in the scene itself, in the file's order.
+    // Takes a shape that stands in the scene itself; shapes are to come in the file's order.
     void add(const XmlElement& shape);
-    // Once all shapes are there: writes the objects. `eye` tells what is far.
+    // Writes the objects, once all shapes are there. `eye` tells what is far.
     void write(const Vec3d& eye);
     // What takes the scene as a whole: what stands behind lamps of one side, lamps in glass, and what is different here
     // and there.

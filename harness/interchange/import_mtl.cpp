@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t largest_library = std::uint64_t{1} << 24;  // in bytes
 
-// Letters, digits, '_' and '-', up to 64 of them.
+// A name for scene files: the letters, digits, '_' and '-' of a text, up to 64 of them.
 std::string name_for_scene(const std::string& text) {
     std::string plain;
     for (const char c : text.substr(0, 64)) {
@@ -50,7 +50,7 @@ private:
     void read_libraries(const std::vector<std::string>& names);
     void read_library(const std::string& name);
     void add_entry(const fs::path& library, MtlMaterial material);
-    // Its number in `entries_`.
+    // The number in `entries_` of the material of that name.
     std::optional<std::size_t> entry_called(const std::string& name);
     std::optional<std::size_t> entry_of(const ObjPart& part);
     std::string material_of(std::size_t entry);
@@ -72,7 +72,7 @@ std::optional<fs::path> OwnMaterials::library_called(const std::string& name) {
     return fs::is_regular_file(beside, error) ? std::optional(beside) : import_->files.find(name);
 }
 
-// A line names one, which may have spaces in it, or several.
+// Reads the libraries of a line, which names one whose name may have spaces in it, or several.
 void OwnMaterials::read_libraries(const std::vector<std::string>& names) {
     for (const std::string& whole : names) {
         const std::string name = library_called(whole) ? whole : without_comment(whole);
@@ -105,7 +105,7 @@ void OwnMaterials::read_library(const std::string& name) {
     }
 }
 
-// Of two of one name the first is used.
+// Adds a material of a library; of two of one name the first is used.
 void OwnMaterials::add_entry(const fs::path& library, MtlMaterial material) {
     const auto [known, is_new] = by_name_.emplace(material.name, entries_.size());
     if (is_new) {
@@ -129,7 +129,8 @@ void OwnMaterials::add_entry(const fs::path& library, MtlMaterial material) {
     }
 }
 
-// Of "wood # of the floor" and "wood" one may be the other with a comment; "Material #25" and "Material #26" are two.
+// Finds a material by name. Of "wood # of the floor" and "wood" one may be the other with a comment; "Material #25" and
+// "Material #26" are two.
 std::optional<std::size_t> OwnMaterials::entry_called(const std::string& name) {
     if (const auto found = by_name_.find(name); found != by_name_.end()) {
         return found->second;
@@ -173,7 +174,7 @@ std::optional<std::size_t> OwnMaterials::entry_of(const ObjPart& part) {
     return std::nullopt;
 }
 
-// By its name in the scene.
+// The name in the scene of an entry's material, which is added when it is first asked for.
 std::string OwnMaterials::material_of(std::size_t entry) {
     const Entry& meant = entries_[entry];
     const auto [known, is_new] = import_->own_names.try_emplace({meant.library.string(), meant.material.name});

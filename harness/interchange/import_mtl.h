@@ -30,7 +30,7 @@ namespace pt {
 std::vector<OwnPart> import_own_materials(CourseImport& import, const std::filesystem::path& file,
                                           const Cis565Line& at);
 
-// One of them, of the library `library`.
+// Reads one material, of the library `library`.
 ScenePart import_mtl_material(CourseImport& import, const MtlMaterial& material, const std::filesystem::path& library,
                               const Cis565Line& at);
 

@@ -131,7 +131,7 @@ std::vector<double> MtlImporter::numbers(const std::string& key, std::size_t mos
     return values;
 }
 
-// One number is grey.
+// Reads a colour; a single number is a grey.
 Vec3d MtlImporter::colour(const std::string& key, double otherwise) {
     if (!has(key)) {
         return Vec3d(otherwise);
@@ -156,7 +156,8 @@ int MtlImporter::illumination() {
     return static_cast<int>(value);
 }
 
-// Of d, and where there is none of Tr. Programs that write both do not agree on which way Tr goes.
+// Whether the material is seen through, by d or, where there is none, by Tr. Programs that write both do not agree on
+// which way Tr goes.
 bool MtlImporter::is_seen_through() {
     const std::string key = has("d") ? "d" : "tr";
     const double opacity = has("d") ? number("d", 1) : 1 - number("tr", 0);
@@ -216,7 +217,7 @@ void MtlImporter::make_glass(ScenePart& part) {
     warn_if_coloured("kd", fmt::format("is not used: it is glass, by illum {}", illumination_));
 }
 
-// Kd and a mirror of Ks: each is drawn as often as it is bright, and divided by that.
+// Makes a mix of Kd and a mirror of Ks: each is drawn as often as it is bright, and divided by that.
 void MtlImporter::make_shiny(ScenePart& part) {
     const Vec3d albedo = colour("kd", 0), reflectance = colour("ks", 0);
     const double of_mirror = brightest_of(reflectance), sum = brightest_of(albedo) + of_mirror;

@@ -92,7 +92,7 @@ void ObjectImporter::warn_of_shapes_beside(const std::string& shape, const std::
     }
 }
 
-// For a mesh that is not to be had, so that the object's other lines can be checked.
+// Puts a box in place of a mesh that is not to be had, so that the object's other lines can be checked.
 void ObjectImporter::stand_in() {
     part_.members.clear();
     part_.add("shape", "\"box\"", nullptr);
@@ -158,7 +158,7 @@ void ObjectImporter::add_own_parts(const std::filesystem::path& file, const Cis5
     }
 }
 
-// Triangles, three corners each.
+// Adds the object's vertices as triangles of three corners each.
 void ObjectImporter::add_vertices() {
     part_.add("shape", "\"mesh\"", nullptr);
     const Cis565Line& line = *reader_.line("VERTICES");

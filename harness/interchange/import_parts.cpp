@@ -18,14 +18,14 @@ namespace pt {
 
 namespace {
 
-// Parts are checked within a scene that has these for all else.
+// The rest of a scene within which a part is checked.
 constexpr const char* other_root = "\"name\": \"other\", \"max_depth\": 1";
 constexpr const char* other_camera =
     "{\"eye\": [0, 0, 1], \"look_at\": [0, 0, 0], \"up\": [0, 1, 0], \"vertical_fov_degrees\": 60, "
     "\"resolution\": [1, 1], \"shutter\": {\"open\": 0, \"close\": 1}}";
 constexpr const char* other_material = "{\"type\": \"diffuse\", \"albedo\": [0, 0, 0]}";
 
-// With so many problems the objects are not looked at any more: nobody reads them, and it takes a while.
+// Number of problems from which the objects are not looked at any more: nobody reads them, and it takes a while.
 constexpr std::size_t most_checked = 1000;
 
 std::string scene_text(const std::string& root, const std::string& camera, const std::string& materials,
@@ -63,7 +63,7 @@ bool is_within(const std::string& place, const std::string& outer) {
            (place.size() == outer.size() || place[outer.size()] == '.' || place[outer.size()] == '[');
 }
 
-// Null where the place is in none of the part's members.
+// The member of a part that a place lies in; null where it is in none.
 SceneMember* member_at(ScenePart& part, const std::string& place) {
     const auto found = std::find_if(part.members.begin(), part.members.end(), [&](const SceneMember& member) {
         return is_within(place, part.place + "." + member.key);
@@ -147,7 +147,8 @@ void PartsChecker::check_camera() {
     has_camera_ = is_good && parts_.camera.is_whole;
 }
 
-// What an unreadable line would have made of the others, nobody knows.
+// Checks a material by itself. One with an unreadable line is not checked: nobody knows what that would have made of
+// its other lines.
 void PartsChecker::check_material(std::size_t index) {
     const ScenePart& material = parts_.materials[index];
     const std::string name = json_of(material.name);
@@ -159,7 +160,8 @@ void PartsChecker::check_material(std::size_t index) {
     }
 }
 
-// With the scene's own camera and material where they are good: a body may not stand about the eye.
+// Checks an object alone, with the scene's own camera and material where they are good: a body may not stand about the
+// eye.
 void PartsChecker::check_object(const ScenePart& object) {
     const std::string name = "\"other\"";
     ScenePart renamed = object;
@@ -201,7 +203,8 @@ void PartsChecker::check_all() {
 
 }  // namespace
 
-// Adding 0 turns -0 into 0. What a product has made infinite is as large as JSON has numbers: too large too.
+// Writes a number. Adding 0 turns -0 into 0. A number that a product has made infinite is written as the largest that
+// JSON has, which is refused as too large too.
 std::string json_of(double value) {
     constexpr double largest = std::numeric_limits<double>::max();
     return fmt::format("{}", std::clamp(value, -largest, largest) + 0.0);

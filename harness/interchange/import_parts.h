@@ -30,9 +30,9 @@ struct ScenePart {
              const std::string& stand_in = "") {
         members.push_back({.key = key, .value = value, .line = line, .stand_in = stand_in});
     }
-    // "KEY": VALUE, ..
+    // The part's members as JSON, "KEY": VALUE, .., with a separator between them.
     std::string members_json(const std::string& separator) const;
-    // {"KEY": VALUE, ..}
+    // The part as a JSON object.
     std::string json() const;
 };
 
@@ -47,17 +47,18 @@ struct SceneParts {
 std::string json_of(double value);
 std::string json_of(const Vec3d& v);
 std::string json_of(const std::string& text);
-// A colour that is an image, by the name that the scene file has for it; and whether a member's value is one.
+// A colour that is an image, by the name that the scene file has for it; is_image_in_scene tells whether a
+// member's value is one.
 std::string image_in_scene(const std::string& name);
 bool is_image_in_scene(const std::string& value);
-// Adds a mesh that is to be written beside the scene file, and called after it; its name there.
+// Adds a mesh that is to be written beside the scene file, and called after it; returns its name there.
 std::string add_imported_mesh(ImportResult& result, const ImportSource& source, Mesh mesh);
-// All of them, by the paths that they will have.
+// All meshes that are to be written, by the paths that they will have.
 MeshesToBe::Meshes imported_meshes(const ImportResult& result, const std::string& scene_file);
-// What is said of a mesh file, once of each, at the line that names it first.
+// Warns of a mesh file, once of each file, at the line that names it first.
 void warn_of_mesh(ImportResult& result, std::size_t line, const std::filesystem::path& file,
                   const std::vector<std::string>& warnings);
-// In the scene file: its name, or material_LABEL.
+// The name that a material has in the scene file: its own, or material_LABEL.
 std::string material_name(const Cis565Section& section);
 
 // What scene files do not allow is a problem of the line that it comes from. `file`: the scene's, which names of meshes

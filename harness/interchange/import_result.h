@@ -25,7 +25,7 @@ struct ImportedMesh {
     Mesh mesh;
 };
 
-// Likewise an image, as it lay in the source.
+// An image that is to be written beside the scene, as it lay in the source.
 struct ImportedImage {
     std::string file, content;
 };
@@ -45,7 +45,7 @@ struct ImportResult {
 
 // Texts beyond this size are not read, in bytes: it holds 10^5 objects.
 inline constexpr std::size_t largest_import = std::size_t{16} << 20;
-// glTF holds meshes, or has them beside it.
+// Most bytes of a glTF file, which holds meshes, or has them beside it.
 inline constexpr std::size_t largest_gltf = std::size_t{1} << 30;
 
 }  // namespace pt

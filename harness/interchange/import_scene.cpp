@@ -15,7 +15,7 @@ namespace {
 
 bool is_any_text(const std::string&) { return true; }
 
-// Null where no format has it.
+// The format that a file's ending names; null where no format has it.
 const ImportFormat* format_by_ending(const std::string& file) {
     const std::vector<ImportFormat>& formats = import_formats();
     const std::string ending = ending_of(file);

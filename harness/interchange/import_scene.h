@@ -18,8 +18,8 @@ struct ImportFormat {
 
 const std::vector<ImportFormat>& import_formats();
 
-// By the file name's ending; where no format has that, the first that the text is like. Never null: the last is like
-// any text.
+// The format of a source by the file name's ending; where no format has that, the first that the text is like. Never
+// null: the last is like any text.
 const ImportFormat& import_format_of(const ImportSource& source);
 
 // The text of a file, readable, or its bytes where it is binary glTF; how large it may be is by its name.

@@ -9,7 +9,8 @@
 
 namespace pt {
 
-// Small or capital letters alike.
+// The index of refraction of a material of Mitsuba's, by its name in small or capital letters; nothing where there is
+// none.
 std::optional<double> mitsuba_index_of(const std::string& name);
 std::string names_of_mitsuba_indices();
 
@@ -18,7 +19,7 @@ struct MitsubaMetal {
     Vec3d eta, k;
 };
 
-// Null where there is none of that name here; Mitsuba has more.
+// Finds a metal of Mitsuba's; null where there is none of that name here (Mitsuba has more).
 const MitsubaMetal* find_mitsuba_metal(const std::string& name);
 std::string names_of_mitsuba_metals();
 

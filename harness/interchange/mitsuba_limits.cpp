@@ -23,7 +23,7 @@ bool moves(const Scene& scene, const SceneObject& object) {
     return !is_black(object.velocity) && scene.camera.shutter_close > scene.camera.shutter_open;
 }
 
-// Each problem once: copies of an object have the same.
+// Problems of an export, each listed once: copies of an object have the same.
 class Problems {
 public:
     explicit Problems(std::string file) : file_(std::move(file)) {}
@@ -122,7 +122,7 @@ void check_shape(const Scene& scene, const SceneObject& object, Problems& proble
     }
 }
 
-// A point of a shape has the same texel there.
+// Checks that each point of a shape has the texel in Mitsuba that it has here.
 void check_image(const SceneMaterial& material, const SceneObject& object, Problems& problems) {
     const std::string found = fmt::format("a {} with the image {}", name_of(object.shape), material.texture->file);
     if (object.shape == Shape::box) {
@@ -158,7 +158,8 @@ bool sphere_meets(const Scene& scene, const SceneObject& sphere, const Extent& b
     return 4 * dot(offset, offset) <= sphere.scale.x * sphere.scale.x;
 }
 
-// Never false where they have a point in common; by their boxes, so sometimes true where they have none.
+// Whether two objects may have a point in common: never false where they have, and by their boxes, so sometimes true
+// where they have not.
 bool may_meet(const Scene& scene, const SceneObject& a, const SceneObject& b) {
     const Extent box_a = extent_of(scene, a), box_b = extent_of(scene, b);
     return overlap(box_a, box_b) && (name_of(a.shape) != "sphere" || sphere_meets(scene, a, box_b)) &&

@@ -9,14 +9,14 @@
 
 namespace pt {
 
-// From this depth on, paths of a scene with a subsurface material have no end in Mitsuba, which counts each scattering
+// Depth from which on paths of a scene with a subsurface material have no end in Mitsuba, which counts each scattering
 // of a walk towards its max_depth: what paths bring after a thousand segments is no part of a picture.
 inline constexpr std::uint32_t endless_depth = 1000;
 
-// One line each, "FILE: PLACE: found X, allowed: Y"; empty: the scene can be exported at that depth.
+// Why the scene cannot be exported at that depth, one line each, "FILE: PLACE: found X, allowed: Y"; empty: it can.
 std::vector<std::string> mitsuba_problems(const Scene& scene, const std::string& file, std::uint32_t depth);
 
-// Where an object stands while the shutter is open; of one that moves, where it is first.
+// The place of an object while the shutter is open; of one that moves, its first.
 Vec3d place_of(const Scene& scene, const SceneObject& object);
 
 // A box round an object that does not move, in double precision and not rounded outward.
@@ -33,7 +33,7 @@ Extent extent_of(const Scene& scene, const SceneObject& object);
 // three more mean free paths on its side.
 std::uint64_t roulette_depth(const Scene& scene);
 
-// contains_point where the object stands while the shutter is open.
+// Whether an object contains a point, where it stands while the shutter is open.
 bool contains_as_it_stands(const Scene& scene, const SceneObject& object, const Vec3d& point);
 
 // What makes a lamp as bright in Mitsuba as here: n^2 of each dielectric that holds it, since every path to the lamp
@@ -43,7 +43,7 @@ double radiance_factor(const Scene& scene, const SceneObject& lamp);
 // The image that the surface shows in Mitsuba; null: one colour.
 const SceneTexture* mitsuba_image(const SceneMaterial& material);
 
-// Whether it sends out light.
+// Whether a material sends out light.
 bool is_emissive(const SceneMaterial& material);
 
 // How far off a surface Mitsuba's rays start at the scene's outermost corner, in units of the least axis of its spheres

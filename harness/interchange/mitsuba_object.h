@@ -14,7 +14,7 @@
 
 namespace pt {
 
-// What the objects of one file share.
+// A Mitsuba file that is imported: the draft of the scene, and the elements that references name.
 struct MitsubaFile {
     ImportDraft* draft;
     std::map<std::string, const XmlElement*> by_id;
@@ -31,7 +31,7 @@ struct MitsubaFile {
     }
 };
 
-// Numbers with commas or white space between them; nothing where something else is there.
+// Reads numbers with commas or white space between them; nothing where something else is there.
 std::optional<std::vector<double>> mitsuba_numbers(const std::string& text);
 
 class MitsubaObject {
@@ -44,31 +44,33 @@ public:
     std::string id() const { return element_->value_of("id"); }
     bool is_good() const { return is_good_; }
 
-    // The property of that name, or null; it counts as asked for.
+    // The property of that name, or null; it counts as asked for by finish().
     const XmlElement* property(const std::string& name);
     // The objects of that tag among the children, references followed.
     std::vector<const XmlElement*> objects(const std::string& tag);
-    // Without them the picture is the same, or they belong to a run.
+    // Passes over properties without which the picture is the same, or which belong to a run.
     void ignore(const std::vector<std::string>& names);
-    // Of no use with what else is there: a problem where one has another value than `allowed` says in words.
+    // Refuses a property that is of no use with what else is there: a problem where it has another value than `allowed`
+    // says in words.
     void refuse_property(const std::string& name, const std::string& allowed);
 
-    // What is not there has the value `otherwise`; what cannot be read is a problem.
+    // These read a property of this name. One that is not there has the value `otherwise`; one that cannot be read is a
+    // problem.
     double number(const std::string& name, double otherwise);
     std::optional<double> optional_number(const std::string& name);
     bool boolean(const std::string& name, bool otherwise);
     std::string text(const std::string& name, const std::string& otherwise);
     Vec3d colour(const std::string& name, const Vec3d& otherwise);
     std::optional<Vec3d> optional_colour(const std::string& name);
-    // Of an emitter, where Mitsuba's RGB variants have another grey for a <spectrum>.
+    // The radiance of an emitter, for which Mitsuba's RGB variants have another grey for a <spectrum>.
     std::optional<Vec3d> optional_radiance(const std::string& name);
     Vec3d point(const std::string& name, const Vec3d& otherwise);
     Affine transform(const std::string& name);
 
     void fail(const XmlElement& element, const std::string& allowed);
-    // For what is wrong within an object of its own, and told.
+    // Marks the object as bad for what is wrong within an object of its own, and told.
     void spoil() { is_good_ = false; }
-    // What was not asked for is a problem. `known` says in words what the object may have.
+    // Ends the reading: a property that was not asked for is a problem. `known` says in words what the object may have.
     void finish(const std::string& known);
 
 private:
@@ -81,7 +83,7 @@ private:
     bool is_good_ = true;
 };
 
-// Mitsuba's look_at: columns left, up, forward.
+// Mitsuba's look_at as a map, with the columns left, up and forward.
 Affine look_at_map(const Vec3d& origin, const Vec3d& target, const Vec3d& up);
 
 }  // namespace pt

@@ -17,9 +17,9 @@ struct XmlElement {
     std::vector<XmlElement> children;  // elements only: text and comments are left out
     std::size_t line = 0;              // from 1
 
-    // Null where there is none of that name.
+    // The value of an attribute; null where there is none of that name.
     const std::string* attribute(const std::string& name) const;
-    // The value, or "".
+    // The value of an attribute, or "".
     std::string value_of(const std::string& name) const;
     // The start tag, cut where it is more than a message should hold.
     std::string text() const;

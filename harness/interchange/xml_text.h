@@ -20,7 +20,7 @@ public:
     // An element without content.
     void leaf(const std::string& tag, const Attributes& attributes);
 
-    // Whole once every element that was opened is closed.
+    // The text, which is whole once every element that was opened is closed.
     const std::string& text() const { return text_; }
 
 private:

@@ -18,7 +18,8 @@ namespace pt {
 namespace {
 
 constexpr double multiplication_latency = 3;
-// Chains that run one after the other see the clock move; a chain that is folded is wrong by a factor of 2 or more.
+// Relative difference that chains may show: those that run one after the other see the clock move; a chain that the
+// compiler has folded is wrong by a factor of 2 or more.
 constexpr double chain_tolerance = 0.1;
 // Turbo is up to 4.3 times the time stamp counter's rate (1.1 GHz parts that boost to 4.7), and cores idle at a tenth.
 constexpr double most_over_time_stamps = 5;
@@ -63,7 +64,8 @@ void additions(std::uint64_t steps) {
     chain(steps, [&] { asm volatile(".rept 8\n\tadd %0, %0, %1\n\t.endr" : "+r"(sum) : "r"(one)); });
 }
 
-// Latencies of multiplications differ between Arm's cores, and the counter's rate says nothing of the clock.
+// Other processors have no such measurement: latencies of multiplications differ between Arm's cores, and the counter's
+// rate says nothing of the clock.
 void multiplications(std::uint64_t) {}
 double time_stamp() { return 0; }
 
@@ -145,8 +147,8 @@ ClockEvidence measure_once() {
 
 }  // namespace
 
-// On a busy machine every pass of a chain may have been interrupted: that contradiction goes, that of a folded chain
-// stays.
+// Measures the clock, several times if need be: on a busy machine every pass of a chain may have been interrupted, a
+// contradiction that goes; that of a folded chain stays.
 ClockEvidence measure_clock_evidence() {
     constexpr int most_tries = 5;
     ClockEvidence evidence = measure_once();

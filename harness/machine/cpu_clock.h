@@ -21,7 +21,7 @@ struct ClockEvidence {
 
 // The clock in MHz; nothing if the evidence contradicts itself.
 std::optional<double> clock_of(const ClockEvidence& evidence);
-// What contradicts what, in words with the numbers; empty where clock_of has a clock.
+// The contradiction in the evidence for the clock, in words with the numbers; empty where clock_of has a clock.
 std::string clock_problem(const ClockEvidence& evidence);
 
 // Takes about 0.5 ms, up to five times as long where the chains contradict each other: the fastest of several short

@@ -25,7 +25,7 @@ bool has_word(const std::string& list, const std::string& word) {
     return ("," + list + ",").find("," + word + ",") != std::string::npos;
 }
 
-// Of the groups that limit CPU time.
+// The mount points of the control groups that limit CPU time.
 std::vector<GroupMount> group_mounts(const std::string& root) {
     std::vector<GroupMount> mounts;
     std::ifstream lines(root + "proc/self/mountinfo");
@@ -75,7 +75,7 @@ void add_folders(std::vector<std::string>& folders, const std::string& root, con
     folders.push_back(point);
 }
 
-// CPUs that a group's quota allows, its own and nobody else's.
+// The number of CPUs that a group's own quota allows; nothing where it has none.
 std::optional<double> quota_of(const std::string& folder) {
     double quota = 0, period = 0;
     if (std::ifstream file(folder + "/cpu.max"); file) {

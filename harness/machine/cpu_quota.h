@@ -22,28 +22,28 @@ struct Throttling {
 // The groups that a process is in, the innermost first: of version 2 (cpu.max) or 1 (cpu.cfs_quota_us).
 class CpuGroups {
 public:
-    // This process's. `root`: the folder in which its proc/self and the groups' mount points lie.
+    // The control groups of this process. `root`: the folder in which its proc/self and the groups' mount points lie.
     static CpuGroups of_this_process(const std::string& root = "/");
 
-    // CPUs that the tightest quota allows, 0.5 for half of one; nothing where there is none.
+    // The CPUs that the tightest quota allows, 0.5 for half of one; nothing where there is no quota.
     std::optional<double> quota() const;
-    // Of all groups that have a quota.
+    // The throttling of all groups that have a quota, added up.
     Throttling throttling() const;
 
 private:
     std::vector<std::string> folders_;
 };
 
-// "1.5", or "none": the context's ptbench.cpu_quota.
+// The quota for the context's ptbench.cpu_quota: "1.5", or "none".
 std::string quota_in_words(std::optional<double> quota);
 
-// Processors that the process's threads may run on (taskset, cpusets).
+// The number of processors that the process's threads may run on (taskset, cpusets).
 int available_processors();
 
 // What a run says first of the machine's share that it has, a line each; empty: nothing is amiss. `threads`: those of a
 // render on the CPU, or 0 where the renders are not there.
 std::vector<std::string> cpu_warnings(int threads, int processors, std::optional<double> quota);
-// Says them on stderr, of this process.
+// Says on stderr what limits the processors of this process.
 void say_cpu_warnings(Backend backend);
 
 }  // namespace pt

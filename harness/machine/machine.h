@@ -13,20 +13,22 @@ std::string machine_name();
 // Keys ("ptbench." prefixed) and values for the context of a result file.
 std::vector<std::pair<std::string, std::string>> machine_context();
 
-// Now, as ISO 8601 in local time, and in seconds since 1970. A clock that may be set: for dates, never for durations.
+// The time now, as ISO 8601 in local time, and in seconds since 1970. The clock may be set: it is for dates, never for
+// durations.
 std::string iso_date();
 double seconds_since_1970();
 
-// "1.0.0 (commit 0123abc, with changes that are not committed)".
+// The version and the commit, as "1.0.0 (commit 0123abc, with changes that are not committed)".
 std::string version_text();
 std::string git_sha();
 bool git_dirty();
-// Of the sources that decide what an image is (kernels, integrators, samplers, the reading of scenes): 16 hex digits.
+// The hash of the sources that decide what an image is (kernels, integrators, samplers, the reading of scenes): 16 hex
+// digits.
 std::string image_sources_hash();
 
-// FNV-1a of the running program's file: two builds of one commit are told apart.
+// The hash (FNV-1a) of the running program's file, which tells two builds of one commit apart.
 std::string program_hash();
-// The OMP_* and GOMP_* variables that are set, "NAME=value" with spaces between.
+// The OMP_* and GOMP_* variables of the environment that are set, as "NAME=value" with spaces between.
 std::string openmp_environment();
 
 // What else the machine did: CPU time of other processes (and time stolen by a hypervisor's), and how often this

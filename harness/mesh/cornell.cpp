@@ -7,7 +7,7 @@ namespace pt {
 
 namespace {
 
-// n x n x 2 triangles; a, b, c, d go round it counter-clockwise, seen from where its normal points.
+// Adds n x n x 2 triangles of a quad; a, b, c, d go round it counter-clockwise, seen from where its normal points.
 void add_quad(Mesh& mesh, std::uint32_t n, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
               const glm::dvec3& d) {
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
@@ -26,7 +26,7 @@ void add_quad(Mesh& mesh, std::uint32_t n, const glm::dvec3& a, const glm::dvec3
     }
 }
 
-// In millimetres, as measured: x to the left, z into the room, whose corner is the origin.
+// A block of the Cornell box in millimetres, as measured: x to the left, z into the room, whose corner is the origin.
 struct Block {
     double height;
     double x[4], z[4];  // of its corners, round the upright

@@ -18,8 +18,8 @@ struct SineCosine {
     double sine, cosine;
 };
 
-// Within 2 units in the last place of 1, for |x| up to 10^5: reduced by a multiple of pi/2 in two parts (Cody and Waite
-// 1980), the first of which has 33 bits, then Taylor's series up to the 18th power.
+// Sine and cosine within 2 units in the last place of 1, for |x| up to 10^5: x is reduced by a multiple of pi/2 in two
+// parts (Cody and Waite 1980), the first of which has 33 bits, then Taylor's series up to the 18th power.
 inline SineCosine exact_sine_cosine(double x) {
     constexpr double half_pi_high = 0x1.921fb544p+0, half_pi_low = 0x1.0b4611a626331p-34;
     const double turns = std::floor(x * (2.0 / exact_pi) + 0.5);
@@ -59,15 +59,15 @@ public:
         z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
         return z ^ (z >> 31);
     }
-    // In [0, 1), in steps of 2^-53.
+    // A random number in [0, 1), in steps of 2^-53.
     double uniform() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
     double uniform(double low, double high) { return low + (high - low) * uniform(); }
-    // In the cube [low, high)^3.
+    // A random point in the cube [low, high)^3.
     glm::dvec3 point(double low, double high) {
         const double x = uniform(low, high), y = uniform(low, high), z = uniform(low, high);
         return {x, y, z};
     }
-    // Evenly on the unit sphere (Archimedes).
+    // A random direction, evenly on the unit sphere (Archimedes).
     glm::dvec3 direction() {
         const double z = uniform(-1.0, 1.0), r = std::sqrt(1.0 - z * z);
         const SineCosine angle = exact_sine_cosine(uniform(0.0, 2.0 * exact_pi));

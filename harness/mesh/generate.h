@@ -21,12 +21,12 @@ struct Generator {
     Mesh (*make)(std::uint32_t size);
 };
 
-// In the order in which people are told of them.
+// All generators, in the order in which people are told of them.
 std::span<const Generator> generators();
-// nullptr where there is none of that name.
+// Finds a generator; nullptr where there is none of that name.
 const Generator* find_generator(std::string_view name);
 
-// Throws InputError for a name that is none of theirs, or a size out of its range.
+// Generates a mesh. Throws InputError for a name that is no generator's, or a size out of its range.
 Mesh generate_mesh(std::string_view name, std::uint32_t size);
 
 }  // namespace pt

@@ -15,7 +15,7 @@ Mesh make_icosphere(std::uint32_t level);
 // grid_sphere in the probe that OptiX was measured with (issue 19), but for its poles, which are one vertex each here,
 // and its direction of corners, which has the normals inside there.
 Mesh make_grid_sphere(std::uint32_t n, double bump, std::uint32_t frequency);
-// With the probe's bump, 0.05, and its frequencies: 40 up to n = 256, 90 up to 724, 150 beyond.
+// The grid sphere with the probe's bump, 0.05, and its frequencies: 40 up to n = 256, 90 up to 724, 150 beyond.
 Mesh make_probe_sphere(std::uint32_t n);
 
 // The cube with its middles bored through, `level` times over: the faces between what is left and what is not, each in
@@ -38,7 +38,7 @@ Mesh make_hairball(std::uint32_t strands);
 
 // A triangle each, 0.2 to 0.6 long, and 2^7 to 2^13 times longer than wide, everywhere in [-1, 1)^3.
 Mesh make_needles(std::uint32_t count);
-// The same three corners again and again.
+// One triangle `count` times over: all have the same three corners.
 Mesh make_equal_triangles(std::uint32_t count);
 
 // Value noise of `level` octaves over 2^level x 2^level cells, on [-1, 1] x [-1, 1], normals up.

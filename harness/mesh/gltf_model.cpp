@@ -52,14 +52,15 @@ void check_binary_chunk(std::string_view content, const std::string& file) {
     }
 }
 
-// "2.1" as 2.1; 0 where it is no such text.
+// The number of a version such as "2.1"; 0 for a text that is none.
 double version_number(const std::string& text) {
     double number = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
     return error == std::errc() && end == text.data() + text.size() ? number : 0;
 }
 
-// What a later version means by the same words, nobody here knows; what it may be read as, minVersion says.
+// Refuses later versions: nobody here knows what they mean by the same words; as what version a file may be read,
+// minVersion says.
 void check_version(const tinygltf::Asset& asset, const std::string& file) {
     const bool has_least = !asset.minVersion.empty();
     const std::string& needed = has_least ? asset.minVersion : asset.version;
@@ -82,7 +83,7 @@ tinygltf::Model parse_gltf_model(std::string_view content, const std::string& fi
         check_binary_chunk(content, file);
     }
     tinygltf::TinyGLTF loader;
-    // Of an image that is text of the file its bytes, since nobody else has them; one in a buffer stays there.
+    // An image given as text of the file is kept as bytes, since nobody else has them; one in a buffer stays there.
     loader.SetImageLoader(
         [](tinygltf::Image* image, const int, std::string*, std::string*, int, int, const unsigned char* bytes,
            int size, void*) {
@@ -134,7 +135,7 @@ struct GltfMeshMaker::AccessorView {
                component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
                component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT;
     }
-    // Whole numbers are fractions of their largest.
+    // A component of an accessor's element; whole numbers are fractions of their largest.
     float fraction(std::size_t i, std::size_t component) const {
         const unsigned char* from = data + i * stride;
         switch (component_type) {
@@ -159,7 +160,7 @@ struct GltfMeshMaker::AccessorView {
     }
 };
 
-// Of the scene that is shown first; without a scene, the nodes that no other has.
+// The root nodes of the scene that is shown first; without a scene, the nodes that no other has.
 std::vector<int> GltfMeshMaker::roots() const {
     if (!model_.scenes.empty()) {
         return element(model_.scenes, std::max(model_.defaultScene, 0), "scene").nodes;
@@ -179,7 +180,7 @@ std::vector<int> GltfMeshMaker::roots() const {
 
 namespace {
 
-// Of length 1, as the format asks; what files have rounded to single precision stays as it is.
+// A node's rotation with length 1, as the format asks; what files have rounded to single precision stays as it is.
 glm::dvec4 unit_rotation(const tinygltf::Node& node) {
     constexpr double rounding = 1e-6;
     const glm::dvec4 rotation(node.rotation[0], node.rotation[1], node.rotation[2], node.rotation[3]);
@@ -255,7 +256,7 @@ GltfMeshMaker::AccessorView GltfMeshMaker::view(int index, int type, const std::
     view.count = accessor.count;
     view.component_type = accessor.componentType;
     view.stride = part.byteStride > 0 ? part.byteStride : static_cast<std::size_t>(std::max(size, 1));
-    // In this order, no sum can leave its range: counts are below 2^32 first.
+    // The terms are checked in this order, so that no sum can leave its range: counts are below 2^32 first.
     const bool fits =
         size > 0 && accessor.count > 0 && accessor.count <= most_triangles * 3 && view.stride <= 4096 &&
         part.byteOffset <= buffer.data.size() && part.byteLength <= buffer.data.size() - part.byteOffset &&
@@ -323,7 +324,7 @@ void GltfMeshMaker::add_primitive(const tinygltf::Primitive& primitive, const gl
     add_triangles(primitive, mode, first, positions.count, glm::determinant(glm::dmat3(matrix)) < 0.0, place);
 }
 
-// By the matrix's cofactors: right for scales that differ and mirrors, too.
+// Adds normals turned by the matrix's cofactors, which is right for scales that differ and mirrors, too.
 void GltfMeshMaker::add_normals(const AccessorView& normals, std::size_t vertices, const glm::dmat4& matrix,
                                 const std::string& place) {
     if (normals.count != vertices) {

@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 #include <glm/mat4x4.hpp>
 
-// Images are not decoded, and no file is read that no reader is given for.
+// The library is told to decode no images, and to read no file that no reader is given for.
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
 #define TINYGLTF_NO_EXTERNAL_IMAGE
@@ -27,7 +27,8 @@ namespace pt {
 // The content of a file that the model names; throws InputError.
 using GltfFileReader = std::function<std::string(const std::string& name)>;
 
-// Binary or JSON, by its first bytes. Without a reader of files, all data must be within. Throws InputError.
+// Parses glTF, binary or JSON by its first bytes. Without a reader of files, all data must be within. Throws
+// InputError.
 tinygltf::Model parse_gltf_model(std::string_view content, const std::string& file,
                                  const GltfFileReader& read = nullptr);
 
@@ -51,12 +52,12 @@ public:
     // The nodes of the scene that is shown first; without a scene, those that no other has.
     std::vector<int> roots() const;
     static glm::dmat4 matrix_of(const tinygltf::Node& node);
-    // By a scale of 0 along all axes, which hides what hangs on it too.
+    // Whether a node is hidden by a scale of 0 along all axes, which hides what hangs on it too.
     static bool is_hidden(const tinygltf::Node& node);
-    // Whether its own weights, or without any its mesh's, move its vertices.
+    // Whether a node's weights, or without any its mesh's, move its vertices.
     bool is_morphed(const tinygltf::Node& node) const;
 
-    // Whether it has triangles: points and lines have none, nor has what has no place.
+    // Whether a primitive has triangles: points and lines have none, nor has one without positions.
     static bool is_surface(const tinygltf::Primitive& primitive);
     void add_primitive(const tinygltf::Primitive& primitive, const glm::dmat4& matrix, const std::string& place);
     Mesh take();

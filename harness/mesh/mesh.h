@@ -11,7 +11,8 @@
 
 namespace pt {
 
-// Indices of triangles and vertices stay below it; a scene of several meshes still counts its triangles in 32 bits.
+// Bounds on a mesh, below which indices of triangles and vertices stay; a scene of several meshes still counts its
+// triangles in 32 bits.
 inline constexpr std::uint64_t most_triangles = std::uint64_t{1} << 27;
 inline constexpr std::uint64_t most_vertices = std::uint64_t{1} << 28;
 
@@ -19,8 +20,8 @@ struct Mesh {
     std::vector<std::array<float, 3>> vertices;
     std::vector<std::array<std::uint32_t, 3>> triangles;  // counter-clockwise, seen from outside
     std::vector<std::array<float, 3>> normals;            // empty, or one a vertex; of any length, as they were given
-    // Empty, or one a triangle: where its corners lie in an image, u to the right and v up, (0, 0) the lower left
-    // corner.
+    // Texture coordinates of each triangle's corners: u to the right and v up, (0, 0) the lower left corner of an
+    // image. Empty, or one entry a triangle.
     std::vector<std::array<std::array<float, 2>, 3>> coordinates;
     std::uint32_t degenerate_left_out = 0;  // faces without area that were met and are not in `triangles`
     MeshWarnings warnings;                  // of the file that it was read from

@@ -13,7 +13,8 @@ class MeshWarnings {
 public:
     void add(std::string_view place, std::string_view text);
 
-    // "PLACE: TEXT", one line each, in the order in which they came; how many places more there are stands behind it.
+    // The warnings, "PLACE: TEXT", one line each, in the order in which they came; how many places more there are
+    // stands behind each.
     std::vector<std::string> messages() const;
 
 private:

@@ -25,13 +25,13 @@ enum class ObjLine {
     unknown,
 };
 
-// Of a line's first word.
+// The kind of line that a line's first word begins.
 ObjLine obj_line_of(std::string_view word);
 
-// Empty of an empty line.
+// The first word of a line; empty for an empty line.
 std::string_view first_obj_word(std::string_view line);
 
-// What is said where such a line is passed over; empty: nothing.
+// The remark where such a line is passed over; empty: there is none.
 std::string obj_remark(ObjLine line, std::string_view word);
 
 // Whether what follows is a name, to the line's end: names have spaces, # and backslashes in them.

@@ -25,13 +25,13 @@ struct ObjParts {
     std::vector<std::string> libraries;  // as mtllib names them, to the line's end
 };
 
-// Throws InputError of one line, as parse_obj does.
+// Parses an OBJ file's parts by material. Throws InputError of one line, as parse_obj does.
 ObjParts parse_obj_parts(std::string_view content, const std::string& file);
 
 // The triangles whose entry of `is_in` is true, and their vertices alone.
 Mesh part_of_mesh(const Mesh& mesh, const std::vector<bool>& is_in);
 
-// What stands before a # that begins a word other than the first.
+// A name without its comment: what stands before a # that begins a word other than the first.
 std::string without_comment(const std::string& name);
 
 struct MtlLine {
@@ -47,7 +47,7 @@ struct MtlMaterial {
     std::vector<MtlLine> overruled;        // the other one, where it says something else
 };
 
-// Throws InputError of one line for a file that is no library.
+// Parses a library of materials. Throws InputError of one line for a file that is none.
 std::vector<MtlMaterial> parse_mtl(std::string_view content, const std::string& file);
 
 }  // namespace pt

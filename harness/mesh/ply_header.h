@@ -32,7 +32,8 @@ struct PlyHeader {
 
 std::size_t bytes_of(PlyType type);
 
-// Throws InputError with the line for whatever is none; `file` is for the messages.
+// Reads the header of a PLY file. Throws InputError with the line for whatever is no header; `file` is for the
+// messages.
 PlyHeader read_ply_header(std::string_view content, const std::string& file);
 
 }  // namespace pt

@@ -14,15 +14,16 @@ namespace pt {
 
 inline constexpr std::uint64_t largest_mesh_file = std::uint64_t{1} << 33;
 
-// By the file's ending. Triangles without area are left out and counted: who calls says so. Throws InputError of one
-// line for a file that is missing, of another kind, too large or broken, and for whatever check_mesh refuses.
+// Reads a mesh in the format of the file's ending. Triangles without area are left out and counted: who calls says so.
+// Throws InputError of one line for a file that is missing, of another kind, too large or broken, and for whatever
+// check_mesh refuses.
 Mesh read_mesh(const std::filesystem::path& path);
 
-// The same of a file's content; `file` is for the messages.
+// These read a file's content as read_mesh does; `file` is for the messages.
 Mesh parse_ply(std::string_view content, const std::string& file);
 Mesh parse_obj(std::string_view content, const std::string& file);
 Mesh parse_glb(std::string_view content, const std::string& file);
-// Reads the files of data that it names, from the folder of `file`.
+// Reads a glTF text, and the files of data that it names, from the folder of `file`.
 Mesh parse_gltf(std::string_view content, const std::string& file);
 
 // Whether the build found what reads .glb (tinygltf); without it parse_glb throws InputError that says so.

@@ -59,7 +59,7 @@ private:
         }
     }
 
-    // An index may come before what it means: the largest, and where it stands.
+    // The largest index so far of a kind, and where it stands: an index may come before what it means.
     struct Pending {
         std::uint64_t count = 0;
         std::size_t line = 0;
@@ -83,7 +83,7 @@ private:
 
     void warn(std::size_t line, std::string_view text) { mesh_.warnings.add(fmt::format("line {}", line), text); }
 
-    // Joined to the next where it ends in a backslash.
+    // Goes to the next line, joined to the one behind it where it ends in a backslash. False at the file's end.
     bool next_line() {
         if (at_ >= content_.size()) {
             return false;
@@ -116,7 +116,7 @@ private:
         return line;
     }
 
-    // Empty at the line's end.
+    // The next word of the line; empty at the line's end.
     std::string_view next_word() {
         const std::size_t start = std::min(text_.find_first_not_of(obj_white), text_.size());
         const std::size_t end = std::min(text_.find_first_of(obj_white, start), text_.size());
@@ -169,7 +169,7 @@ private:
         }
     }
 
-    // In double precision, and only where that may say something new.
+    // Checks in double precision that vertices kept enough digits, and only where that may say something new.
     void check_resolution() {
         if (!may_have_lost_digits(mesh_)) {
             return;
@@ -209,7 +209,7 @@ private:
         }
     }
 
-    // Names may have spaces; how many does not count.
+    // The rest of the line as a name, which may have spaces; how many does not count.
     std::string rest_of_line() {
         std::string rest(next_word());
         for (std::string_view word = next_word(); !word.empty(); word = next_word()) {
@@ -219,7 +219,7 @@ private:
         return rest;
     }
 
-    // The number of the part that faces belong to now.
+    // The number of the part that the next faces belong to, which is begun here if it is new.
     std::uint32_t part() {
         if (!has_current_) {
             const auto [place, is_new] = part_numbers_.try_emplace({current_.material, current_.group},
@@ -239,7 +239,7 @@ private:
         }
     }
 
-    // What comes after it, a weight or a colour, is passed over.
+    // Reads three numbers; what comes after them, a weight or a colour, is passed over.
     template <class T>
     std::array<T, 3> read_triple(std::string_view line) {
         std::array<T, 3> triple;
@@ -286,7 +286,7 @@ private:
         }
     }
 
-    // V, V/T, V//N or V/T/N.
+    // Reads a corner of a face: V, V/T, V//N or V/T/N.
     ObjCorner read_corner(std::string_view word) {
         const std::size_t first = std::min(word.find('/'), word.size());
         const std::size_t second = std::min(word.find('/', first + 1), word.size());
@@ -302,7 +302,7 @@ private:
         return corner;
     }
 
-    // Scenes without images have no use for them: where one cannot be read, there are none.
+    // Reads texture coordinates. Scenes without images have no use for them: where one cannot be read, there are none.
     void read_texture() {
         std::array<float, 2> at{};
         const std::string_view u = next_word(), v = next_word();
@@ -322,7 +322,7 @@ private:
         corner.texture = corner.has_texture ? static_cast<std::uint32_t>(place) : 0;
     }
 
-    // From 1 on, or from -1 backward; returned from 0 on.
+    // Reads an index, which counts from 1 on, or from -1 backward, and returns it from 0 on.
     std::uint32_t read_index(std::string_view word, std::string_view number, std::size_t count,
                              Pending& pending) const {
         std::int64_t index = 0;

@@ -26,7 +26,7 @@ public:
     PlyNumbers(std::string_view content, PlyFormat format, const std::string& file)
         : content_(content), format_(format), file_(file) {}
 
-    // For the messages.
+    // Notes the place in the file, for messages.
     void enter(const std::string& element, std::uint64_t index) {
         element_ = &element;
         index_ = index;
@@ -227,7 +227,7 @@ private:
         }
     }
 
-    // -1 where the element has none of that name.
+    // The place of a property in an element; -1 where there is none of that name.
     static int place_of(const PlyElement& element, std::string_view name, bool is_list) {
         for (std::size_t i = 0; i < element.properties.size(); ++i) {
             if (element.properties[i].name == name && element.properties[i].is_list == is_list) {
@@ -276,7 +276,7 @@ private:
         }
     }
 
-    // By the names that exporters give them.
+    // Finds texture coordinates by the names that exporters give them.
     void find_coordinates(const PlyElement& element) {
         constexpr std::string_view names[][2] = {{"s", "t"}, {"u", "v"}, {"texture_u", "texture_v"}};
         for (const auto& [u, v] : names) {
@@ -296,7 +296,7 @@ private:
         }
     }
 
-    // -1: it has none.
+    // The place of the list of corners in an element; -1 where it has none.
     static int list_of_corners(const PlyElement& element) {
         const int plural = place_of(element, "vertex_indices", true);
         return plural >= 0 ? plural : place_of(element, "vertex_index", true);

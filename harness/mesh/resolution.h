@@ -13,7 +13,7 @@ namespace pt {
 // How far vertices lie from where double precision has them.
 class RoundingLoss {
 public:
-    // `place`: of the vertex, by the reader's own count.
+    // Takes note of a vertex. `place`: its number, by the reader's own count.
     void add(const std::array<double, 3>& exact, const std::array<float, 3>& rounded, std::size_t place);
 
     double largest() const { return largest_; }  // along one axis
@@ -28,8 +28,8 @@ private:
 // 2^-7 of the mean length of its edges, which is when neither its outline nor its shading shows it.
 std::optional<std::string> resolution_warning(const Mesh& mesh, double largest);
 
-// Whether rounding numbers as large as its coordinates could be worth a warning: only then need a reader look at them
-// in double precision.
+// Whether rounding numbers as large as the mesh's coordinates could be worth a warning: only then need a reader look at
+// them in double precision.
 bool may_have_lost_digits(const Mesh& mesh);
 
 }  // namespace pt

@@ -48,7 +48,7 @@ private:
         }
     }
 
-    // Its normal is that of the axis u times the axis v.
+    // Adds a face whose normal is that of the axis u times the axis v.
     void add_face(std::array<std::uint32_t, 3> corner, int u, int v) {
         const std::uint32_t a = vertex(corner);
         ++corner[u];

@@ -15,7 +15,8 @@ double lattice_height(std::uint32_t octave, std::uint32_t i, std::uint32_t j) {
     return random.uniform(-1.0, 1.0);
 }
 
-// Of an octave with 2^octave cells a side; x and z in cells of the finest lattice, which has 2^level.
+// Height of an octave of value noise with 2^octave cells a side; x and z in cells of the finest lattice, which has
+// 2^level.
 double octave_height(std::uint32_t octave, std::uint32_t level, std::uint32_t x, std::uint32_t z) {
     const std::uint32_t step = 1u << (level - octave), i = x / step, j = z / step;
     const double u = static_cast<double>(x % step) / step, v = static_cast<double>(z % step) / step;

@@ -28,7 +28,7 @@ bool parse_real(std::string_view word, T& value) {
     return end == word.end() && error != std::errc::invalid_argument;
 }
 
-// For the messages.
+// A text in quotation marks for a message, cut where it is long.
 inline std::string excerpt(std::string_view text) {
     constexpr std::size_t longest = 40;
     return text.size() <= longest ? fmt::format("\"{}\"", text) : fmt::format("\"{}..\"", text.substr(0, longest));

@@ -66,7 +66,7 @@ FanFacts facts_of_fan(const std::vector<glm::dvec3>& from_first) {
     return facts;
 }
 
-// Along the axis that the normal is nearest to, so that the polygon goes round anticlockwise.
+// The corners projected along the axis that the normal is nearest to, so that the polygon goes round anticlockwise.
 std::vector<glm::dvec2> projected(const std::vector<glm::dvec3>& corners, const glm::dvec3& normal) {
     int axis = 0;
     for (int i = 1; i < 3; ++i) {
@@ -80,7 +80,7 @@ std::vector<glm::dvec2> projected(const std::vector<glm::dvec3>& corners, const 
     return flat;
 }
 
-// Those that touch do not.
+// Whether two edges of the polygon cross; those that only touch do not.
 bool edges_cross(const std::vector<glm::dvec2>& corners) {
     const std::size_t count = corners.size();
     const auto parts = [](double a, double b) { return (a > 0 && b < 0) || (a < 0 && b > 0); };
@@ -105,7 +105,7 @@ public:
         }
     }
 
-    // Empty: it found no ear, or it took too long.
+    // Cuts the polygon into triangles, ear by ear. Empty: it found no ear, or it took too long.
     std::vector<std::array<std::uint32_t, 3>> cut() {
         std::size_t at = 0;
         for (std::size_t left = corners_.size(); left > 2; --left) {

@@ -15,13 +15,13 @@ namespace pt {
 // A polygon is the fan around its first corner wherever that covers it, as every convex one; else its ears are cut off
 // (Meisters 1975), edges that touch allowed, so that holes may be bridged. Triangles go round as the polygon does.
 struct PolygonTriangles {
-    // Numbers of the polygon's corners, two fewer than it has; empty: the fan.
+    // The triangles as numbers of the polygon's corners, two fewer than it has; empty: the fan.
     std::vector<std::array<std::uint32_t, 3>> triangles;
     // Why the surface may be another than was meant; empty where nothing is in doubt.
     std::string_view doubt;
 };
 
-// Of at least three corners, all finite.
+// Triangulates a polygon of at least three corners, all finite.
 PolygonTriangles triangulate(std::span<const std::array<float, 3>> corners);
 
 // The polygon's triangles in the place of its fan, which `fan` holds. What belongs to its corners, such as indices.

@@ -22,7 +22,7 @@ void join_rings(Mesh& mesh, std::uint32_t first, std::uint32_t rings, std::uint3
     }
 }
 
-// Round `centre`; `forward`, `side` and their cross product are a right-handed frame.
+// Adds a ring of vertices round `centre`; `forward`, `side` and their cross product are a right-handed frame.
 void add_ring(Mesh& mesh, const glm::dvec3& centre, const glm::dvec3& forward, const glm::dvec3& side, double radius,
               std::uint32_t corners) {
     const glm::dvec3 other = glm::cross(forward, side);
@@ -32,7 +32,7 @@ void add_ring(Mesh& mesh, const glm::dvec3& centre, const glm::dvec3& forward, c
     }
 }
 
-// Columns of a rotation drawn evenly of all (Shoemake 1992).
+// A rotation drawn evenly of all (Shoemake 1992), as its columns.
 struct Turn {
     glm::dvec3 x, y, z;
 };
@@ -75,7 +75,7 @@ Mesh make_trefoil(std::uint32_t n) {
     for (std::uint32_t i = 0; i < rings; ++i) {
         const double t = 2.0 * exact_pi * i / rings;
         const SineCosine two = exact_sine_cosine(2.0 * t), three = exact_sine_cosine(3.0 * t);
-        // On a torus of radii 2 and 1 about the y axis: `side` is the torus's normal.
+        // The tube winds on a torus of radii 2 and 1 about the y axis: `side` is the torus's normal.
         const glm::dvec3 around(two.cosine, 0.0, -two.sine), along(-two.sine, 0.0, -two.cosine), up(0.0, 1.0, 0.0);
         const double distance = 2.0 + three.cosine;
         const glm::dvec3 side = three.cosine * around + three.sine * up;

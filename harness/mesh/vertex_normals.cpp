@@ -11,10 +11,10 @@ namespace pt {
 
 namespace {
 
-// By vertex the least vertex at its place.
+// For each vertex, the first vertex at its place.
 std::vector<std::uint32_t> first_at_place(const Mesh& mesh) {
     const auto at = [&](std::uint32_t vertex) {
-        // Of +0 and -0 the first: they are one place.
+        // Adding +0 turns -0 into +0: they are one place.
         const auto& [x, y, z] = mesh.vertices[vertex];
         return std::array{x + 0.0f, y + 0.0f, z + 0.0f};
     };

@@ -7,7 +7,8 @@
 
 namespace pt {
 
-// One a vertex, unit in single precision; vertices at one place have one normal. 0 where no triangle says any.
+// Gives each vertex a normal, unit in single precision; vertices at one place have one normal, which is 0 where no
+// triangle says any.
 void give_vertex_normals(Mesh& mesh);
 
 }  // namespace pt

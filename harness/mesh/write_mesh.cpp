@@ -60,7 +60,7 @@ void add_line(std::string& content, const char* word, const std::array<float, 3>
     fmt::format_to(std::back_inserter(content), "{} {} {} {}\n", word, triple[0], triple[1], triple[2]);
 }
 
-// `places`: empty, or one a vertex.
+// The PLY file of a mesh. `places`: texture coordinates, empty or one pair a vertex.
 std::string ply_with(const Mesh& mesh, const std::vector<std::array<float, 2>>& places) {
     const bool has_normals = !mesh.normals.empty();
     std::string content = fmt::format(
@@ -86,7 +86,7 @@ std::string ply_with(const Mesh& mesh, const std::vector<std::array<float, 2>>& 
     return content;
 }
 
-// As its corners are numbered in the file, from 1.
+// Adds a face, whose corners are numbered from 1 in the file.
 void add_obj_face(std::string& content, const std::array<std::uint32_t, 3>& triangle, bool has_places,
                   bool has_normals) {
     content += 'f';

@@ -11,14 +11,14 @@ namespace pt {
 
 std::string ply_of(const Mesh& mesh);
 std::string obj_of(const Mesh& mesh);
-// By the file's ending, .ply or .obj.
+// A mesh as the text of a file of that ending, .ply or .obj.
 std::string mesh_file_of(const Mesh& mesh, const std::string& file);
 
-// Throws InputError where write_mesh would refuse the name, of the option `flag`.
+// Throws InputError, naming the option `flag`, where write_mesh would refuse the name.
 void check_mesh_name(const std::string& file, const std::string& flag = "--out");
 
-// By the file's ending, whole or not at all; throws InputError for another ending, MachineError if it cannot be
-// written.
+// Writes a mesh in the format of the file's ending, whole or not at all; throws InputError for another ending,
+// MachineError if it cannot be written.
 void write_mesh(const Mesh& mesh, const std::string& file);
 
 }  // namespace pt

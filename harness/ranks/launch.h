@@ -15,7 +15,8 @@ struct Launch {
     bool operator==(const Launch&) const = default;
 };
 
-// `variable(NAME)` is a variable's value, or null. A lone process where nothing is said, or not all of it.
+// How the process was launched, by environment variables: `variable(NAME)` is a variable's value, or null. It is a lone
+// process where nothing is said, or not all of it.
 Launch launch_from(const std::function<const char*(const char*)>& variable);
 
 // The GPU that a rank of several on a host has to itself, as CUDA_VISIBLE_DEVICES shall say it, given what that says

@@ -14,17 +14,17 @@ namespace pt::mpi {
 // Whether this build has MPI. Without it nothing below may be called.
 bool is_built();
 
-// This process's rank and how many there are.
+// Starts MPI and returns this process's rank and how many ranks there are.
 Ranks start();
 void finish();
 
-// Rank 0's text, on every rank.
+// Sends rank 0's text to every rank, and returns it there.
 std::string broadcast(const std::string& text);
-// Every rank's text by rank, on rank 0; elsewhere nothing.
+// Collects every rank's text on rank 0, by rank; elsewhere the result is empty.
 std::vector<std::string> gather(const std::string& text);
 
 void barrier();
-// On rank 0 the sums over all ranks; elsewhere the values stay.
+// Sums values over all ranks on rank 0; elsewhere they stay.
 void add_to_rank_0(std::span<std::int64_t> values);
 
 }  // namespace pt::mpi

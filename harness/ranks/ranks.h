@@ -14,7 +14,7 @@ struct Ranks {
     std::vector<std::string> hosts = {};  // by rank; of several ranks, and on rank 0 alone
 };
 
-// Those of this process: one, and MPI is not touched, unless it was started as one of several.
+// The ranks of this call: one, and MPI is not touched, unless this process was started as one of several.
 const Ranks& ranks();
 
 // A machine's name, with the number of ranks where there are several: "nvidia-h200-4-ranks".

@@ -20,7 +20,7 @@ namespace pt {
 
 namespace {
 
-// Read once in a process.
+// The scene of a task, which is read once in a process.
 const Scene& scene_in(const Json& task) {
     static std::map<std::string, Scene> scenes;
     const std::string file = task.at("scene");
@@ -56,7 +56,7 @@ RenderResult render_and_check(const Scene& scene, const RenderRequest& share) {
     return result;
 }
 
-// What a rank says of its share.
+// The result of a rank's share of a render.
 struct Share {
     std::optional<RenderResult> result;  // none where there was no sample for it, or it failed
     std::vector<std::int64_t> sums;      // of its film
@@ -115,7 +115,7 @@ void throw_failure(const std::vector<Json>& all) {
     }
 }
 
-// What all ranks said, on rank 0. Before any rank goes on, all know whether one failed.
+// Collects the shares of all ranks on rank 0. Before any rank goes on, all know whether one failed.
 std::optional<std::vector<Json>> agree(const Share& share) {
     std::vector<Json> all;
     for (const std::string& text : mpi::gather(share.facts.dump())) {

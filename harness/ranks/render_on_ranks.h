@@ -24,17 +24,17 @@ struct RankedRender {
 // Why a variant's film would have other bits if its samples were split; empty: it would not.
 std::string why_not_split(const Variant& variant, Backend backend);
 
-// On rank 0. With one rank `render` itself. Each rank counts its own work and holds it to the variant's claim. Throws
-// what `render` throws, on whatever rank, and InputError where the film would have other bits, or a rank reads another
-// scene.
+// Renders on all ranks; to be called on rank 0. With one rank it is `render` itself. Each rank counts its own work and
+// holds it to the variant's claim. Throws what `render` throws, on whatever rank, and InputError where the film would
+// have other bits, or a rank reads another scene.
 RankedRender render_on_ranks(const Scene& scene, const RenderRequest& request);
 
 // Throws InputError unless every rank runs on a machine of rank 0's kind, so that times are of one.
 void require_equal_machines(Backend backend);
 
-// On the others: does what rank 0 asks for, until it ends; returns its exit code.
+// Does on the other ranks what rank 0 asks for, until it ends; returns the exit code.
 int serve_rank_0();
-// On rank 0, once, at the end.
+// Ends the other ranks; to be called on rank 0, once, at the end.
 void end_ranks(int exit_code);
 
 }  // namespace pt

@@ -6,7 +6,8 @@
 
 namespace pt {
 
-// A render as the others need to know it: of its settings, all that the variant does not decide. Without checkpoints.
+// A render as the other ranks need to know it: of its settings, all that the variant does not decide, without
+// checkpoints.
 Json task_of(const Scene& scene, const RenderRequest& request);
 RenderRequest request_in(const Json& task);
 

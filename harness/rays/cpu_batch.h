@@ -11,11 +11,11 @@
 
 namespace pt::rays {
 
-// `mesh` must outlive it.
+// Makes a tracer of batches on the CPU, which `mesh` must outlive.
 std::unique_ptr<BatchTracer> make_cpu_tracer(const MeshView& mesh, const std::string& accelerator,
                                              MeetMesh<float> meet);
 
-// The closest hits.
+// The closest hit of each ray, by tests of every triangle on the CPU.
 std::vector<Hit> brute_force_on_cpu(std::span<const Triangle<float>> triangles, const std::vector<Ray>& rays);
 
 }  // namespace pt::rays

@@ -72,7 +72,7 @@ struct BatchView {
     std::uint32_t* next;  // the first ray that no warp has fetched
 };
 
-// by_octant of each byte, looked up in shared memory.
+// The table of by_octant for each byte, which is looked up in shared memory.
 struct OctantOrders {
     std::uint8_t order[8][256];
 
@@ -87,8 +87,8 @@ struct OctantOrders {
 template <class P>
 class RayState {
 public:
-    // `local`: the stack beyond its shared part; outside, for an array indexed at run time keeps its neighbours in
-    // memory.
+    // Begins without a ray. `local`: the stack beyond its shared part. It is outside of this object, for an array
+    // indexed at run time keeps its neighbours in memory.
     __device__ RayState(const BatchView& batch, uint2* shared, uint2* local, const OctantOrders& orders)
         : batch_(batch), shared_(shared), local_(local), orders_(orders) {}
 

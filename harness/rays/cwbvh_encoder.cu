@@ -60,7 +60,7 @@ struct EncoderView {
         const float4 low = words[0], high = words[1];
         return {{low.x, low.y, low.z}, {high.x, high.y, high.z}};
     }
-    // Past the L1 cache: other processors write cuts while this one climbs.
+    // Reads a node's cut past the L1 cache: other processors write cuts while this one climbs.
     __device__ Cut cut(std::uint32_t node) const {
         if (is_leaf(node)) {
             return Cut::of_leaf(box_area(box(node)), 1);
@@ -106,7 +106,7 @@ __global__ void start_at_root(const __grid_constant__ EncoderView view) {
     view.level_counts[0] = 1;
 }
 
-// Room for `amount` after what the lanes before this one get.
+// Takes room for `amount` from a counter, behind what the lanes before this one get.
 __device__ std::uint32_t allocate(std::uint32_t* counter, std::uint32_t amount) {
     const std::uint32_t lane = threadIdx.x & 31u;
     std::uint32_t sum = amount;

@@ -20,10 +20,10 @@ public:
     GpuEncoder(const GpuEncoder&) = delete;
     GpuEncoder& operator=(const GpuEncoder&) = delete;
 
-    // `root`: its number, on the device. Queued on the default stream.
+    // Encodes the tree whose root's number, on the device, is `root`. Queued on the default stream.
     void encode(const GpuNode* nodes, const std::uint32_t* root);
 
-    // Waits for the encoder. Throws std::length_error for a tree deeper than largest_depth.
+    // Number of wide nodes, for which it waits. Throws std::length_error for a tree deeper than largest_depth.
     std::uint32_t node_count() const;
     const Node* device_nodes() const;
     const std::uint32_t* device_references() const;  // the primitive in each slot

@@ -47,7 +47,7 @@ struct PersistentKernel {
     void (*closest)(BatchView);
     void (*any)(BatchView);
 
-    // As much of the first cache as the blocks of a multiprocessor want, in percent of its 228 KiB.
+    // Asks for as much shared memory as the blocks of a multiprocessor want, in percent of its 228 KiB of first cache.
     void prepare() const {
         const std::size_t bytes = (shared_bytes + sizeof(OctantOrders) + 1024) * blocks_per_sm;
         const int share = std::min<int>(static_cast<int>(bytes * 100 / (228 * 1024)) + 1, 100);
@@ -63,7 +63,7 @@ PersistentKernel persistent_kernel(const char* name) {
     return {
         name, Threads, BlocksPerSm, SharedEntries * Threads * sizeof(uint2), closest_hits<Closest>, closest_hits<Any>};
 }
-// The second is ahead on rays that keep together.
+// The persistent-threads kernels, of which the fastest for a batch is taken; the second wins on coherent rays.
 const PersistentKernel persistent_kernels[] = {
     persistent_kernel<128, 8, 4, 8, 2, 2>("persistent"),
     persistent_kernel<128, 8, 4, 8, 0, 1>("persistent_no_vote"),

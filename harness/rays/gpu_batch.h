@@ -18,7 +18,7 @@ bool has_encoder_on_gpu(const std::string& accelerator);
 // Copies the mesh and its tree. Throws what PT_CUDA_CHECK does.
 std::unique_ptr<BatchTracer> make_gpu_tracer(const MeshView& mesh, const std::string& accelerator);
 
-// The closest hits.
+// The closest hit of each ray, by tests of every triangle on the GPU.
 std::vector<Hit> brute_force_on_gpu(std::span<const Triangle<float>> triangles, const std::vector<Ray>& rays);
 
 // Milliseconds by the GPU's events: from triangles in its memory to a binary tree there, and from that to a compressed

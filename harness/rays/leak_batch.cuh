@@ -13,7 +13,7 @@ __global__ void make_leak_rays(const __grid_constant__ LeakView view, std::uint6
     }
 }
 
-// leaks[class] of rays first, first + 1 and so on.
+// Adds to leaks[class] the rays first, first + 1 and so on that hit nothing.
 __global__ void count_leaks(const Hit* hits, std::uint64_t first, std::uint32_t count, unsigned long long* leaks) {
     const std::uint32_t index = blockIdx.x * blockDim.x + threadIdx.x;
     if (index < count && hits[index].primitive == no_primitive) {

@@ -49,7 +49,7 @@ private:
     std::uint64_t state_;
 };
 
-// Up to 4 numbers of single precision away; what is almost 0 stays.
+// The number up to 4 numbers of single precision away; what is almost 0 stays.
 PT_HD inline float nudged(float x, LeakRandom& random) {
     const std::int32_t by = static_cast<std::int32_t>(random.below(9)) - 4;
     return absolute(x) < 0x1p-100f ? x : number_of(bits_of(x) + by);
@@ -90,7 +90,8 @@ PT_HD inline Ray leak_ray(const LeakView& view, std::uint64_t number) {
         const float zero = random.below(2) == 0 ? 0.0f : -0.0f;
         const Vec3<float> flat{axis == 0 ? zero : direction.x, axis == 1 ? zero : direction.y,
                                axis == 2 ? zero : direction.z};
-        // Not where next to nothing is left: cwbvh takes directions whose length is near that of a unit vector.
+        // The flat direction is taken only if enough of it is left: cwbvh takes directions whose length is near that of
+        // a unit vector.
         direction = dot(flat, flat) > 0x1p-20f * dot(direction, direction) ? flat : direction;
     }
     if (random.below(2) == 0) {
@@ -102,7 +103,7 @@ PT_HD inline Ray leak_ray(const LeakView& view, std::uint64_t number) {
             0.0f};
 }
 
-// What rays to make: the same for every accelerator of a mesh.
+// The source of the rays that look for leaks, which is the same for every accelerator of a mesh.
 struct LeakSource {
     std::vector<Triangle<float>> triangles;
     std::vector<InnerCube> cubes;
@@ -133,7 +134,7 @@ struct LeakCounts {
     }
 };
 
-// Rays first .. first + count - 1, and which of them `misses(ray)` is true of.
+// Makes the rays first to first + count - 1 and counts those for which `misses(ray)` is true.
 template <class Misses>
 LeakCounts count_leaks(const LeakView& view, std::uint64_t first, std::uint64_t count, const Misses& misses) {
     LeakCounts counts;

@@ -92,7 +92,7 @@ struct KernelLeaks {
     }
 };
 
-// All kernels get the same rays, a batch after the other.
+// Counts the leaks of every kernel. All kernels get the same rays, a batch after the other.
 std::vector<KernelLeaks> leaks_through(BatchTracer& tracer, const LeakSource& source, const LeakStudy& study) {
     std::vector<KernelLeaks> kernels;
     for (const std::string& kernel : tracer.kernels(RaySet{"leaks", false, {}})) {
@@ -149,7 +149,7 @@ LeakSource leak_source(const RayMesh& mesh, std::uint32_t count, std::uint64_t s
         if (!is_inside(*closed, Vec3d(centre))) {
             continue;
         }
-        // Half of the cube's half diagonal: a corner that is rounded stays within.
+        // The cube has half of the half diagonal that would fit, so that a corner that is rounded stays within.
         const double half = distance_from(source.triangles, Vec3d(centre)) / (2 * std::sqrt(3.0));
         if (half > 0x1p-16 * size) {
             source.cubes.push_back({{centre.x, centre.y, centre.z}, static_cast<float>(half)});

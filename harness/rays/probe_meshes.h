@@ -9,9 +9,10 @@
 
 namespace pt::rays {
 
-// 4 n^2 triangles of a unit sphere whose radius swings by 5 %, `waves` times; then the box.
+// A unit sphere of 4 n^2 triangles whose radius swings by 5 %, `waves` times, in a box.
 Mesh sphere_in_box(std::uint32_t n, double waves);
-// `count` tori of 64 x 32 quads at random (as many, of the probe's sizes, not its very ones: those are numpy's draws).
+// `count` tori of 64 x 32 quads at random places in a box (as many, of the probe's sizes, not its very ones: those are
+// numpy's draws).
 Mesh tori_in_box(std::uint32_t count);
 // The 12 triangles of a cube, after those that are there.
 void add_box(Mesh& mesh, const std::array<float, 3>& centre, float half);

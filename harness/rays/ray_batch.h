@@ -28,14 +28,14 @@ struct Hit {
     bool operator==(const Hit&) const = default;
 };
 
-// What rays are about: a class by its name, and whether any hit will do.
+// A set of rays of one class, by its name, and whether any hit will do.
 struct RaySet {
     std::string name;
     bool any = false;
     std::vector<Ray> rays;
 };
 
-// A ray's, the mean over a batch.
+// What a tree's traversal costs: counts per ray, means over a batch.
 struct Work {
     double nodes = 0, boxes = 0, triangles = 0;
 };
@@ -43,7 +43,8 @@ struct Work {
 struct LeakSource;
 struct LeakCounts;
 
-// Traces batches through one tree. Of a set where any hit will do, the hits say {0, 0} or {t_max, no_primitive}.
+// Traces batches of rays through one tree. For a set where any hit will do, the hits say {0, 0} or {t_max,
+// no_primitive}.
 class BatchTracer {
 public:
     BatchTracer() = default;
@@ -51,15 +52,15 @@ public:
     BatchTracer& operator=(const BatchTracer&) = delete;
     virtual ~BatchTracer() = default;
 
-    // The ways there are to trace a set, the fastest as a rule first.
+    // The kernels by which a set can be traced, as a rule the fastest first.
     virtual std::vector<std::string> kernels(const RaySet& set) const = 0;
-    // The set that the calls after it are about; it must outlive them.
+    // Loads the set of rays that the calls after this one are about; it must outlive them.
     virtual void load(const RaySet& set) = 0;
     virtual double trace(const std::string& kernel) = 0;  // milliseconds
     virtual std::vector<Hit> hits() = 0;                  // of the last trace
     virtual std::optional<Work> count() = 0;              // nothing: the accelerator counts nothing
 
-    // Rays of leak_rays.h instead of a set: the source, then batches of its rays, made where they are traced.
+    // Takes a source of rays at edges and vertices (leak_rays.h), then makes batches of its rays where they are traced.
     virtual void take_leak_source(const LeakSource& source) = 0;
     virtual void make_leak_rays(std::uint64_t first, std::uint32_t count) = 0;
     virtual LeakCounts leaks() = 0;  // of the last trace

@@ -9,7 +9,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// As gpu_batch.cu names them.
+// The name of a kernel's function in gpu_batch.cu.
 std::string function_of(const std::string& kernel) { return kernel == "plain" ? "trace_plain" : "closest_hits"; }
 
 std::size_t rays_of(const Json& mesh, const std::string& name) {

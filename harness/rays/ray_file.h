@@ -10,9 +10,9 @@
 
 namespace pt::rays {
 
-// `hits`: of each set, how many rays hit.
+// Writes sets of rays to a file. `hits`: for each set, how many rays hit.
 void write_rays(const std::string& file, const std::vector<RaySet>& sets, const std::vector<std::uint64_t>& hits);
-// Throws InputError for a file that is none, is broken, or has a ray that is none.
+// Reads sets of rays. Throws InputError for a file that is none, is broken, or has a ray that is none.
 std::vector<RaySet> read_rays(const std::string& file);
 
 }  // namespace pt::rays

@@ -23,12 +23,12 @@ struct RayMesh {
     Vec3<float> low, high;  // its bounds
 };
 
-// "sphere_262k" (one of probe_mesh_names), "icosphere:3" (a generator and its size) or a file's name. Throws
-// InputError.
+// The mesh that an argument names: "sphere_262k" (one of probe_mesh_names), "icosphere:3" (a generator and its size) or
+// a file's name. Throws InputError.
 RayMesh mesh_for_rays(const std::string& argument);
-// The same of a generator or a file, without a box.
+// The mesh of a generator or a file, without a box for a camera.
 RayMesh mesh_without_box(const std::string& argument);
-// All triangles of the objects that are meshes, where they stand relative to the eye. Throws InputError where there is
+// The triangles of all objects that are meshes, where they stand relative to the eye. Throws InputError where there is
 // none.
 RayMesh scene_for_rays(const std::string& name_or_file);
 

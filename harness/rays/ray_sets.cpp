@@ -68,7 +68,7 @@ struct Maker {
                             infinity);
         });
     }
-    // Uniform origins within the bounds, uniform directions (Archimedes).
+    // Random rays: uniform origins within the bounds, uniform directions (Archimedes).
     std::vector<Ray> random() const {
         return make_rays(count(), [&](std::uint32_t i) {
             const RandomWords w = RandomWords::of(i, 0, 2), v = RandomWords::of(i, 1, 2);
@@ -99,7 +99,8 @@ struct Maker {
         }
         return {origin + direction * hit.t + n * (0.5e-4f * reach), n};
     }
-    // Directions by the cosine (Malley's method), in the frame of Duff et al. 2017.
+    // Rays scattered by a Lambertian surface: directions by the cosine (Malley's method), in the frame of Duff et al.
+    // 2017.
     std::vector<Ray> diffuse(const std::vector<Ray>& from, const std::vector<Hit>& hits, std::uint32_t depth,
                              float t_max) const {
         return make_rays(from.size(), [&](std::uint32_t i) {
@@ -115,7 +116,7 @@ struct Maker {
             return make_ray(point.position, tangent * (r * c) + bitangent * (r * s) + n * z, t_max);
         });
     }
-    // Towards points of a square under the top of the bounds, a quarter as wide; t = 1 at the square.
+    // Shadow rays towards points of a square under the top of the bounds, a quarter as wide; t = 1 at the square.
     std::vector<Ray> shadow(const std::vector<Ray>& from, const std::vector<Hit>& hits) const {
         const Vec3<float> centre = (mesh.low + mesh.high) * 0.5f, half = (mesh.high - mesh.low) * 0.5f;
         return make_rays(from.size(), [&](std::uint32_t i) {

@@ -10,11 +10,11 @@
 
 namespace pt::rays {
 
-// "primary", .., in the order in which they are traced.
+// The classes of rays, "primary" first, in the order in which they are traced.
 const std::vector<std::string>& ray_classes();
 bool takes_any_hit(const std::string& ray_class);
 
-// 2^log2_rays rays of each class; `tracer` says what the rays met that others start from.
+// Makes 2^log2_rays rays of each class; `tracer` says what the rays met that others start from.
 std::vector<RaySet> make_ray_sets(const RayMesh& mesh, BatchTracer& tracer, const std::vector<std::string>& classes,
                                   std::uint32_t log2_rays);
 

@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Order-independent: a sum over rays of a hash of (ray, t, primitive).
+// A checksum that does not depend on the rays' order: a sum over rays of a hash of (ray, t, primitive).
 std::uint64_t checksum(const std::vector<Hit>& hits) {
     std::uint64_t sum = 0;
 #pragma omp parallel for reduction(+ : sum)
@@ -38,7 +38,7 @@ std::uint64_t count_hits(const std::vector<Hit>& hits) {
         std::count_if(hits.begin(), hits.end(), [](const Hit& hit) { return hit.primitive != no_primitive; }));
 }
 
-// Which rays of a set are held to brute force, evenly over it, and what they must hit.
+// The rays of a set that are held to brute force, evenly over it, and what they must hit.
 struct Expected {
     std::vector<std::size_t> rays;
     std::vector<Hit> hits;
@@ -84,7 +84,7 @@ Json batch_json(const RaySet& set, const std::string& kernel, const std::vector<
               {"query", set.any && kernel != "meet" ? "any" : "closest"},
               {"ms", ms},
               {"median_ms", median}};
-    // The median over that of two ones: its own interval.
+    // The interval is that of a ratio to two ones, which is the median's own.
     const RatioEstimate estimate = ratio_estimate(ms, {1.0, 1.0});
     json["interval_ms"] = estimate.interval ? Json{estimate.interval->low, estimate.interval->high} : Json();
     json["grays_per_s"] = rays / median * 1e-6;

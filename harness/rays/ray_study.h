@@ -34,7 +34,7 @@ std::shared_ptr<const SceneMesh> as_scene_mesh(const RayMesh& mesh, const std::s
 Tree make_tree(const std::shared_ptr<const SceneMesh>& mesh, const std::string& accelerator, const std::string& builder,
                Backend backend);
 std::unique_ptr<BatchTracer> make_tracer(const Tree& tree, Backend backend);
-// One (accelerator, builder) each; an accelerator without a tree has no builder.
+// The trees of a study, one for each accelerator and builder; an accelerator without a tree has no builder.
 std::vector<std::pair<std::string, std::string>> trees_of(const RayStudy& study);
 
 // The study's rays: those that it was given, or made by tracing.

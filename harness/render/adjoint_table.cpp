@@ -13,16 +13,16 @@ namespace pt {
 
 namespace {
 
-// Whatever a scene and its estimator may have, but roulette.
+// The kernel that learns the estimates: it has whatever a scene and its estimator may have, but roulette.
 using LearningConfig =
     Config<float, (all_features | traversals) & ~set_of(Feature::adjoint_roulette), RunTimeAccelerator>;
 
 constexpr std::size_t paths_per_chunk = 128;
-// So many records of average throughput that bring the average are added to each estimate: it is wrong for few.
+// Number of records of average throughput that bring the average and are added to each estimate: it is wrong for few.
 constexpr double records_of_the_mean = 32;
 constexpr std::uint32_t most_tiles = 16;  // a side, of the image's estimate
 constexpr std::uint32_t most_steps = 64;  // segments with an estimate of their own
-// Along each axis so much of the vertices may lie beyond either side of the grid.
+// The share of the vertices that may lie beyond either side of the grid, along each axis.
 constexpr double left_out = 0.005;
 constexpr double least_estimate = 0x1p-20, most_estimate = 0x1p20;
 
@@ -68,7 +68,7 @@ void note_path(const SceneView<float>& scene, std::uint32_t pixel, std::uint32_t
     });
 }
 
-// Spread over the image evenly, by a hash within each path's part of it.
+// The pixel of a path; paths are spread over the image evenly, by a hash within each path's part of it.
 std::uint32_t pixel_of(std::uint64_t path, const RenderSettings& settings, const RandomSeed& seed) {
     const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
     const auto hash = pcg4d_words(seed.words, {static_cast<std::uint32_t>(path), 0, 0, 0xadd017u}).x;

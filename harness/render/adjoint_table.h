@@ -20,19 +20,19 @@ struct AdjointRecord {
     float brought;  // from there to the path's end
 };
 
-// What a path brought from its first vertex on: light that the camera sees at once is no matter of chance.
+// The light that a path brought from its first vertex on: what the camera sees at once is no matter of chance.
 struct AdjointStart {
     std::uint32_t pixel;
     float brought;
 };
 
-// Path by path.
+// The records of paths, one path after the other.
 struct AdjointRecords {
     std::vector<AdjointRecord> vertices;
     std::vector<AdjointStart> starts;
 };
 
-// Paths of the scene as the settings have it. What is not finite is left out.
+// Traces paths of the scene as the settings have it, and records what they bring. What is not finite is left out.
 AdjointRecords learn_adjoint(const Scene& scene, const RenderSettings& settings);
 
 template <class Real>
@@ -45,12 +45,12 @@ struct AdjointTable {
     AdjointTable& operator=(const AdjointTable&) = delete;
 };
 
-// Null where the paths brought nothing.
+// Makes the estimates from records of paths; null where the paths brought nothing.
 template <class Real>
 std::unique_ptr<const AdjointTable<Real>> adjoint_table(const AdjointRecords& records, const RenderSettings& settings);
 
-// Both steps, and what they took: a render pays for them. Its scene's trees are made before the clock starts, as a
-// render's own are.
+// The estimates with the time that both steps took: a render pays for them. Its scene's trees are made before the clock
+// starts, as a render's own are.
 template <class Real>
 struct LearnedAdjoint {
     std::unique_ptr<const AdjointTable<Real>> table;  // null also where the settings ask for none

@@ -5,7 +5,7 @@
 
 namespace pt {
 
-// Samples that a part takes over those of the parts before it, which took `done`.
+// A part of a render: the samples that it takes over those of the parts before it, which took `done`.
 struct RenderPart {
     std::uint32_t done = 0;
     std::uint32_t samples = 1;  // a pixel

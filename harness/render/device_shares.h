@@ -18,7 +18,7 @@ struct Rows {
     bool operator==(const Rows&) const = default;
 };
 
-// Samples of every pixel, from `first` on.
+// A range of samples of every pixel, from `first` on.
 struct SampleRange {
     std::uint32_t first = 0, count = 0;
     bool operator==(const SampleRange&) const = default;
@@ -42,7 +42,7 @@ class SampleSource {
 public:
     SampleSource(const PartitionTraits& partition, std::uint32_t devices, const SampleRange& samples);
 
-    // What the device is to take next; nothing: it is done.
+    // The samples that a device is to take next; nothing: it is done.
     std::optional<SampleRange> next(std::uint32_t device);
     // The most samples that `next` may hand out at once.
     std::uint32_t most_at_once() const;

@@ -22,7 +22,7 @@ double film_scale(double bound, std::uint64_t samples) {
     while (sample_exponent < 62 && (std::uint64_t{1} << sample_exponent) < samples) {
         ++sample_exponent;
     }
-    // For light fainter than any float the scale would not be finite, and no film would be.
+    // The exponent is limited: for light fainter than any float the scale would not be finite, and no film would be.
     constexpr int largest_exponent = 960;
     return std::ldexp(1.0, std::min(62 - 6 - sample_exponent - bound_exponent, largest_exponent));
 }
@@ -69,6 +69,7 @@ Vec3d Film::mean() const {
     return total / static_cast<double>(pixels);
 }
 
+// The film's hash, formed over words rather than bytes: a film may have hundreds of megabytes.
 std::string Film::hash() const {
     std::uint64_t hash = fnv1a_start;
     for (const std::int64_t sum : sums_) {

@@ -20,7 +20,8 @@ public:
     std::uint32_t height() const { return height_; }
     // Samples a pixel that pixel() and radiance() divide the sums by.
     std::uint64_t samples() const { return samples_; }
-    // For a film to which only a part of the samples has been added so far; scale and limit stay those of the whole.
+    // Sets the number of samples that have been added so far, if they are only a part; scale and limit stay those of
+    // the whole.
     void set_samples(std::uint64_t samples) { samples_ = samples; }
     const std::vector<std::int64_t>& sums() const { return sums_; }
     // Takes over what was summed elsewhere at this film's scale. Throws std::logic_error if the sizes differ.
@@ -34,7 +35,7 @@ public:
     // FNV-1a over the sums, a word at a time, with the high bits folded in: 16 hex digits. Equal hashes mean equal
     // bits, whatever the variant.
     std::string hash() const;
-    // Linear RGB, row-major.
+    // The image as linear RGB, row-major.
     std::vector<float> radiance() const;
 
 private:
@@ -45,10 +46,11 @@ private:
     FilmFaults faults_;
 };
 
-// "1 non-finite, 0 negative and 2 saturated samples".
+// The faults in words, as "1 non-finite, 0 negative and 2 saturated samples".
 std::string faults_text(const FilmFaults& faults);
 
-// Quanta a unit of radiance: a power of two such that 2^16 samples (or `samples`, if more) of 64 times the bound fit.
+// The scale of a film in quanta a unit of radiance: a power of two such that 2^16 samples (or `samples`, if more) of 64
+// times the bound fit.
 double film_scale(double bound, std::uint64_t samples);
 
 }  // namespace pt

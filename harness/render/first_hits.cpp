@@ -8,11 +8,12 @@ namespace pt {
 
 namespace {
 
-// Whatever a scene may have; the sampler and the accelerator are chosen at run time.
+// The kernel of first hits, which has whatever a scene may have; the sampler and the accelerator are chosen at run
+// time.
 template <class Real>
 using FirstHitConfig = Config<Real, all_features | samplers | traversals, RunTimeAccelerator>;
 
-// Means in double: equal values have exactly that mean.
+// The mean of a pixel's first hits, in double: equal values have exactly that mean.
 class FirstHitMean {
 public:
     void add(const Vec3d& albedo, const Vec3d& normal, double depth, double coverage) {

@@ -29,7 +29,7 @@ FirstHits first_hits(const Scene& scene, const RenderRequest& request);
 // The number that the scene gives: a diffuse surface's albedo, the reflectance of mirrors and rough conductors, of a
 // mix both by its probability, the tint of dielectrics, sigma_s / sigma_t of a subsurface body, 0 of emitters.
 Vec3d first_hit_albedo(const SceneMaterial& material);
-// The same where the material's texture has this colour.
+// The albedo of a material whose texture has this colour at the hit.
 Vec3d first_hit_albedo(const SceneMaterial& material, const Vec3d& colour);
 
 }  // namespace pt

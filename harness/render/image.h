@@ -13,7 +13,7 @@ void write_image(const Film& film, const std::string& file);
 // Throws InputError unless it ends in .png, .pfm or, where there is OpenEXR, .exr.
 void check_image_name(const std::string& file);
 
-// Linear RGB, row-major from the top, as .pfm.
+// Writes linear RGB, row-major from the top, as .pfm.
 void write_pfm(const std::vector<float>& radiance, std::uint32_t width, std::uint32_t height, const std::string& file);
 
 }  // namespace pt

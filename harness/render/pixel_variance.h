@@ -9,11 +9,11 @@
 
 namespace pt {
 
-// At most so many batches: enough for a relative standard error of 9 % where they are normal.
+// Most batches of samples: enough for a relative standard error of 9 % where they are normal.
 inline constexpr std::uint32_t most_variance_batches = 256;
 
-// Where a render of so many samples stops: after each sample, or, beyond `most`, after batches that differ by one
-// sample at most. Increasing, the last one == samples.
+// The numbers of samples at which a render stops: after each sample, or, beyond `most`, after batches that differ by
+// one sample at most. They increase, and the last one is `samples`.
 std::vector<std::uint32_t> variance_stops(std::uint32_t samples, std::uint32_t most = most_variance_batches);
 
 class PixelVariance {
@@ -22,8 +22,8 @@ public:
     void add(const Film& film);
 
     std::uint32_t batches() const { return batches_; }
-    // Of the mean over all samples so far, three channels a pixel: unbiased where samples are independent, whatever the
-    // sizes of the batches. Precondition: two batches or more.
+    // Variance of the mean over all samples so far, three channels a pixel: unbiased where samples are independent,
+    // whatever the sizes of the batches. Precondition: two batches or more.
     std::vector<float> of_mean() const;
 
 private:

@@ -5,7 +5,7 @@
 
 namespace pt {
 
-// In milliseconds, since the process began.
+// CPU time of this process in milliseconds, since it began.
 inline double process_cpu_ms() {
     timespec time{};
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);

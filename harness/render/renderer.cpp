@@ -205,8 +205,8 @@ std::string KernelChoice::note() const {
 KernelChoice choose_kernel(const Scene& scene, const Variant& variant, Backend backend) {
     const Registry& registry = Registry::instance();
     const FeatureSet needed = features_of(scene) | features_asked(variant, backend);
-    // On CUDA a kernel is compiled when it is needed, so there is one for every set.
-    // A shortcut gives the bits of the plain formulas, not of others.
+    // There is a kernel for every set of features on CUDA, where it is compiled when it is needed. A shortcut gives the
+    // bits of the plain formulas, not of others.
     const FeatureSet shortcuts_here = (needed & formulas) == 0 ? shortcuts_of(scene) : no_features;
     KernelOffer offer{needed,
                       shortcuts_here,

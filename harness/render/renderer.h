@@ -54,7 +54,7 @@ struct CudaFacts {
     std::vector<Kernel> kernels;
     std::vector<std::string> options;  // for the compiler
 
-    // What an earlier render of the same variant in this process had to compile.
+    // Adds what an earlier render of the same variant in this process had to compile.
     void add_compilation(const CudaFacts& earlier) {
         compile_seconds += earlier.compile_seconds;
         from_cache = from_cache && earlier.from_cache;
@@ -64,7 +64,7 @@ struct CudaFacts {
 // What several devices add to a render's facts; of one device `count` is 1 and all else empty.
 struct DeviceFacts {
     std::uint32_t count = 1;
-    // Of each device: from the common start to the end of its own work, without the reduction; 0: it had none.
+    // Time of each device from the common start to the end of its own work, without the reduction; 0: it had none.
     std::vector<double> own_ms;
     double slowest_ms = 0;  // from the common start until the last one had rendered
     double reduce_ms = 0;   // from there until the first device had the sum of the films
@@ -90,12 +90,12 @@ struct KernelChoice {
     FeatureSet needed, compiled;
     RenderFunction render;                        // CPU
     RenderIn<double> render_in_double = nullptr;  // CPU with precision=double: this one instead
-    // "exact", or "has .. for nothing": the features of the kernel that the scene does not need.
+    // How the kernel fits the scene: "exact", or "has .. for nothing" with the features that the scene does not need.
     std::string note() const;
 };
 KernelChoice choose_kernel(const Scene& scene, const Variant& variant, Backend backend = Backend::cpu);
 
-// Of all objects together: those of an instance count again.
+// Triangles of all objects together: those of a mesh that several objects show count again.
 std::uint64_t triangles_of(const Scene& scene);
 std::ptrdiff_t objects_with_meshes(const Scene& scene);
 
@@ -104,11 +104,12 @@ inline constexpr std::uint64_t most_by_brute_force = 100'000;
 // The variant that this one must equal bit for bit on a scene (Registry::reference). Beyond most_by_brute_force
 // accelerators are held against one of themselves.
 Variant reference_on(const Scene& scene, const Variant& variant, Backend backend);
-// What verification renders: the variant, its exact twin, the reference, and what claims of a mean are held to.
+// The variants that verification renders: the variant, its exact twin, the reference, and what claims of a mean are
+// held to.
 std::vector<Variant> rendered_to_check(const Scene& scene, const Variant& variant, Backend backend);
 // Objects with meshes up to which each in turn is the reference of large scenes; beyond, a tree over them.
 inline constexpr std::ptrdiff_t most_objects_in_turn = 16;
-// The same with an accelerator that has a tree, wherever there are meshes: for films that take long.
+// The reference of a variant with an accelerator that has a tree, wherever there are meshes: for films that take long.
 Variant fast_reference_on(const Scene& scene, const Variant& variant, Backend backend);
 
 // Any accelerator gives the same hits: one of the CPU's that is quick on large meshes.
@@ -117,7 +118,7 @@ Acceleration quick_acceleration(const Scene& scene);
 // The request's settings with what its variant asks of the kernel.
 RenderSettings settings_for(const RenderRequest& request, const KernelChoice& kernel);
 
-// What an integrator that inspects is to know of a scene; `file_index` by object number. Without counters.
+// What an auditing integrator is to know of a scene, without counters; `file_index` is by object number.
 HealthRequest health_request(const Scene& scene, const std::vector<std::uint32_t>& file_index);
 
 // Precondition: why_not_applicable(variant, features) is empty. Throws MachineError if memory runs out, and
@@ -128,10 +129,10 @@ RenderResult render(const Scene& scene, const RenderRequest& request);
 // that one. Returns true.
 using RenderRequested = RenderResult (*)(const Scene& scene, const RenderRequest& request);
 bool set_cuda_render(RenderRequested render);
-// "wavefront on cornell_open, cpu, 64x64, 4 spp, seed 1"
+// A render in words, as "wavefront on cornell_open, cpu, 64x64, 4 spp, seed 1".
 std::string description_of(const Scene& scene, const RenderRequest& request);
-// `render`, and a crash says which (harness/crash.h). To put the description together takes microseconds, which are no
-// part of a sample: who times one says where it is.
+// Calls render() such that a crash in it names the render (harness/crash.h). Putting the description together takes
+// microseconds: a timed sample calls render() instead, and is described before its clock starts.
 RenderResult render_named(const Scene& scene, const RenderRequest& request);
 
 }  // namespace pt

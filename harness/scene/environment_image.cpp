@@ -121,7 +121,7 @@ private:
             refuse_line("no VIEW: an equirectangular image of all round, which no view of Radiance is");
         }
     }
-    // What the light was multiplied by. Whether it is a number that can be divided by.
+    // Takes note of what the light was multiplied by. Returns whether it is a number that can be divided by.
     bool multiply(const std::array<double, 3>& factor) {
         bool is_good = true;
         for (std::size_t i = 0; i < 3; ++i) {
@@ -137,7 +137,7 @@ private:
             }
         }
     }
-    // Red, green, blue and white, x and y each.
+    // Whether the primaries are those that we know: x and y of red, green, blue and white each.
     static bool has_known_primaries(std::string_view text) {
         constexpr double slight = 2e-3;
         const std::vector<double> is = numbers_in(text, 8);

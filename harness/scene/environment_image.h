@@ -17,20 +17,20 @@ struct EnvironmentImage {
     bool was_multiplied = false;      // in the file, by an exposure or a colour correction that it tells
 };
 
-// Rows beyond it would be less than a rounding of a cosine apart at the poles.
+// Most rows and columns: beyond these, rows would be less than a rounding of a cosine apart at the poles.
 inline constexpr std::uint32_t most_environment_rows = 4096;
 inline constexpr std::uint32_t most_environment_columns = 8192;
 
-// By the file's ending. Throws InputError of one line for a file that is missing, of another kind, too large or broken,
-// and for a texel that is negative, no number or infinite.
+// Reads an image in the format of the file's ending. Throws InputError of one line for a file that is missing, of
+// another kind, too large or broken, and for a texel that is negative, no number or infinite.
 EnvironmentImage read_environment_image(const std::filesystem::path& path);
 
-// The same of a file's content; `file` is for the messages.
+// Reads a Radiance file's content as read_environment_image does; `file` is for the messages.
 EnvironmentImage parse_hdr(std::string_view content, const std::string& file);
-// Channels R, G and B, or Y alone, of whatever type, as decode_exr has them.
+// Reads an EXR file's content: channels R, G and B, or Y alone, of whatever type, as decode_exr has them.
 EnvironmentImage parse_exr(std::string_view content, const std::string& file);
 
-// As it is in a file that parse_exr reads.
+// The content of a file from which parse_exr reads this image.
 std::string encode_environment_exr(const EnvironmentImage& image);
 
 }  // namespace pt

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double all_words = 0x1p32;
 
-// Where each share of 2^32 begins: in proportion to the weights, none 0; equal where no weight is known.
+// The words of 2^32 at which each share begins: in proportion to the weights, none 0; equal where no weight is known.
 std::vector<std::uint32_t> beginnings_of(const std::vector<double>& weights) {
     double total = 0;
     for (const double weight : weights) {
@@ -35,7 +35,7 @@ double share_at(const std::vector<std::uint32_t>& beginnings, std::size_t i) {
 
 double mean_of(const Vec3d& colour) { return (colour.x + colour.y + colour.z) / 3; }
 
-// Cosines between rows of equal angles, as a number of the kernel's precision: of it are solid angles made too.
+// The cosines between rows of equal angles, as numbers of the kernel's precision, of which solid angles are made too.
 template <class Real>
 std::vector<Real> tops_of(std::uint32_t rows) {
     std::vector<Real> tops;
@@ -52,7 +52,7 @@ void set_choice(EnvironmentMap<Real>& map, std::uint32_t lights, bool uniformly)
     const double share = map.object_share;
     map.inverse_probability = static_cast<Real>(all_words / (all_words - share));
     map.inverse_object_probability = static_cast<Real>(share > 0 ? all_words / share : 0.0);
-    // At most 2^32 - 1: the last word below the share stays a word.
+    // The stretch is at most 2^32 - 1, so that the last word below the share stays a word.
     map.stretch = static_cast<std::uint32_t>(share > 0 ? std::min(0x1p31 * (all_words / share), all_words - 1) : 0.0);
 }
 

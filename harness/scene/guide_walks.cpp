@@ -28,7 +28,7 @@ double guide_decay(double albedo, double g, double depth) {
     }
     const double remaining = 1 - albedo * g;  // of sigma_t, by similarity
     const double similar = albedo * (1 - g) / remaining;
-    // Below, the root is 1 in double precision.
+    // The root is 1 in double precision below this.
     const double root = similar > 0.04 ? similar * artanh_of_decay(similar) : 1;
     const double in_half_space = root * remaining;
     return std::clamp(in_half_space * std::tanh(in_half_space * depth), least_decay, most_decay);
@@ -40,7 +40,7 @@ double depth_of(const SceneObject& object) {
         return 0.5 / (1 / size.x + 1 / size.y + 1 / size.z);
     }
     if (object.shape == Shape::sphere) {
-        // Of an ellipsoid the surface by Thomsen's formula, to 1.1 %.
+        // The surface of an ellipsoid is taken from Thomsen's formula, right to 1.1 %.
         constexpr double p = 1.6075;
         const double x = std::pow(size.x, p), y = std::pow(size.y, p), z = std::pow(size.z, p);
         return size.x * size.y * size.z / 6 / std::pow((x * y + y * z + z * x) / 3, 1 / p);
@@ -56,7 +56,7 @@ void guide_walks(Material<Real>& material, const SceneMaterial& body, double gui
         const double albedo = sigma_t > 0 ? body.sigma_s[i] / sigma_t : 0;
         const double in_mean_free_paths = sigma_t > 0 ? sigma_t * depth : 0;
         material.guide_decay[i] = static_cast<Real>(guide_decay(albedo, body.g, in_mean_free_paths));
-        // Of the decay as it is kept, so that the densities add up.
+        // The albedo follows from the decay as it is kept, so that the densities add up.
         const auto kept = static_cast<double>(material.guide_decay[i]);
         material.guide_albedo[i] = static_cast<Real>(kept / std::atanh(kept));
     }

@@ -20,10 +20,10 @@ inline constexpr double least_decay = 0x1p-20;
 inline constexpr double most_decay = 0.985;
 double guide_decay(double albedo, double g, double depth);
 
-// Volume over surface of the object, in scene units; infinite for a shape that has none of its own here.
+// Depth of an object, its volume over its surface in scene units; infinite for a shape that has none of its own here.
 double depth_of(const SceneObject& object);
 
-// `depth`: the least depth_of an object that the material fills.
+// Fills in what guided walks need of a body's material. `depth`: the least depth_of an object that the material fills.
 template <class Real>
 void guide_walks(Material<Real>& material, const SceneMaterial& body, double guided_share, double depth);
 

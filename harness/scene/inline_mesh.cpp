@@ -46,7 +46,7 @@ RoundingLoss read_vertices(const JsonValue& vertices, Mesh& mesh) {
     return loss;
 }
 
-// One a vertex.
+// Reads the normals of a mesh, one a vertex.
 void read_normals(const JsonValue& value, Mesh& mesh) {
     const std::vector<JsonValue> entries = value.elements();
     if (entries.size() != mesh.vertices.size()) {
@@ -60,7 +60,7 @@ void read_normals(const JsonValue& value, Mesh& mesh) {
     }
 }
 
-// One a vertex.
+// Reads the texture coordinates of a mesh, one pair a vertex.
 void read_coordinates(const JsonValue& value, Mesh& mesh) {
     const std::vector<JsonValue> entries = value.elements();
     if (entries.size() != mesh.vertices.size()) {

@@ -36,10 +36,10 @@ InstanceBoxes::InstanceBoxes(const MeshInstance<Real>& instance, const Box& own,
     set_margins();
 }
 
-// By cofactors of the rows that kernels multiply by, not of those that they were rounded from.
+// Inverts the map by cofactors of the rows that kernels multiply by, not of those that they were rounded from.
 void InstanceBoxes::set_inverse() {
     const auto row = [&](int i) { return Vec3d(row_[i][0], row_[i][1], row_[i][2]); };
-    // Rows of length 1: their products stay in range.
+    // Rows are brought to length 1, so that their products stay in range.
     double length[3];
     Vec3d unit[3];
     for (int i = 0; i < 3; ++i) {

@@ -17,13 +17,14 @@ struct Sweep {
 
 class InstanceBoxes {
 public:
-    // `own`: bounds in the instance's own space, which is the scene's where the mesh is placed.
+    // Boxes of an instance that moves by `sweep`. `own`: bounds in the instance's own space, which is the scene's where
+    // the mesh is placed.
     template <class Real>
     InstanceBoxes(const MeshInstance<Real>& instance, const Box& own, const Sweep& sweep);
 
-    // Round all of the instance.
+    // A box round all of the instance.
     Box box() const;
-    // Round a triangle of it; origins of rays have no coordinate beyond `farthest_origin`.
+    // A box round a triangle of the instance, for rays whose origins have no coordinate beyond `farthest_origin`.
     Box box(const Triangle<float>& triangle, double farthest_origin) const;
     // By how much a box must grow besides, in multiples of the largest coordinate of a ray's origin.
     double margin_by_origin() const { return margin_by_origin_; }
@@ -32,7 +33,7 @@ private:
     Vec3d in_scene(const Vec3d& own) const;
     void set_inverse();
     void set_margins();
-    // Moved along its way and grown, rounded outward.
+    // A box moved along the instance's way and grown, rounded outward.
     Box swept(const Vec3d& low, const Vec3d& high, double margin_of_origins) const;
 
     double row_[3][3], inverse_[3][3];  // into the instance's own space, and back

@@ -11,7 +11,7 @@ namespace {
 constexpr std::uint32_t most_levels = 5;  // 66,430 spheres
 constexpr std::uint32_t most_side = 512;
 
-// As `direction` sees +z: by the shortest rotation of the one to the other.
+// The vector turned by the shortest rotation of +z to `direction`.
 Vec3d turned_from_z(const Vec3d& v, const Vec3d& direction) {
     if (!(direction.z > -1 + 1e-12)) {
         return {v.x, -v.y, -v.z};
@@ -21,7 +21,7 @@ Vec3d turned_from_z(const Vec3d& v, const Vec3d& direction) {
     return v + across + cross(axis, across) / (1 + direction.z);
 }
 
-// Of a sphere's children, z being where it stands away from its parent.
+// The directions in which a sphere's children stand, z being where it stands away from its parent.
 std::vector<Vec3d> directions_of_children() {
     std::vector<Vec3d> directions;
     const auto add = [&](double degrees, double level, double height) {

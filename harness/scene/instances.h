@@ -8,7 +8,7 @@
 
 namespace pt {
 
-// Where a copy stands, and how it is turned.
+// The place of a copy of an object, and how it is turned and scaled.
 struct Copy {
     Vec3d offset{0.0};        // from the object's place
     double scale = 1;         // times the object's own
@@ -24,7 +24,7 @@ std::vector<Copy> read_instances(const JsonValue& value, double scale);
 // Environments", IEEE CG&A 7 (11), 1987.
 std::vector<Copy> sphereflake(std::uint32_t levels);
 
-// side x side copies in the plane y = 0 round the middle, `spacing` apart, each turned at random.
+// The places of side x side copies in the plane y = 0 round the middle, `spacing` apart, each turned at random.
 std::vector<Copy> field(std::uint32_t side, double spacing, std::uint64_t seed);
 
 SceneObject copied(const SceneObject& object, const Copy& copy);

@@ -36,7 +36,7 @@ private:
     std::map<std::string, std::size_t> lines_;
 };
 
-// Of the value that comes next.
+// The place of the value that comes next, as "$.objects[3]".
 std::string LineFinder::place() const {
     if (levels_.empty()) {
         return "$";
@@ -45,7 +45,7 @@ std::string LineFinder::place() const {
     return level.is_object ? level.path + "." + level.key : fmt::format("{}[{}]", level.path, level.index);
 }
 
-// From its first quotation mark to its last. A key, where one comes next.
+// Reads a string from its first quotation mark to its last; it is a key where one comes next.
 void LineFinder::read_string() {
     const std::size_t start = at_;
     for (++at_; (*text_)[at_] != '"'; ++at_) {
@@ -104,7 +104,7 @@ std::map<std::string, std::size_t> lines_of_json(const std::string& text) { retu
 
 namespace {
 
-// "scene.json:12", or the scene's name alone where its text is not in a file.
+// The place of a value for messages: "scene.json:12", or the scene's name alone where its text is not in a file.
 std::string place_of(const JsonValue& value) {
     try {
         const std::map<std::string, std::size_t> lines = lines_of_json(read_file(value.file()));

@@ -1,4 +1,5 @@
-// What takes long to make is made once and kept, as long as there is room: a study renders one scene hundreds of times.
+// An LRU cache for what takes long to make: it is made once and kept, as long as there is room. A study renders one
+// scene hundreds of times.
 #pragma once
 
 #include <chrono>
@@ -13,19 +14,19 @@
 
 namespace pt {
 
-// Of a machine's memory an eighth, since several Keepers share it; no less than 6 GiB and no more than 16, which hold
-// all trees of the suite `accelerators`.
+// Bytes that one LRU cache may keep: an eighth of a machine's memory, since several share it; no less than 6 GiB and no
+// more than 16, which hold all trees of the suite `accelerators`.
 constexpr std::size_t kept_bytes_of(std::size_t memory) {
     constexpr std::size_t least = std::size_t{6} << 30, most = std::size_t{16} << 30;
     return memory / 8 < least ? least : memory / 8 > most ? most : memory / 8;
 }
 
-// Of what one Keeper keeps together; what was used longest ago goes first.
+// Bytes that one Keeper, an LRU cache, keeps together; what was used longest ago goes first.
 inline const std::size_t most_kept_bytes = kept_bytes_of(static_cast<std::size_t>(::sysconf(_SC_PHYS_PAGES)) *
                                                          static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)));
 inline constexpr std::size_t most_kept = 65536;
 
-// Kept by a key that says everything that it was made from. T says by kept_bytes() what it takes.
+// An LRU cache whose key says everything that a value was made from. T::kept_bytes() is what a value takes.
 template <class T>
 class Keeper {
 public:

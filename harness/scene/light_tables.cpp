@@ -26,7 +26,7 @@ bool has_known_power(std::span<const LightExtent> lights) {
     return power > 0 && std::isfinite(power);
 }
 
-// In proportion to power; equal where no power is known.
+// The lights' probabilities in proportion to power; equal where no power is known.
 std::vector<double> power_shares(std::span<const LightExtent> lights) {
     const double largest = largest_power(lights);
     const bool is_known = has_known_power(lights);
@@ -43,7 +43,7 @@ std::vector<double> power_shares(std::span<const LightExtent> lights) {
 
 double sum_of(const Vec3d& v) { return v.x + v.y + v.z; }
 
-// What a light shows, of what all do; equal where no power is known.
+// The share of what all lights show that each light shows, by axis; equal where no power is known.
 std::vector<Vec3d> shown_shares(std::span<const LightExtent> lights) {
     const double largest = largest_power(lights);
     const bool is_known = has_known_power(lights);
@@ -59,7 +59,7 @@ std::vector<Vec3d> shown_shares(std::span<const LightExtent> lights) {
     return shares;
 }
 
-// Whole numbers that add up to that many whole slots. What rounding leaves over or takes is the largest's.
+// Shares as whole numbers that add up to that many whole slots. What rounding leaves over or takes is the largest's.
 std::vector<std::uint64_t> slot_masses(const std::vector<double>& shares) {
     const double total = static_cast<double>(shares.size()) * static_cast<double>(whole_slot);
     std::vector<std::uint64_t> masses;
@@ -102,7 +102,7 @@ double surface_of(const Bounds<double>& bounds) {
 
 Vec3d centre_of(const Bounds<double>& bounds) { return (bounds.low + bounds.high) * 0.5; }
 
-// Of lights side by side in the order of the tree.
+// A group of lights that stand side by side in the order of the tree.
 struct Cluster {
     Bounds<double> bounds{Vec3d(std::numeric_limits<double>::infinity()),
                           Vec3d(-std::numeric_limits<double>::infinity())};
@@ -282,7 +282,7 @@ private:
         return best;
     }
 
-    // By the longest side, where no cut is known or the levels run out.
+    // Halves a range of lights along its longest side, where no cut is known or the levels run out.
     std::uint32_t halved(Range range) {
         Cluster centres;
         for (std::uint32_t i = range.begin; i < range.end; ++i) {
@@ -300,8 +300,8 @@ private:
     std::vector<Vec3d> shown_;
     LightTables<Real>* tables_;
     std::vector<std::uint32_t> order_;
-    // Of what nodes show: what is sent falls with the square of a distance, and Shares tells nothing of sums that are
-    // nearly 0 or infinite, as they would be in some units of length.
+    // Scale of what nodes show: what is sent falls with the square of a distance, and Shares tells nothing of sums that
+    // are nearly 0 or infinite, as they would be in some units of length.
     double scale_ = 1;
 };
 

@@ -10,7 +10,8 @@
 
 namespace pt {
 
-// Which tree: the hooks of the choices, and their names for what is kept.
+// The trees that meshes get: the hooks of the choices of accelerator, builder and levels, and their names, by which
+// trees are kept.
 struct Acceleration {
     std::string accelerator, builder;
     AcceleratorHook accelerator_hook;
@@ -18,7 +19,7 @@ struct Acceleration {
     std::string levels = "each_object";
     LevelsHook levels_hook = {};
 
-    // Those of a variant, and those of none: brute force.
+    // The accelerator, builder and levels of a variant; none() is brute force.
     static Acceleration of(const Variant& variant, Backend backend);
     static Acceleration none();
 };
@@ -61,14 +62,14 @@ struct MeshFacts {
     double build_ms = 0;           // on the clock of the host; 0: there is no tree
     double encode_ms = 0;
     double sah_cost = 0;  // of the largest tree
-    // Of the tree over objects, or over the triangles of all objects; 0: there is none.
+    // Nodes of the top-level tree over objects, or of the tree over the triangles of all objects; 0: there is none.
     std::uint64_t level_nodes = 0;
     std::uint64_t level_bytes = 0;  // of nodes, and of the slots of triangles
     double level_build_ms = 0;      // in its format
 };
 MeshFacts facts_of(const std::vector<MeshGeometry>& meshes);
 
-// `placement` null: in the mesh's own space.
+// The tree and arrays of a mesh. `placement` null: in the mesh's own space.
 MeshGeometry geometry_of(const std::shared_ptr<const SceneMesh>& mesh, const Placement* placement,
                          const Acceleration& acceleration);
 

@@ -18,7 +18,8 @@ void append_bytes(std::string& key, const T& value) {
     key.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
-// Everything that a tree is made from. A geometry is told by its address, which stays its own while the tree holds it.
+// The key of a tree: everything that it is made from. A geometry is told by its address, which stays its own while the
+// tree holds it.
 template <class Real>
 std::string key_of(const SceneView<Real>& scene, const std::vector<MeshGeometry>& meshes,
                    const Acceleration& acceleration, double farthest) {
@@ -66,7 +67,7 @@ void plant_over_objects(SceneTree& tree, const std::vector<InstanceBoxes>& insta
         margin = std::max(margin, instance.margin_by_origin());
     }
     tree.nodes = hook.build(boxes);
-    // Four roundings of the box test's own, and those of this.
+    // The margin covers four roundings of the box test, and those of this sum.
     tree.margin = static_cast<float>(margin + gamma<float>(8)) * (1.0f + gamma<float>(4));
     tree.build_ms = milliseconds_since(start);
 }

@@ -27,10 +27,11 @@ struct SceneTree {
     FlatTree flat_view() const;
 };
 
-// Slots of a flat tree; a scene with more triangles, instances included, is refused.
+// Most slots of a flat tree; a scene with more triangles, instances included, is refused.
 inline constexpr std::uint64_t most_flat_slots = std::uint64_t{1} << 25;
 
-// Null where the choice has no tree. `meshes`: by number of the objects that show one. Throws InputError.
+// The tree over all meshes; null where the choice has none. `meshes`: by number of the objects that show one. Throws
+// InputError.
 template <class Real>
 std::shared_ptr<const SceneTree> scene_tree_of(const SceneView<Real>& scene, const std::vector<MeshGeometry>& meshes,
                                                const Acceleration& acceleration);

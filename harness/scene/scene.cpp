@@ -14,7 +14,7 @@ struct SinCosDegrees {
     double sine, cosine;
 };
 
-// Exact at multiples of 90 degrees, where a box must stay axis-aligned.
+// Sine and cosine of an angle in degrees, exact at multiples of 90 degrees, where a box must stay axis-aligned.
 SinCosDegrees sin_cos_degrees(double degrees) {
     const double reduced = std::fmod(degrees, 360.0);
     const double quarters = reduced / 90.0;
@@ -61,7 +61,7 @@ Rotation rotation_of(const Vec3d& degrees) {
     const SinCosDegrees x = sin_cos_degrees(degrees.x);
     const SinCosDegrees y = sin_cos_degrees(degrees.y);
     const SinCosDegrees z = sin_cos_degrees(degrees.z);
-    // Rz Ry Rx
+    // The columns are those of Rz Ry Rx.
     return {{{z.cosine * y.cosine, z.sine * y.cosine, -y.sine},
              {z.cosine * y.sine * x.sine - z.sine * x.cosine, z.sine * y.sine * x.sine + z.cosine * x.cosine,
               y.cosine * x.sine},
@@ -189,7 +189,7 @@ private:
 }  // namespace
 
 double eye_power(const SceneObject& sphere, const Vec3d& eye) {
-    // In units of the power of two below the radius, whose square neither overflows nor vanishes.
+    // The numbers are in units of the power of two below the radius, whose square neither overflows nor vanishes.
     int exponent = 0;
     const double radius = std::frexp(0.5 * sphere.scale.x, &exponent);
     DoubledSum sum;

@@ -42,14 +42,14 @@ struct SceneMaterial {
     std::string name;
     MaterialType type = MaterialType::diffuse;
     Vec3d albedo{0.0}, emission{0.0}, reflectance{0.0}, tint{1.0}, sigma_a{0.0}, sigma_s{0.0};
-    // In place of the albedo (diffuse, mix; principled: its base colour) or the reflectance (mirror, rough_conductor),
-    // which then has the largest of its texels in each channel. Null: one colour.
+    // The image in place of the albedo (diffuse, mix; principled: its base colour) or the reflectance (mirror,
+    // rough_conductor), which then has the largest of its texels in each channel. Null: one colour.
     std::shared_ptr<const SceneTexture> texture;
     double mirror_probability = 0;
     double roughness = 0;
-    // In place of the roughness, which then has the largest of its texels. Null: one number.
+    // The image in place of the roughness, which then has the largest of its texels. Null: one number.
     std::shared_ptr<const SceneTexture> roughness_texture;
-    // Normals in tangent space, and the factor of their first two components. Null: the surface's own.
+    // The image of normals in tangent space, and the factor of their first two components. Null: the surface's own.
     std::shared_ptr<const SceneTexture> normal_texture;
     double normal_scale = 1;
     bool multiple_scattering = false;

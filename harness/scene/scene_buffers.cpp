@@ -265,7 +265,7 @@ std::uint32_t append(std::vector<T>& array, const std::vector<T>& values) {
     return first;
 }
 
-// Images that are put among the texels once each.
+// The images whose texels are placed already, so that each is placed once.
 class PlacedImages {
 public:
     explicit PlacedImages(std::vector<Vec3<float>>& texels) : texels_(texels) {}
@@ -414,7 +414,7 @@ SceneBuffers<Real>::SceneBuffers(const Scene& scene, const RenderSettings& setti
     make_search(acceleration);
 }
 
-// Each image once, and each mesh's coordinates once, however many objects show them.
+// Places each image once, and each mesh's coordinates once, however many objects show them.
 template <class Real>
 void SceneBuffers<Real>::make_textures(const Scene& scene) {
     PlacedImages images(arrays_.texels);
@@ -436,7 +436,7 @@ void SceneBuffers<Real>::make_textures(const Scene& scene) {
     }
 }
 
-// Each image once, and each mesh's normals once.
+// Places each image of normals once, and each mesh's normals once.
 template <class Real>
 void SceneBuffers<Real>::make_normals(const Scene& scene) {
     PlacedImages images(arrays_.texels);
@@ -513,7 +513,7 @@ double gain_of(const Scene& scene) {
     return gain;
 }
 
-// By what emits, and an environment that is not drawn.
+// Bound on the radiance that comes from what emits, and from an environment that is not drawn.
 double bound_on_sources(const Scene& scene, std::uint32_t depth) {
     double brightest = brightest_channel(scene.environment);
     double brightest_reflector = 0;
@@ -523,7 +523,7 @@ double bound_on_sources(const Scene& scene, std::uint32_t depth) {
         if (material.type != MaterialType::emitter) {
             brightest_reflector = std::max(brightest_reflector, brightest_channel(material.emission));
         }
-        // At grazing angles these reflect all light.
+        // Rough conductors and principled materials reflect all light at grazing angles.
         const bool is_bright =
             material.type == MaterialType::rough_conductor || material.type == MaterialType::principled;
         const double grazing = is_bright ? 1 : 0;
@@ -536,8 +536,8 @@ double bound_on_sources(const Scene& scene, std::uint32_t depth) {
     return (brightest + brightest_reflector * series) * gain_of(scene);
 }
 
-// By an environment that is drawn. What a connection brings goes with the mean over all directions, for it is drawn in
-// proportion to its light: a sun takes no room from the film's fainter parts.
+// Bound on the radiance that comes from an environment that is drawn. What a connection brings goes with the mean over
+// all directions, for it is drawn in proportion to its light: a sun takes no room from the film's fainter parts.
 double bound_on_environment(const Scene& scene, double room) {
     if (scene.environment_map == nullptr) {
         return 0;

@@ -13,7 +13,7 @@
 
 namespace pt {
 
-// Roulette, and splitting, by what a path is expected to bring (harness/render/adjoint_table.h).
+// Settings of adjoint-driven roulette and splitting (harness/render/adjoint_table.h).
 struct AdjointSettings {
     std::uint32_t paths = 0;     // that are traced to learn it; 0: there is none
     std::uint32_t cells = 8;     // of the grid, along each axis
@@ -26,7 +26,7 @@ struct RenderSettings {
     std::uint32_t width = 0, height = 0;
     std::uint32_t depth = 0;
     std::uint64_t seed = 0;
-    // What the variant asks for (settings_for).
+    // Settings that follow from the variant (settings_for).
     bool final_bounce = false;
     bool next_event = false;
     std::uint32_t mis_exponent = 0;
@@ -65,21 +65,21 @@ struct SceneStorage {
 template <class Real>
 class SceneBuffers {
 public:
-    // `acceleration`: over the scene's meshes.
+    // Makes the arrays of a scene. `acceleration`: the trees over its meshes.
     SceneBuffers(const Scene& scene, const RenderSettings& settings,
                  const Acceleration& acceleration = Acceleration::none());
     // Valid as long as this object lives and stays where it is.
     const SceneView<Real>& view() const { return view_; }
-    // What the view shows from here on; null: none.
+    // Sets the estimates for adjoint-driven roulette that the view shows from here on; null: none.
     void set_adjoint(const AdjointCache<Real>* adjoint) { view_.adjoint = adjoint; }
     SceneBuffers(const SceneBuffers&) = delete;
     SceneBuffers& operator=(const SceneBuffers&) = delete;
 
-    // By number of the objects that show a mesh.
+    // The geometry of meshes, by number of the objects that show one.
     const std::vector<MeshGeometry>& meshes() const { return meshes_; }
-    // Over all of them together, or null.
+    // The tree over all meshes together, or null.
     const std::shared_ptr<const SceneTree>& tree() const { return tree_; }
-    // By object number: the object's index in the scene file.
+    // The index in the scene file of each object, by the object's number.
     const std::vector<std::uint32_t>& file_index() const { return file_index_; }
 
 private:
@@ -110,9 +110,9 @@ FeatureSet shortcuts_of(const Scene& scene);
 // A bound on the radiance that one sample can carry by meeting light (connections to lights may exceed it): the
 // brightest source, times the number of times that a path may meet one.
 double radiance_bound(const Scene& scene, std::uint32_t depth);
-// The same for what is rendered with these settings: connections weigh more than light that is met, the rarer the more
-// (without bound where lights are sampled by area), so they have 1024 times the room. What goes beyond it is counted.
-// By adjoint-driven roulette a path comes to carry up to most_carried.
+// The bound on radiance for what is rendered with these settings. Connections weigh more than light that is met, the
+// rarer the more (without bound where lights are sampled by area), so they have 1024 times the room; what goes beyond
+// it is counted. By adjoint-driven roulette a path comes to carry up to most_carried.
 double radiance_bound(const Scene& scene, const RenderSettings& settings);
 
 extern template class SceneBuffers<float>;

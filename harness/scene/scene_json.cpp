@@ -21,7 +21,7 @@ namespace pt {
 
 namespace {
 
-// Beyond these, squares of lengths would leave the range of float; scenes are checked before any kernel sees them.
+// Lengths beyond which squares would leave the range of float; scenes are checked before any kernel sees them.
 constexpr double largest_length = 1e18;
 constexpr double smallest_length = 1e-18;
 constexpr double largest_radiance = 1e30;
@@ -55,7 +55,7 @@ void read_shutter(const JsonValue& value, SceneCamera& camera) {
     }
 }
 
-// Where the shutter's ends find the object; in between it is between them.
+// Checks the object's place at both ends of the shutter; in between it is between them.
 void check_motion(const Scene& scene, const SceneObject& object, std::size_t index, const std::string& file) {
     for (const double time : {scene.camera.shutter_open, scene.camera.shutter_close}) {
         const Vec3d centre = object.translate + object.velocity * time;
@@ -79,7 +79,7 @@ SceneCamera read_camera(const JsonValue& value) {
     if (!(dot(forward, forward) >= least_square)) {
         object.at("look_at").fail("a point other than camera.eye, at least 1e-18 away");
     }
-    // A shorter one's square would leave the range of double.
+    // The square of a shorter vector would leave the range of double.
     if (!(dot(camera.up, camera.up) >= least_square)) {
         object.at("up").fail("a direction that is not 0: a vector of length 1e-18 or more");
     }
@@ -142,7 +142,7 @@ Vec3d read_colour(const JsonValue& value, SceneMaterial& material) {
     return largest_texel(*material.texture);
 }
 
-// A number, or likewise an image of numbers.
+// Reads a roughness: a number, or an image of numbers, which the material keeps. Returns the largest number.
 double read_roughness(const JsonValue& value, SceneMaterial& material) {
     if (value.json().is_number()) {
         return value.number(0, 1, "a number from 0 to 1");
@@ -283,7 +283,7 @@ void check_ellipsoid(const SceneObject& object, const JsonValue& scale) {
     }
 }
 
-// No more of them than fit a message.
+// The materials' names for a message, no more of them than fit.
 std::string names_of(const std::vector<SceneMaterial>& materials) {
     constexpr std::size_t most = 20;
     std::vector<std::string> names;
@@ -294,7 +294,7 @@ std::string names_of(const std::vector<SceneMaterial>& materials) {
                        materials.size() > most ? fmt::format(" and {} more", materials.size() - most) : "");
 }
 
-// What takes the whole scene to tell; `index`: in the file.
+// Checks what takes the whole scene to tell about an object; `index` is its place in the file.
 void check_object(const Scene& scene, const SceneObject& object, std::size_t index, const std::string& file) {
     check_motion(scene, object, index, file);
     const bool is_body = scene.materials[object.material].type == MaterialType::subsurface;
@@ -361,7 +361,8 @@ std::uint32_t index_of(const std::shared_ptr<const SceneMesh>& mesh, Scene& scen
     return index;
 }
 
-// What a shape can be made of: a dielectric has an inside, and a walk through a body meets its surface once.
+// Checks that the shape can be made of the material: a dielectric has an inside, and a walk through a body meets its
+// surface once.
 void check_material(const JsonValue& value, const SceneMaterial& material, const SceneObject& object,
                     const Scene& scene) {
     const bool is_mesh = object.mesh != SceneObject::no_mesh;
@@ -499,7 +500,8 @@ std::shared_ptr<const SceneEnvironment> environment_of(EnvironmentImage image, d
     return environment;
 }
 
-// {"radiance": [r, g, b]} or {"file": NAME, "scale": s, "rotation": degrees}; the name is relative to the scene's file.
+// Reads an environment, {"radiance": [r, g, b]} or {"file": NAME, "scale": s, "rotation": degrees}; the name is
+// relative to the scene's file.
 std::shared_ptr<const SceneEnvironment> read_environment(const JsonValue& value) {
     if (value.json().contains("radiance")) {
         const JsonObject object(value, {"radiance"});

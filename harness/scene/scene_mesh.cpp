@@ -27,7 +27,7 @@ std::size_t least_corner(const Mesh& mesh, const std::array<std::uint32_t, 3>& i
     return static_cast<std::size_t>(std::min_element(corners, corners + 3) - corners);
 }
 
-// From its least corner on, going round the same way.
+// The triangle from its least corner on, going round the same way.
 Triangle<float> from_least_corner(const Mesh& mesh, const std::array<std::uint32_t, 3>& indices) {
     const std::size_t first = least_corner(mesh, indices);
     const auto corner = [&](std::size_t i) {
@@ -41,7 +41,7 @@ CornerCoordinates coordinates_from_least_corner(const Mesh& mesh, std::size_t tr
     const std::size_t first = least_corner(mesh, mesh.triangles[triangle]);
     CornerCoordinates corners{};
     for (std::size_t i = 0; i < 3; ++i) {
-        // Of +0 and -0 the first: they are one place.
+        // Adding +0 turns -0 into +0: they are one place.
         corners.u[i] = mesh.coordinates[triangle][(first + i) % 3][0] + 0.0f;
         corners.v[i] = mesh.coordinates[triangle][(first + i) % 3][1] + 0.0f;
     }
@@ -99,8 +99,9 @@ void sort_with_corners(SceneMesh& mesh) {
 
 Vec3d unit(const Vec3d& v) { return v * (1 / std::sqrt(dot(v, v))); }
 
-// On the side where the corners go round anticlockwise, as the mesh may have turned them all round; all 0 where they
-// are the triangle's own normal but for the rounding of a file's numbers.
+// A triangle's corner normals from its least corner on, on the side where the corners go round anticlockwise, as the
+// mesh may have turned them all round; all 0 where they are the triangle's own normal but for the rounding of a file's
+// numbers.
 CornerNormals normals_from_least_corner(const Mesh& mesh, std::size_t triangle) {
     const std::array<std::uint32_t, 3>& indices = mesh.triangles[triangle];
     const std::size_t first = least_corner(mesh, indices);
@@ -119,14 +120,14 @@ CornerNormals normals_from_least_corner(const Mesh& mesh, std::size_t triangle) 
         constexpr double rounding = 0x1p-20;
         is_own = is_own && dot(off, off) <= rounding * rounding;
         for (int axis = 0; axis < 3; ++axis) {
-            // Of +0 and -0 the first: they are one direction.
+            // Adding +0 turns -0 into +0: they are one direction.
             normals.of[i][axis] = static_cast<float>(corners[i][axis] * side) + 0.0f;
         }
     }
     return is_own ? CornerNormals{} : normals;
 }
 
-// Nothing where each corner has a normal.
+// What is wrong with a mesh's normals; empty where each corner has one.
 std::string fault_of_normals(const Mesh& mesh, const std::string& source) {
     if (mesh.normals.empty()) {
         return fmt::format("the mesh {} has no normals of its vertices", source);
@@ -146,7 +147,7 @@ bool is_closed(const std::vector<Triangle<float>>& triangles) {
     using Edge = std::array<float, 6>;
     std::vector<Edge> there, back;
     const auto add = [&](const Vec3<float>& a, const Vec3<float>& b) {
-        // Of +0 and -0 the first: they are one place.
+        // Adding +0 turns -0 into +0: they are one place.
         const auto zero = [](float x) { return x + 0.0f; };
         there.push_back({zero(a.x), zero(a.y), zero(a.z), zero(b.x), zero(b.y), zero(b.z)});
         back.push_back({zero(b.x), zero(b.y), zero(b.z), zero(a.x), zero(a.y), zero(a.z)});
@@ -290,8 +291,8 @@ bool is_inside(const SceneMesh& mesh, const Vec3d& point) {
             return false;
         }
     }
-    // A direction that is along no axis, so that few meshes have an edge on it; an edge counts for both its triangles,
-    // and is told by the sides that they are met from.
+    // The ray's direction is along no axis, so few meshes have an edge that it meets. The side from which the nearest
+    // triangle is met decides, so an edge that counts for two triangles does no harm.
     const auto sheared = ShearedDirection<double>::of({0.5773, 0.5141, 0.6343});
     double nearest = std::numeric_limits<double>::infinity();
     bool from_behind = false;

@@ -16,8 +16,9 @@ namespace pt {
 // vertices are asked for.
 std::shared_ptr<const SceneMesh> make_scene_mesh(const Mesh& mesh, const std::string& source,
                                                  bool with_normals = false);
-// The same, once for the whole process: files are read again only when their time or size has changed. Throws
-// InputError for a file or a size that is none. Those of generators are computed (harness/mesh/vertex_normals.h).
+// The mesh of a file or a generator, kept for the whole process: files are read again only when their time or size has
+// changed. Throws InputError for a file or a size that is none. Normals of generators are computed
+// (harness/mesh/vertex_normals.h).
 std::shared_ptr<const SceneMesh> mesh_from_file(const std::filesystem::path& file, bool with_normals = false);
 std::shared_ptr<const SceneMesh> mesh_from_generator(const std::string& name, std::uint32_t size,
                                                      bool with_normals = false);
@@ -37,7 +38,7 @@ std::vector<Triangle<float>> placed_triangles(const SceneMesh& mesh, const Place
 
 // A box round a triangle: its coordinates are numbers of single precision, so it is exact.
 Box box_round(const Triangle<float>& triangle);
-// A box round all of them, as a placement moves it: rounded outward.
+// A box round all triangles of a mesh, as a placement moves them: rounded outward.
 Box box_round(const SceneMesh& mesh, const Placement& placement);
 
 // Whether a point lies inside a closed mesh, in the mesh's own space: by how often a ray from it crosses the mesh.

@@ -10,11 +10,12 @@
 
 namespace pt {
 
-// {"image": NAME}; the name is relative to the scene's file. Of normals there may be a "scale" too. Throws InputError.
+// Reads an image, {"image": NAME}; the name is relative to the scene's file. One of normals may have a "scale" too.
+// Throws InputError.
 std::shared_ptr<const SceneTexture> read_texture(const JsonValue& value, TexelMeaning meaning);
 // The material's key "normal", where it has one. Throws InputError.
 void read_normal_map(const JsonObject& object, SceneMaterial& material);
-// In each channel.
+// The largest texel of an image in each channel.
 Vec3d largest_texel(const SceneTexture& texture);
 
 // An image needs coordinates, of which the kernels take fractions. Throws InputError; `value`: the object's material.
@@ -23,7 +24,8 @@ void check_texture(const JsonValue& value, const SceneMaterial& material, const 
 // Throws InputError for images that are too large together.
 void check_texels(const Scene& scene, const std::string& file);
 
-// Of whatever scenes have images: the hashes of their texels, and of the coordinates of meshes that show them.
+// A text that identifies the images of a scene that has any: the hashes of their texels, and of the coordinates of
+// meshes that show them.
 std::string text_of_textures(const Scene& scene);
 
 }  // namespace pt

@@ -55,7 +55,7 @@ std::vector<float> linear_channel(TexelMeaning meaning) {
     return linear;
 }
 
-// Rows from the bottom.
+// The texels of an image as linear numbers, rows from the bottom.
 template <class Channel>
 std::vector<Vec3<float>> linear_texels(const Channel* channels, std::uint32_t width, std::uint32_t height,
                                        TexelMeaning meaning) {

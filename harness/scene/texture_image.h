@@ -26,10 +26,11 @@ enum class TexelMeaning { colour, number, normal };
 
 inline constexpr std::uint64_t largest_texture_file = std::uint64_t{1} << 28;  // in bytes: stb_image has an int of them
 inline constexpr std::uint32_t most_texture_side = 8192;
-// All images of a scene together: 3 GiB of single precision numbers.
+// Most texels of all images of a scene together: 3 GiB of single precision numbers.
 inline constexpr std::uint64_t most_texels = std::uint64_t{1} << 28;
 
-// By the file's ending. Throws InputError of one line for a file that is missing, of another kind, too large or broken.
+// Reads an image in the format of the file's ending. Throws InputError of one line for a file that is missing, of
+// another kind, too large or broken.
 TextureImage read_texture_image(const std::filesystem::path& path, TexelMeaning meaning = TexelMeaning::colour);
 
 // While one lives, read_texture_image reads each file once, and those of these contents, by path, need not be written
@@ -43,14 +44,15 @@ public:
     ImagesToBe& operator=(const ImagesToBe&) = delete;
 };
 
-// The same of a file's content; `file` is for the messages. An alpha channel is passed over, grey is three channels.
+// Reads an image file's content as read_texture_image does; `file` is for the messages. An alpha channel is passed
+// over, grey is three channels.
 TextureImage parse_texture_image(std::string_view content, const std::string& file,
                                  TexelMeaning meaning = TexelMeaning::colour);
 
 // Whether an image of these bytes, which parse_texture_image can read, says how much of each texel is seen through.
 bool texture_has_alpha(std::string_view content);
 
-// IEC 61966-2-1: from 0 to 1.
+// The linear value of an sRGB value from 0 to 1 (IEC 61966-2-1).
 double srgb_to_linear(double encoded);
 
 }  // namespace pt

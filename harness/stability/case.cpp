@@ -21,7 +21,7 @@ std::size_t family_index(const Case& stiff_case) {
                                     std::begin(families));
 }
 
-// "S5" before "S12".
+// The case's number in the catalogue, by which "S5" comes before "S12".
 int number_in_catalogue(const Case& stiff_case) { return std::stoi(stiff_case.catalogue.substr(1)); }
 
 }  // namespace
@@ -90,7 +90,7 @@ std::function<double(const RenderResult&)> farthest_from(double exact) {
         for (std::uint32_t i = 0; i < result.film.width() * result.film.height(); ++i) {
             const Vec3d pixel = result.film.pixel(i);
             for (int k = 0; k < 3; ++k) {
-                // Of a NaN every comparison is false: it must win.
+                // The comparison is such that a NaN wins, with which every comparison is false.
                 farthest = std::abs(pixel[k] - exact) <= std::abs(farthest - exact) ? farthest : pixel[k];
             }
         }

@@ -50,7 +50,7 @@ struct Tolerance {
 // equal: |measured - exact| <= allowed. at_most, at_least: `exact` is a bound, crossed by no more than allowed.
 enum class Relation { equal, at_most, at_least };
 
-// One number that came out.
+// One number that a check measured, beside the exact one.
 struct Measurement {
     std::string quantity;
     double measured = 0;
@@ -67,8 +67,8 @@ struct Quantity {
     double exact = 0;
     Tolerance tolerance;
     Relation relation = Relation::equal;
-    // true: the mean over batches of samples, with its standard error. false: every sample must give the same number;
-    // the batch that is farthest from it counts.
+    // Whether it is the mean over batches of samples, with its standard error. If not, every sample must give one
+    // number; the batch that is farthest from it counts.
     bool is_estimate = true;
 };
 
@@ -111,11 +111,12 @@ struct Case {
     std::string sweep = {};  // the parameter that `points` vary, for the figure; empty: none
     // Choices of estimators that the case is run with besides the baseline ones, e.g. {"direct_light", {"nee"}}.
     AxisChoices estimators = {};
-    // The same of several axes at once: a choice of each, e.g. {{"direct_light", "nee"}, {"light_selection", "power"}}.
+    // Choices of several axes at once that the case is run with, e.g. {{"direct_light", "nee"}, {"light_selection",
+    // "power"}}.
     std::vector<std::map<std::string, std::string>> joint_estimators = {};
     // Whether the plainest variant is also run with every accelerator and every builder of the backend.
     bool over_accelerators = false;
-    // Exactly one of these.
+    // The check of a case, which is exactly one of these.
     std::function<std::vector<Rendering>(const Values&)> renderings = {};
     std::function<std::vector<Twins>(const Values&)> twins = {};
     std::function<std::vector<Measurement>(const Values&, const DirectSetting&)> direct = {};
@@ -124,11 +125,11 @@ struct Case {
     bool direct_has_mixed = false;
     // Why ptbench cannot show the case at all (a feature that it lacks); empty: it can.
     std::string missing_feature = {};
-    // Where a case that should pass is known not to: the reason, and what would cure it. Empty: it must pass.
+    // Why a case that should pass is known not to, and what would cure it. Empty: it must pass.
     std::function<std::string(const Values&, const VariantTraits&)> known_limit = {};
 };
 
-// In the order of the catalogue.
+// The families of cases, in the order of the catalogue.
 inline constexpr std::string_view families[] = {"cavities", "irradiance", "geometry", "dielectrics",
                                                 "media",    "throughput", "film",     "identity",
                                                 "meshes",   "lights",     "own"};

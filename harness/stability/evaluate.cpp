@@ -48,7 +48,7 @@ Row without_measurement(Status status, std::string reason) {
     return row;
 }
 
-// What a render did, added to what a row's renders did.
+// Adds the work of a render to that of a row's renders.
 void count_work(Row& row, const RenderResult& result) {
     row.paths += result.work.paths;
     row.rays += result.work.rays;
@@ -126,14 +126,14 @@ double differing_pixels(const std::vector<std::int64_t>& a, const std::vector<st
     return static_cast<double>(count);
 }
 
-// With every feature: cases have hundreds of scenes that need different ones, and such a kernel is compiled once for
-// all.
+// The reference, with every feature: cases have hundreds of scenes that need different ones, and such a kernel is
+// compiled once for all.
 Variant bitwise_reference(const Task& task) {
     return with_every_feature(Registry::instance().reference(task.variant, task.backend), task.backend);
 }
 
-// Where an integrator with a queue could take but a part of the samples that a case needs, its claim says more than an
-// estimate from that part: the bits of the reference integrator's film.
+// Compares with the reference integrator's film. Where an integrator with a queue could take but a part of the samples
+// that a case needs, its claim of the same bits says more than an estimate from that part.
 std::optional<Row> compared_with_reference(const Task& task, const Scene& scene, std::uint64_t paths) {
     const std::uint64_t pixels = std::uint64_t{scene.camera.width} * scene.camera.height;
     const std::uint64_t wanted = std::max<std::uint64_t>(1, paths / pixels);
@@ -158,7 +158,7 @@ std::optional<Row> compared_with_reference(const Task& task, const Scene& scene,
     return row;
 }
 
-// Everything of a rendering for one look.
+// Measures every quantity of a rendering once.
 std::vector<Row> look(const Task& task, const Rendering& rendering, const Scene& scene, std::uint64_t seed,
                       std::uint64_t paths) {
     const bool estimates = std::any_of(rendering.quantities.begin(), rendering.quantities.end(),
@@ -219,7 +219,7 @@ std::vector<Row> evaluate_renderings(const Task& task) {
         const bool again = std::any_of(first.begin(), first.end(),
                                        [](const Row& row) { return row.status == Status::failed && row.is_estimate; });
         if (again) {
-            // Four times the samples, none of them the first look's.
+            // The second look has four times the samples, none of them the first look's.
             std::vector<Row> second =
                 look(task, rendering, scene, task.seed + 1000003, std::min<std::uint64_t>(4 * paths, 1u << 28));
             for (std::size_t i = 0; i < first.size(); ++i) {
@@ -267,8 +267,8 @@ bool have_one_program(const Task& task, const Scene& a, const Scene& b) {
             a.objects.size() == b.objects.size());
 }
 
-// Of two films whose roundings may differ, and of which a path that grazes an edge may have gone elsewhere. The error
-// is that of as many independent differences as there are pixels and channels.
+// The ratio of the means of two films whose roundings may differ, and of which a path that grazes an edge may have gone
+// elsewhere. The error is that of as many independent differences as there are pixels and channels.
 Measurement ratio_of_means(const std::vector<std::int64_t>& expected, const std::vector<std::int64_t>& found) {
     double sum = 0, difference = 0, squares = 0;
     for (std::size_t i = 0; i < expected.size(); ++i) {

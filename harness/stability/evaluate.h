@@ -37,11 +37,11 @@ struct Row {
     std::string film_hash;  // of a single batch; empty: there are several, or none
     double seconds = 0;     // of rendering, or of the direct check
 
-    // Within how much of what is allowed it came; not finite where nothing is allowed but something missed.
+    // The error as a share of what is allowed; not finite where nothing is allowed but something missed.
     double error_over_allowed() const { return error == 0 ? 0 : error / allowed; }
 };
 
-// Why the task cannot be asked; empty: it can.
+// Why the task cannot be evaluated; empty: it can.
 std::string not_applicable(const Task& task);
 
 // One row a quantity, or a single one that says why there is none. Throws nothing that a render throws.

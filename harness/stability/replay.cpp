@@ -62,7 +62,7 @@ std::vector<Step> replay(const Scene& scene, const RenderSettings& settings, std
     return steps;
 }
 
-// What a path met, folded into one number a segment, and what it collected.
+// Traces a path and folds what it met into one number a segment; returns the radiance that it collected.
 template <class Config>
 Vec3<typename Config::Real> walk(const SceneView<typename Config::Real>& view, std::uint32_t pixel,
                                  std::uint32_t sample, std::vector<std::uint32_t>& met) {

@@ -23,7 +23,8 @@ struct Step {
     bool is_alive = false;  // it goes on
 };
 
-// `features`: of the kernel, all_features | samplers with or without one of `formulas`.
+// Replays a path in single precision. `formula`: the kernel's features are all_features | samplers, with or without one
+// of `formulas`.
 std::vector<Step> replay_single(const Scene& scene, const RenderSettings& settings, FeatureSet formula,
                                 std::uint32_t pixel, std::uint32_t sample);
 std::vector<Step> replay_double(const Scene& scene, const RenderSettings& settings, FeatureSet formula,

@@ -21,7 +21,7 @@ namespace {
 
 constexpr const char* schema = "ptbench-stability-1";
 
-// What rows must share to stand in one file.
+// The facts that rows must share to stand in one file.
 Json identity(const RunDescription& description) {
     Json json = machine_json(description.backend);
     json["ptbench.backend"] = pt::to_string(description.backend);

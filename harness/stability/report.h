@@ -20,7 +20,8 @@ struct RunDescription {
 
 class Report {
 public:
-    // Of a file that is there, with `resume_or_overwrite`: what is unfinished is resumed, what is complete overwritten.
+    // What becomes of a file that is there. With `resume_or_overwrite` what is unfinished is resumed, what is complete
+    // overwritten.
     enum class IfThere { refuse, resume, overwrite, resume_or_overwrite };
 
     // `file` empty: nothing is written. A file that is there: with `resume` its rows are kept; with `overwrite` it
@@ -29,7 +30,7 @@ public:
     Report(std::string file, RunDescription description, IfThere if_there);
 
     bool has(const Task& task) const;
-    // rows: what to_json makes of them.
+    // Adds a task's rows, which are what to_json makes of them.
     void add(const Task& task, const Json& rows);
     void save() const { write("interrupted"); }
     void finish() const;
@@ -53,9 +54,10 @@ private:
     std::set<std::string> done_;  // keys of tasks
 };
 
-// "lamp a=0.1 albedo=0.5 depth=9 [nee, double]": the case, its point and what differs from the plainest variant.
+// A task in words, as "lamp a=0.1 albedo=0.5 depth=9 [nee, double]": the case, its point and what differs from the
+// plainest variant.
 std::string label(const Task& task, const Variant& plainest);
-// "mean radiance 0.0099010 (exact 0.0099010): off by 1.2e-8 of 5.3e-8 allowed".
+// A row in words, as "mean radiance 0.0099010 (exact 0.0099010): off by 1.2e-8 of 5.3e-8 allowed".
 std::string in_words(const Row& row);
 
 // Name and text of the scene files that show a case, at its first point; none for a direct check.

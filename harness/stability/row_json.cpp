@@ -22,7 +22,7 @@ std::string_view to_string(Relation relation) {
     return relation == Relation::equal ? "equal" : relation == Relation::at_most ? "at most" : "at least";
 }
 
-// Where a counter's first path is: for `ptbench replay`.
+// The place of a counter's first path, for `ptbench replay`.
 Json place_of(std::uint64_t key) {
     return {{"pixel", key >> 42}, {"sample", (key >> 20) & 0x3fffffu}, {"segment", key & 0xfffffu}};
 }

@@ -28,7 +28,7 @@ public:
     SceneText& lens(double aperture_radius, double focus_distance);
     SceneText& shutter(double open, double close, bool late);
 
-    // Each adds a material and returns its name.
+    // These add a material each and return its name.
     std::string diffuse(const Vec3d& albedo, const Vec3d& emission = Vec3d(0.0));
     std::string mirror(const Vec3d& reflectance, const Vec3d& emission = Vec3d(0.0));
     std::string mix(const Vec3d& albedo, const Vec3d& reflectance, double mirror_probability,
@@ -40,7 +40,7 @@ public:
     std::string rough_conductor(const Vec3d& reflectance, double roughness, bool multiple_scattering);
     std::string principled_metal(const Vec3d& base_colour, double roughness);
 
-    // Each adds an object.
+    // These add an object each.
     SceneText& sphere(const std::string& material, const Vec3d& centre, double diameter);
     SceneText& ellipsoid(const std::string& material, const Vec3d& centre, const Vec3d& scale,
                          const Vec3d& rotate_degrees = Vec3d(0.0));
@@ -52,7 +52,7 @@ public:
     SceneText& room(const std::string& material, const Vec3d& centre, const Vec3d& half);
     SceneText& mesh(const std::string& material, const Mesh& mesh, const Vec3d& translate = Vec3d(0.0),
                     const Vec3d& scale = Vec3d(1.0), const Vec3d& rotate_degrees = Vec3d(0.0));
-    // Of the object that was added last, in scene units a second.
+    // Sets the velocity of the object that was added last, in scene units a second.
     SceneText& velocity(const Vec3d& velocity);
 
     const Json& json() const { return json_; }
@@ -65,11 +65,11 @@ private:
     Json json_;
 };
 
-// Every length times `factor`, every coefficient per length divided by it.
+// The scene with every length times `factor`, and every coefficient per length divided by it.
 Json scaled(Json scene, double factor);
-// Every radiance times `factor`.
+// The scene with every radiance times `factor`.
 Json brightened(Json scene, double factor);
-// Everything moved by `offset`, the camera too.
+// The scene with everything moved by `offset`, the camera too.
 Json moved(Json scene, const Vec3d& offset);
 
 }  // namespace pt::stability

@@ -9,9 +9,9 @@
 
 namespace pt::stability {
 
-// Of one case. Every scheduler meets every arithmetic in each case (of a quick run: in every two), and both of them
-// both values of the room; one of the integrators with a queue at a time, which changes with `turn`, the case's number.
-// None on a CPU, whose kernels for a scene are among those of the plain runs.
+// The variants that are timed with one case. Every scheduler meets every arithmetic in each case (of a quick run: in
+// every two), and both of them both values of the room; one of the integrators with a queue at a time, which changes
+// with `turn`, the case's number. There are none on a CPU, whose kernels for a scene are among those of the plain runs.
 std::vector<Variant> timed_variants(Backend backend, std::size_t turn, bool quick);
 
 }  // namespace pt::stability

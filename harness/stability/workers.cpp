@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::size_t none = ~std::size_t{0};
 
-// False if the other end is gone.
+// Sends a line; false if the other end is gone.
 bool send_line(int socket, const std::string& text) {
     const std::string line = text + "\n";
     for (std::size_t sent = 0; sent < line.size();) {
@@ -37,7 +37,7 @@ bool send_line(int socket, const std::string& text) {
     return true;
 }
 
-// Appends what has come. False if the other end is gone.
+// Appends what has come to `text`; false if the other end is gone.
 bool receive(int socket, std::string& text) {
     char buffer[65536];
     for (;;) {
@@ -53,7 +53,7 @@ bool receive(int socket, std::string& text) {
     }
 }
 
-// In a child: answers until its parent is gone, and leaves without running what that registered to run at exit.
+// Answers in a child process until its parent is gone, and leaves without running what that registered to run at exit.
 [[noreturn]] void serve(int socket, const Answer& answer, pid_t parent) {
     // What a terminal sends to all of a command is for the parent to decide; a question may take longer than that
     // lives.

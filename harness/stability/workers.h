@@ -10,7 +10,7 @@
 
 namespace pt::stability {
 
-// What a worker says to a question. Neither holds a line break.
+// A worker's answer to a question. Questions and answers are single lines.
 using Answer = std::function<std::string(const std::string& question)>;
 
 class Workers {
@@ -18,7 +18,7 @@ public:
     // Forks `count` processes that call `answer`: before anything of CUDA or OpenMP has started in this one, which
     // neither outlives. Throws MachineError.
     Workers(std::size_t count, const Answer& answer);
-    // They end when nobody asks any more.
+    // Ends the workers, which end when nobody asks any more.
     ~Workers();
     Workers(const Workers&) = delete;
     Workers& operator=(const Workers&) = delete;

@@ -18,7 +18,7 @@ struct AxisBox {
     static AxisBox placed(const Placement& object) {
         Vec3<double> half(0.0);
         for (int axis = 0; axis < 3; ++axis) {
-            // Each column has one entry of 1 or -1.
+            // Each column of the placement has one entry of 1 or -1, so absolute values give the box's half sides.
             const Vec3<double>& column = object.column[axis];
             half +=
                 Vec3<double>(absolute(column.x), absolute(column.y), absolute(column.z)) * (0.5 * object.scale[axis]);

@@ -20,7 +20,7 @@ struct Ellipsoid {
     PT_HD Vec3<Real> to_world(const Vec3<Real>& f) const {
         return semi_axis[0] * f.x + semi_axis[1] * f.y + semi_axis[2] * f.z;
     }
-    // Normals go by the inverse transpose.
+    // The outward normal at the image of f; normals transform by the inverse transpose.
     PT_HD Vec3<Real> normal(const Vec3<Real>& f) const {
         return normalize(inverse_axis[0] * f.x + inverse_axis[1] * f.y + inverse_axis[2] * f.z);
     }

@@ -16,8 +16,8 @@ PT_HD inline Vec3<Real> vector_of(const float (&v)[3]) {
 template <class Real>
 struct MeshInstance {
     MeshView geometry;
-    // From the scene to the mesh's own space, and back. A mesh that one object shows has been placed in the scene
-    // already (is_placed), and needs neither.
+    // The maps from the scene to the mesh's own space (row, offset), and back (column, centre). A mesh that one object
+    // shows has been placed in the scene already (is_placed), and needs neither.
     Vec3<Real> row[3], offset;
     Vec3<Real> column[3], centre;
     Vec3<float> low, high;  // bounds in the scene, relative to the eye
@@ -28,7 +28,7 @@ struct MeshInstance {
     static constexpr bool is_flat = true;
     static constexpr UnitShape unit_shape = UnitShape::none;
     static bool is_kind_of(const Placement&) { return true; }
-    // Its geometry comes from the scene's meshes (harness/scene/scene_buffers.cpp).
+    // Places the mesh without its geometry, which comes from the scene's meshes (harness/scene/scene_buffers.cpp).
     static MeshInstance placed(const Placement& object) {
         MeshInstance mesh{};
         for (int axis = 0; axis < 3; ++axis) {
@@ -41,8 +41,8 @@ struct MeshInstance {
     }
     static bool contains(const Vec3<double>&) { return false; }
 
-    // With one rounding wherever a ray is taken in: the triangle that a traversal met must be met by that very ray
-    // again where its surface is asked for.
+    // Takes a direction into the mesh's own space. Each entry is rounded in the same way wherever a ray is taken in:
+    // the triangle that a traversal met must be met by that very ray again where its surface is asked for.
     PT_HD Vec3<Real> direction_in(const Vec3<Real>& v) const {
         return is_placed != 0 ? v : Vec3<Real>(rounded_dot(row[0], v), rounded_dot(row[1], v), rounded_dot(row[2], v));
     }
@@ -124,9 +124,8 @@ PT_HD inline KeptWeights<Real> off_the_edges(const Vec3<Real>& weights, const Tr
     return {kept * (Real(1) / (kept.x + kept.y + kept.z)), Real(0.5) * reach * unit};
 }
 
-// How far off the plane of its triangle a point of the scene may be that was taken out of the mesh's own space, and
-// will be where a ray from it is taken back in: rounding along each axis of the mesh, as far as it lies along the
-// normal.
+// A bound on how far a point that was taken out of the mesh's own space may be off its triangle's plane, when a ray
+// from it is taken back in: the rounding along each axis of the mesh, as far as it lies along the normal.
 template <class Real>
 PT_HD inline Real reach_of_instance(const MeshInstance<Real>& mesh, const Vec3<Real>& local, const Vec3<Real>& placed,
                                     const Vec3<Real>& normal, Real local_reach) {
@@ -141,8 +140,9 @@ PT_HD inline Real reach_of_instance(const MeshInstance<Real>& mesh, const Vec3<R
     return reach;
 }
 
-// In front of the plane, on the side that the ray comes from, by the bound on its rounding (as pbrt's OffsetRayOrigin):
-// a point that rounding puts behind would meet a neighbour in the same plane from there, and be outside.
+// The hit point moved in front of the triangle's plane, to the side that the ray comes from, by the bound on its
+// rounding (as pbrt's OffsetRayOrigin): a point that rounding puts behind the plane would meet a neighbour in the same
+// plane from there, and be outside.
 template <class Real>
 PT_HD inline SurfacePoint<Real> surface_point(const MeshTriangle<Real>& met, const Vec3<Real>& origin,
                                               const Vec3<Real>& direction, Real, bool = false) {

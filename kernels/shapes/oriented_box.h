@@ -1,4 +1,4 @@
-// Boxes that are turned: met in their own frame.
+// Boxes that are turned, which rays meet in the boxes' own frames.
 #pragma once
 
 #include "kernels/box.h"
@@ -35,7 +35,8 @@ PT_HD inline Interval<Real> interval(const OrientedBox<Real>& box, const Vec3<Re
     return slab_interval(-box.half, box.half, box.to_local(origin - box.centre), reciprocal(box.to_local(direction)));
 }
 
-// The way out for a ray that starts on a face and runs inside: that face's own plane lies at t = 0 on the near side.
+// The distance through the box for a ray that starts on a face and runs inside: that face's own plane lies at t = 0 on
+// the near side.
 template <class Real>
 PT_HD inline Real chord(const OrientedBox<Real>& box, const Vec3<Real>& origin, const Vec3<Real>& direction) {
     return max(interval(box, origin, direction).far, Real(0));

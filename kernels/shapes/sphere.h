@@ -1,4 +1,5 @@
-// Spheres, and those that the eye is near. Discriminant and roots as in kernels/unit_sphere.h.
+// Spheres, and a kind for those near the camera, as the ground beneath it. kernels/unit_sphere.h explains why the
+// discriminant and the roots are formed as they are.
 #pragma once
 
 #include "kernels/naive.h"
@@ -12,8 +13,8 @@ struct Sphere {
     Vec3<Real> centre;
     Real radius;
     Real inverse_radius;
-    Real eye_power = Real(0);       // of a NearSphere
-    std::uint32_t is_near_eye = 0;  // 1: is to be treated as one
+    Real eye_power = Real(0);       // the eye's power_at, for a NearSphere
+    std::uint32_t is_near_eye = 0;  // 1: is to be intersected as a NearSphere
 
     static constexpr const char* file_name = "sphere";
     static constexpr bool is_flat = false;
@@ -48,7 +49,7 @@ PT_HD inline Interval<Real> interval(const Sphere<Real>& sphere, const Vec3<Real
     if (!(discriminant > Real(0))) {
         return {Real(0), Real(0), false};
     }
-    // One less a number up to 1: if it is not 0, it is no less than that number's last bit.
+    // The discriminant is one less a number up to 1: if it is not 0, it is no less than that number's last bit.
     const Real root = nearly_square_root_in_range(discriminant);
     const Real q = b < Real(0) ? b - root : b + root;
     const Real other = nearly_divide(dot(f, f) - Real(1), q);
@@ -85,7 +86,7 @@ PT_HD inline Real chord(const Sphere<Real>& sphere, const Vec3<Real>& origin, co
     return max(Real(0), Real(-2) * dot((origin - sphere.centre) * sphere.inverse_radius, direction)) * sphere.radius;
 }
 
-// From the surface on, a sphere near the eye is a sphere like others.
+// For a ray that starts on its surface, a sphere near the eye is met like any other.
 template <class Real>
 PT_HD inline Real chord(const NearSphere<Real>& sphere, const Vec3<Real>& origin, const Vec3<Real>& direction) {
     return chord(static_cast<const Sphere<Real>&>(sphere), origin, direction);
@@ -170,7 +171,7 @@ PT_HD inline Vec3<Real> normal_at(const Sphere<Real>& sphere, const Vec3<Real>& 
     return normalize(p - sphere.centre);
 }
 
-// A cone of directions towards a sphere: 1 - cos as it stands.
+// 1 - cos of the half angle of the cone that a sphere fills, in the textbook's form; 2 from inside.
 template <class Real>
 PT_HD inline Real one_minus_cosine(const Sphere<Real>& sphere, const Vec3<Real>& to_centre) {
     const Real sine_squared = sphere.radius * sphere.radius / dot(to_centre, to_centre);

@@ -93,7 +93,7 @@ std::vector<Rendering> pbrt_sphere(const Values& v) {
 std::vector<Rendering> lamp(const Values& v) {
     SceneText scene("lamp");
     const double a = v["a"];
-    // Looks along a chord that passes the lamp.
+    // The view is along a chord that passes the lamp.
     scene.camera({0, 0, -0.5}, {1, 0, -0.5}).image(1, 1, 1, false).depth(v.whole("depth"));
     scene.sphere(scene.diffuse(Vec3d(v["albedo"])), {0, 0, 0}, 2);
     scene.sphere(scene.emitter(Vec3d(1.0)), {0, 0, 0}, 2 * a);

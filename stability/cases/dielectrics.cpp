@@ -16,7 +16,7 @@ struct Pile {
     double tau = 0;  // absorption along the normal, a plate
 };
 
-// So many that e^-50 of the paths, or less, would have more.
+// A depth so large that e^-50 of the paths, or less, would have more segments.
 std::uint32_t enough_segments(int plates, long double reflected) {
     const double kept = static_cast<double>(1 - reflected);
     return static_cast<std::uint32_t>(std::min(64.0 * plates * plates * (1 + 1 / std::max(kept, 1e-9)), 1e6));
@@ -39,7 +39,7 @@ Rendering pile_of_plates(const Pile& pile, std::uint64_t paths) {
     const long double within =
         reflected < 1 && pile.tau > 0 ? std::exp(-pile.tau / cosine_beyond(excess, pile.cosine)) : 1;
     const Shares exact = stack_of(pile.plates, plate(reflected, within));
-    // Both faces of a plate are rounded to single precision.
+    // The thickness of each plate is off by the rounding of both its faces to single precision.
     const double thickness_rounding = pile.tau * pile.plates * end * 0x1p-23 / pile.thickness;
     Rendering rendering{.scene = scene.json(),
                         .quick_paths = paths,

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double not_found = std::numeric_limits<double>::infinity();
 
-// What the loader makes of an index, entering or leaving.
+// The boundary that the loader makes of an index, entering or leaving.
 template <class Real>
 Boundary<Real> boundary_of(double ior, bool leaving) {
     SceneText text("boundary");
@@ -41,7 +41,7 @@ double worst_reflectance(double ior, bool leaving, bool is_quick) {
     const int steps = is_quick ? 20000 : 1000000;
     double worst = 0;
     for (int i = 0; i <= steps; ++i) {
-        // Half of them evenly from 0 to 1, half by decades from 1e-8.
+        // Half of the cosines lie evenly from 0 to 1, half by decades from 1e-8.
         const double share = static_cast<double>(i) / steps;
         const auto cosine = static_cast<Real>(i % 2 == 0 ? share : std::pow(10.0, -8 * share));
         const long double exact = reflectance(excess, cosine);
@@ -67,13 +67,13 @@ std::vector<Measurement> index_near_one(const Values& v, const DirectSetting& se
     });
 }
 
-// 2 int R mu dmu with the kernel's R.
+// The diffuse average of the reflectance, the integral of 2 R mu dmu, with the kernel's R.
 template <class Kernel>
 double diffuse_average(double ior, bool leaving) {
     using Real = typename Kernel::Real;
     const Boundary<Real> boundary = boundary_of<Real>(ior, leaving);
     const long double n = ior;
-    // From within there is a root at the critical angle.
+    // The integrand has a root at the critical angle, seen from within.
     const long double critical = leaving ? std::sqrt((n - 1) * (n + 1)) / n : 0;
     long double sum = critical * critical;
     for (const Node& node : graded_nodes(critical, 1, 40)) {
@@ -109,7 +109,7 @@ public:
     }
     const Ray<Real>& ray() const { return ray_; }
     const SceneView<Real>& view() const { return scene_.view(); }
-    // False: the ray left the body.
+    // Takes the ray to its next reflection; false: it left the body.
     bool reflect_once() {
         const Hit<Real> hit = closest_hit<Kernel>(view(), ray_);
         if (!hit.side.exists() || !hit.side.inside()) {
@@ -160,7 +160,7 @@ std::vector<Measurement> whispering_gallery(const Values& v, const DirectSetting
         SceneText text("gallery");
         // The eye, which is the kernels' origin, is at the centre.
         text.sphere(text.dielectric(1.5), {0, 0, 0}, 2 * radius);
-        // From the middle of a chord that does not lie in a plane of the axes.
+        // The path starts from the middle of a chord that does not lie in a plane of the axes.
         const Frame<double> frame(normalize(Vec3d(1, 2, 3)));
         Billiard<Kernel> billiard(text, frame.to_world({b * radius, 0, 0}), frame.to_world({0, 0.8, 0.6}));
         double worst = 0;

@@ -9,7 +9,7 @@
 namespace pt::stability::film {
 namespace {
 
-// What a path's sample is in the sum: see `content` of film_sum.
+// The value of a path's sample in the sum, by the parameter `content` of film_sum.
 double sample_value(std::uint32_t content, std::uint32_t i) {
     const double u = unit_interval<double>(pcg4d({i, 43, 0, 0}).x);
     switch (content) {
@@ -168,7 +168,7 @@ double moving_box_coverage(const Values& v) {
     return v.is_set("late") ? (to - from) * (to + from) : to - from;
 }
 
-// Both ends of the box pass at times that are rounded, as is the way they have come.
+// The error by which both ends of the box pass: at times that are rounded, as is the way they have come.
 double moving_box_rounding(const Values& v) {
     const double at = std::min(1.0, v["x"] / v["v"]);
     return 4 * at * (1 + at);
@@ -228,7 +228,7 @@ std::vector<Rendering> pixel_edge(const Values& v) {
     column.image(1, rows, 90, true);
     column.quad(column.emitter(Vec3d(1.0)), {(share - 0.5) * pixel - 2, 0, 1}, 4, 4, {90, 0, 0});
     Rendering upright = one_segment(column, coverage(share, tolerance));
-    // About the pixels' own mean: where the edge reaches out, that is off for all of them alike.
+    // The variance is about the pixels' own mean: where the edge reaches out, that is off for all of them alike.
     const auto variance = [](const RenderResult& result) {
         const double mean = mean_radiance(result);
         double squares = 0;

@@ -39,7 +39,7 @@ std::uint64_t map_faults(Real u, Real v) {
         const Real c = henyey_greenstein_cosine(g, u);
         faults += c >= Real(-1) && c <= Real(1) ? 0 : 1;
     }
-    // Of positive_unit_interval, which is never 0.
+    // A number of positive_unit_interval is never 0, so it has a logarithm.
     faults += u == Real(0) || (std::isfinite(logarithm(u)) && logarithm(u) <= Real(0)) ? 0 : 1;
     return faults;
 }
@@ -52,7 +52,7 @@ std::uint64_t light_faults(const Body& body, Real u, Real v, Real w) {
                       std::isfinite(point.inverse_density)
                   ? 0
                   : 1;
-    // From afar, from near by, and from within.
+    // The observers are afar, near by, and within.
     for (const Vec3<Real>& observer : {Vec3<Real>(0, -1000, 0), Vec3<Real>(0.25, Real(-1.0009765625), 0.125),
                                        Vec3<Real>(3, 2, 1), Vec3<Real>(0.125, 0, 0.25)}) {
         const DirectionSample<Real> direction = sample_direction(body, observer, u, v, w);
@@ -143,7 +143,7 @@ RandomWords words_of(Source source, const RandomSeed& seed, const RandomKey& key
     }
 }
 
-// Variance over pixels of (mean - 1/2) sqrt(12 N).
+// The variance over pixels of (mean - 1/2) sqrt(12 N), which is 1 for independent samples.
 double dispersion(Source source, const RandomSeed& seed, std::uint32_t bounce, std::uint32_t pixels,
                   std::uint32_t samples) {
     double squares = 0;

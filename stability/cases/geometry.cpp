@@ -19,8 +19,8 @@ SceneText ground_text(const Values& v) {
     return text;
 }
 
-// Where the ray from the origin meets a sphere below it, and the cosine there. The centre lies on the y axis, so the
-// distance from the sphere is a difference of two numbers.
+// The point where the ray from the origin meets a sphere below it, and the cosine there. The centre lies on the y axis,
+// so the distance from the sphere is a difference of two numbers.
 struct GroundHit {
     long double t, cosine;
 };
@@ -41,7 +41,7 @@ std::vector<Measurement> huge_sphere_in(const Values& v, const DirectSetting& se
     double off_tangent = 0, near_tangent = 0;
     for (int i = 0; i < (setting.is_quick ? 20000 : 1000000); ++i) {
         const bool is_near = i % 2 != 0;
-        // To the ground at a cosine of 0.1 and more; or from just below the horizon on.
+        // Far rays meet the ground at a cosine of 0.1 and more; near ones start just below the horizon.
         const double lowest = is_near ? 1.001 * std::atan(static_cast<double>(dip)) : std::asin(0.1);
         const double highest = is_near ? std::max(0.1, 1.1 * lowest) : 0.5 * pi<double>;
         const double angle = lowest * std::pow(highest / lowest, random.uniform(0, 1));

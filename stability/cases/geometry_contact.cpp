@@ -10,7 +10,7 @@ namespace {
 
 using Vec3l = Vec3<long double>;
 
-// Pixels for which `counts` holds, of an image of radiances.
+// Counts the pixels of an image for whose radiance `counts` holds.
 template <class Condition>
 std::function<double(const RenderResult&)> pixels_where(const Condition& counts) {
     return [counts](const RenderResult& result) {
@@ -34,7 +34,7 @@ std::vector<Rendering> grazing(const Values& v) {
     SceneText text("grazing");
     text.camera({0, 0, 0}, turned(0, 1), turned(1, 0)).image(4, rows, 2 * std::atan(half) * 180 / pi<double>, false);
     text.quad(text.emitter(Vec3d(0.5)), turned(-height, 0.5), 4, 1, {v["tilt"], 0, 0});
-    // Rows whose centres look below the far edge.
+    // These are the rows whose centres look below the far edge.
     double covered = 0;
     for (std::uint32_t row = 0; row < rows; ++row) {
         const double y = half * (1 - (2 * row + 1.0) / rows);
@@ -76,7 +76,7 @@ std::function<double(const RenderResult&)> misjudged(const Vec3d& forward, const
 
 Rendering touched(const std::string& name, SceneText text, const Vec3d& out) {
     constexpr std::uint32_t side = 64;
-    // Along the surface, so that half of the image looks out.
+    // The view is along the surface, so that half of the image looks out.
     const Vec3d forward = std::abs(out.x) + std::abs(out.y) > 0 ? Vec3d(out.y, -out.x, 0) : Vec3d(1, 0, 0);
     text.camera({0, 0, 0}, forward, out).image(side, side, 90, false).environment(1);
     return {.scene = text.json(),
@@ -107,7 +107,7 @@ std::vector<Rendering> eye_touches(const Values& v) {
             touched("an ellipsoid", text.ellipsoid(text.diffuse(Vec3d(0.0)), {0, -size, 0}, {4 * size, 2 * size, size}),
                     {0, 1, 0}));
     }
-    // Inside of a lamp.
+    // The eye is inside of a lamp.
     SceneText text("eye_touches");
     text.image(16, 16, 120, true).sphere(text.emitter(Vec3d(0.75)), {size / 4, size / 2, -size / 8}, 2 * size);
     renderings.push_back({.scene = text.json(),
@@ -129,7 +129,7 @@ std::vector<Rendering> eye_touches_at_slant(const Values& v) {
     return {touched("a sphere", text.sphere(text.diffuse(Vec3d(0.0)), out * -size, 14 * size), out)};
 }
 
-// Exact where the size is a power of two.
+// The known limit of an eye on an ellipsoid, which is exact where the size is a power of two.
 std::string eye_on_ellipsoid(const Values& v, const VariantTraits& variant) {
     int exponent = 0;
     if (variant.precision.is_single() || std::frexp(v["size"], &exponent) == 0.5) {
@@ -141,7 +141,7 @@ std::string eye_on_ellipsoid(const Values& v, const VariantTraits& variant) {
 
 // ---- S18
 
-// So many pixels that an integrator with a queue has paths enough at once, and all of the same point.
+// A view of so many pixels that an integrator with a queue has paths enough at once, and all of the same point.
 SceneText& narrow_view(SceneText& text) { return text.image(16, 16, 1e-6, false); }
 
 constexpr const char* contact_origin = "roundings of 1 - |p|^2 move the tangent by 4 u / 2 x: 16 u of the light";
@@ -192,7 +192,7 @@ Rendering sphere_on_sphere(double x, double albedo) {
                             .tolerance = {16 * 0x1p-24 * albedo, 16 * 0x1p-53 * albedo + 0x1p-40, contact_origin}}}};
 }
 
-// The whole of it, from afar: darker than under the open sky everywhere.
+// The image of the whole ball from afar: it is darker than under the open sky everywhere.
 Rendering contact_image(double albedo) {
     SceneText text("contact");
     text.camera({0, 1, -4}, {0, 0.5, 0}).image(32, 32, 50, true).depth(2).environment(1);

@@ -10,7 +10,8 @@ namespace {
 
 // ---- S21
 
-// All numbers are multiples of 2^-11 below 16, so that the ray's line passes through the point exactly.
+// A ray to a point of an edge. All its numbers are multiples of 2^-11 below 16, so that its line passes through the
+// point exactly.
 template <class Real>
 struct EdgeRay {
     Vec3<Real> origin, direction;
@@ -22,7 +23,7 @@ Vec3<Real> grid_point(RayRandom& random, double half, double step) {
     return {on_grid(), on_grid(), on_grid()};
 }
 
-// To a point of an edge of the box around 0, from outside. in_plane: along a face that the edge bounds.
+// A ray to a point of an edge of the box around 0, from outside. in_plane: along a face that the edge bounds.
 template <class Real>
 EdgeRay<Real> ray_through_edge(RayRandom& random, const Vec3d& half, bool in_plane) {
     const int axis = static_cast<int>(random.below(3));
@@ -192,7 +193,8 @@ std::string tiles_part(const Values& v, const VariantTraits& variant) {
                       "themselves, so that neighbours' edges differ by a rounding, and of 1e8 rays along edges one or "
                       "two slip through; cure: vertices that tiles share";
     }
-    // In single precision the interval's own rounding reaches over the gap near the eye; in double it does not.
+    // The gap near the eye is closed in single precision by the interval's own rounding, which reaches over it; in
+    // double it does not.
     if (held_in_float || (variant.precision.is_single() && v["offset"] < 4)) {
         return "";
     }

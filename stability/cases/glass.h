@@ -13,15 +13,15 @@ namespace pt::stability {
 inline constexpr std::uint32_t without_end = 1000000;
 inline const Vec3d lamp_behind(1, 0, 1), lamp_before(0, 1, 1);
 
-// Where fewer than some dozens of paths decide, batches do not tell their own spread: four standard errors from the
-// binomial law, of the quick run.
+// Four standard errors of a share from the binomial law, of the quick run: where fewer than some dozens of paths
+// decide, batches do not tell their own spread. Else 0.
 inline double few_events(long double share, std::uint64_t paths) {
     const long double odd = std::min(std::abs(share), std::abs(1 - share));
     const bool is_few = odd * static_cast<long double>(paths) < 40;
     return is_few ? static_cast<double>(4 * std::sqrt(std::max(odd, 1e-18L) / static_cast<long double>(paths))) : 0;
 }
 
-// Of an estimate whose paths take one of two ways at boundaries.
+// The tolerance of an estimate whose paths take one of two ways at boundaries.
 inline Tolerance chance_tolerance(long double share, std::uint64_t paths, double more_single = 0) {
     const double few = few_events(share, paths);
     return {1e-6 + more_single + few, 1e-8 + few,

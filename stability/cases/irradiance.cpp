@@ -21,7 +21,7 @@ SceneText receiver(const std::string& name, double camera_height) {
     return scene;
 }
 
-// `single`, `fp64`: relative.
+// A rendering of a lit receiver. `single`, `fp64`: the relative errors allowed.
 std::vector<Rendering> lit(const SceneText& scene, double irradiance, double single, double fp64,
                            const std::string& origin) {
     const double exact = albedo * irradiance / pi<double>;
@@ -47,12 +47,12 @@ std::vector<Rendering> disk(const Values& v) {
     const double r = v["r"], h = v["h"], offset = v["offset"], flatness = v["flatness"];
     SceneText scene = receiver("disk", 0.25 * h);
     scene.ellipsoid(scene.emitter(Vec3d(1.0)), {offset, h, 0}, {2 * r, 2 * h * flatness, 2 * r});
-    // In the ellipsoid's frame the point is h / (half thickness) away: so much more a rounding counts there.
+    // The point is h / (half thickness) away in the ellipsoid's frame: so much more a rounding counts there.
     return lit(scene, flat_ellipsoid_irradiance(r, h * flatness, h, offset), 1e-5 + 0x1p-22 / flatness,
                1e-12 + 0x1p-51 / flatness, "numerics.md S7, and four roundings of the distance in half thicknesses");
 }
 
-// Half of the way along the normal to the sphere's surface, or, where it is far, half of that to its centre.
+// Half of the way along the normal to the sphere's surface or, where that is far, half of the way to its centre.
 double height_within_gap(double distance, double angle) {
     const double b = distance * std::cos(angle), discriminant = b * b - (distance * distance - 1);
     double gap = std::max(distance, 1.0);
@@ -142,7 +142,7 @@ std::vector<Rendering> two_lights(const Values& v) {
     return lit(scene, 2 * sphere_irradiance(1 / radius, angle), 1e-5, 1e-12, "numerics.md S10");
 }
 
-// Where the corner is straight above the point, light reaches so much further than its edges.
+// The known limit of a corner straight above the point: light reaches by a rounding further than its edges.
 std::string wide_edges(const Values& v, const VariantTraits& variant) {
     const double reach = 0x1p-20 * (v["h"] + 0.5 * (v["a"] + v["b"]));
     const bool is_met = variant.direct_light.counts_light_met && variant.precision.is_single();

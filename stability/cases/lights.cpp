@@ -158,12 +158,12 @@ std::vector<Measurement> texture_edge(const Values& v, const DirectSetting& sett
         }
         double worst = 0, least = 1, most = 0;
         for (std::uint32_t i = 0; i < 4096; ++i) {
-            // In halves of a texel from the image's left edge, and up to 1 one further: half of them on an edge or
-            // middle.
+            // Numbers are in halves of a texel from the image's left edge, up to 1 beyond the right: half of them lie
+            // on an edge or middle.
             const std::uint32_t halves = (i * 2654435761u >> 8) % (2 * count + 4);
             const double beside = i % 2 == 0 ? 0 : static_cast<double>(i) / 4096;
             const auto at = static_cast<Real>((halves + beside) / (2.0 * count));
-            // What the number stands for, not what it was meant to be.
+            // The place is that of the rounded number, not the one that was meant.
             const long double place = static_cast<long double>(at) * count - 0.5L;
             const long double below = std::floor(place), share = place - below;
             const auto parity = static_cast<std::int64_t>(below) & 1;

@@ -50,7 +50,7 @@ SceneText slab_scene(double depth, double albedo, double g, double mu, double si
     return scene;
 }
 
-// Under the slab, so close that nothing passes by.
+// Adds a quad under the slab, so close that nothing passes by.
 void add_below(SceneText& scene, const std::string& material, double depth, double sigma) {
     const double width = 4e5 * (1 + depth) / sigma;
     scene.quad(material, {0, -(depth * (1 + 0x1p-10) + 0.0625) / sigma, 0}, width, width);
@@ -65,7 +65,7 @@ double albedo_of(const Values& v) { return 1 - std::exp2(-v["k"]); }
 
 std::vector<Rendering> half_space(const Values& v) {
     const double w = albedo_of(v), mu = v["mu"];
-    // e^-40 of the light comes back from below it.
+    // The slab is so deep that e^-40 of the light comes back from below it.
     const double depth = 20 / std::sqrt(3 * (1 - w));
     const auto cap = static_cast<std::uint32_t>(std::min(1e9, std::max(1e6, 64 / (1 - w))));
     SceneText scene = slab_scene(depth, w, 0, mu, 1, cap);
@@ -87,8 +87,8 @@ std::vector<Rendering> half_space(const Values& v) {
                                            "absorption's and the free path's of 2^-24 (2^-32 in double)"}}}}};
 }
 
-// Of a white half space, what scatters more than `cap` times is lost: H(mu) / sqrt(pi n) of it for large n, from the
-// branch point of 1 - sqrt(1-w) H at w = 1; its next term is below 1 / n of that.
+// A white half space, in which what scatters more than `cap` times is lost: H(mu) / sqrt(pi n) of it for large n, from
+// the branch point of 1 - sqrt(1-w) H at w = 1; its next term is below 1 / n of that.
 std::vector<Rendering> capped_half_space(const Values& v) {
     const double cap = v["cap"], mu = v["mu"];
     const double depth = 16 * std::sqrt(cap) + 100;
@@ -181,7 +181,8 @@ std::vector<Rendering> white_body(const Values& v) {
                              .is_estimate = false}}}};
 }
 
-// Without scattering a body of any index is clear or absorbing glass; what it absorbs is by chance here.
+// A body that only absorbs: without scattering a body of any index is clear or absorbing glass; what it absorbs is by
+// chance here.
 std::vector<Rendering> absorbing_body(const Values& v) {
     const double b = v["impact"];
     SceneText scene("absorbing_body");

@@ -11,7 +11,7 @@
 namespace pt::stability::media_direct {
 namespace {
 
-// 2 [1 - (1 + t) e^-t] / t^2, by its series where that would cancel.
+// The mean over a disc, 2 [1 - (1 + t) e^-t] / t^2, by its series where that would cancel.
 double disc_mean(double t) {
     if (t > 0.5) {
         const long double x = t;
@@ -117,7 +117,7 @@ double walk_length(const SceneView<typename Kernel::Real>& scene, Path<typename 
 SceneText body_scene(const Values& v, double* four_v_over_s) {
     SceneText text("body");
     text.camera({0, 0, 8}, {0, 0, 0}).depth(2);
-    // Beyond some hundred times the square of the optical depth no walk is left that does not hang.
+    // The cap is some hundred times the square of the optical depth, beyond which no walk is left that does not hang.
     const double crossing = v["sigma"] * v["ior"] + 10;
     const auto cap = static_cast<std::uint32_t>(std::min(1e9, 400 * crossing * crossing));
     const std::string material = text.subsurface(Vec3d(v["sigma"]), Vec3d(0.0), v["g"], v["ior"], cap);
@@ -132,7 +132,8 @@ SceneText body_scene(const Values& v, double* four_v_over_s) {
     return text;
 }
 
-// Parallel rays through a disc that covers the body, from every direction: lambertian light on its surface.
+// The mean path through a body. Parallel rays pass through a disc that covers the body, from every direction:
+// lambertian light on its surface.
 std::vector<Measurement> mean_path(const Values& v, const DirectSetting& setting) {
     return with_kernel(setting, [&]<class Kernel>() {
         using Real = typename Kernel::Real;
@@ -170,12 +171,12 @@ std::vector<Measurement> mean_path(const Values& v, const DirectSetting& setting
     });
 }
 
-// P(cos < mu) of Henyey and Greenstein's phase function.
+// The probability P(cos < mu) of Henyey and Greenstein's phase function.
 long double phase_cdf(long double g, long double mu) {
     if (g == 0) {
         return (1 + mu) / 2;
     }
-    // (1-g^2)/2g [1/sqrt(1+g^2-2 g mu) - 1/(1+g)], with the difference of the roots freed of its cancellation.
+    // This is (1-g^2)/2g [1/sqrt(1+g^2-2 g mu) - 1/(1+g)], with the difference of the roots freed of its cancellation.
     const long double root = std::sqrt((1 - g) * (1 - g) + 2 * g * (1 - mu));
     return (1 - g) * (1 + mu) / (root * (1 + g + root));
 }

@@ -39,7 +39,7 @@ std::vector<Rendering> stays_dark(const SceneText& scene) {
                              .is_estimate = false}}}};
 }
 
-// Degrees of a field of view that is 2 x `half` wide at distance 1.
+// The angle in degrees of a field of view that is 2 x `half` wide at distance 1.
 double view_of(double half) { return std::atan(half) * 360 / pi<double>; }
 
 // ---- edges and vertices
@@ -56,7 +56,7 @@ std::vector<Rendering> triangle_mesh(const Values& v) {
     return stays_dark(scene);
 }
 
-// A pixel is 2^-24 wide there: less than a float's spacing at 1.
+// A view of a vertex by pixels that are 2^-24 wide there, less than a float's spacing at 1.
 std::vector<Rendering> shared_vertex(const Values& v) {
     SceneText scene = dark("shared_vertex");
     scene.image(16, 16, view_of(0x1p-20), false);
@@ -64,7 +64,7 @@ std::vector<Rendering> shared_vertex(const Values& v) {
     return stays_dark(scene);
 }
 
-// From within one of the chambers towards the axis.
+// A view from within one of the chambers towards the axis.
 std::vector<Rendering> shared_edge(const Values& v) {
     SceneText scene = dark("shared_edge");
     const double half_angle = pi<double> / v["triangles"];
@@ -84,7 +84,7 @@ std::vector<Rendering> needles(const Values& v) {
     return stays_dark(scene);
 }
 
-// All of the walls are needles, and they bend.
+// A view along a thin tube, whose walls are all needles, and bend.
 std::vector<Rendering> thin_tube_case(const Values& v) {
     SceneText scene = dark("thin_tube");
     const int k = static_cast<int>(v["k"]);

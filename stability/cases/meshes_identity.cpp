@@ -63,7 +63,7 @@ std::vector<Twins> without_flat_ones(const Values&) {
              .parts = {}}};
 }
 
-// What is left out is said: the count, of three in four.
+// The count of triangles that are left out, three in four, is told.
 std::vector<Measurement> counted_flat_ones(const Values&, const DirectSetting&) {
     Mesh mesh = with_flat_ones(spindle(64));
     const auto before = static_cast<double>(mesh.triangles.size());

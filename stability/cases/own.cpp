@@ -1,4 +1,4 @@
-// P1 to P9: what the catalogue lacks.
+// Cases P1 to P9: the project's own, for what S1 to S48 of the catalogue lack.
 #include <cmath>
 
 #include "harness/scene/scene.h"
@@ -83,7 +83,8 @@ std::vector<Rendering> corridor(const Values& v) {
 }
 
 std::string limit_of_mirrors(const Values& v, const VariantTraits& variant) {
-    // Bounces that a rounding of the mirrors' places and of the ray's direction add up to.
+    // The number of bounces by which the path goes astray, from a rounding of the mirrors' places and of the ray's
+    // direction.
     const double astray = 0x1p-23 * v["bounces"] * (0.5 * v["bounces"] / v["slope"] + v["slope"]);
     return !variant.precision.is_double() && astray > 0.25
                ? "the roundings of the mirrors' places and of the direction add up to half a bounce; cure: "
@@ -100,7 +101,7 @@ std::vector<Rendering> long_ellipsoid(const Values& v) {
     return {furnace_rendering(scene, emission, 1 - emission, 64)};
 }
 
-// Six slabs whose ends overlap, turned as one.
+// A room of six thin slabs whose ends overlap, turned as one.
 std::vector<Rendering> thin_walls(const Values& v) {
     const double emission = std::exp2(-7.0), thickness = v["thickness"];
     const Vec3d turn(v["turn"], 1.25 * v["turn"], 1.5 * v["turn"]), half(1, 1.5, 2);
@@ -161,7 +162,7 @@ std::string limit_of_contrast(const Values& v, const VariantTraits& variant) {
                : "";
 }
 
-// Paths end by roulette alone: after 1024 reflections on average.
+// A furnace whose paths end by roulette alone, after 1024 reflections on average.
 std::vector<Rendering> long_roulette(const Values& v) {
     const double emission = std::exp2(-v["k"]);
     const double exact = furnace(emission, 1 - emission, v["depth"]);

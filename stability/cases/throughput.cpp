@@ -80,7 +80,7 @@ std::vector<Rendering> caustic(const Values& v) {
                                            "numerics.md S5, and the light of more than 24 reflections at the wall"))};
 }
 
-// A white wall: the lamp is found in the end, after 1 / a^2 segments on average.
+// The wall is white: the lamp is found in the end, after 1 / a^2 segments on average.
 std::vector<Rendering> deep_lamp(const Values& v) {
     const double a = v["a"];
     SceneText scene = at_the_wall("deep_lamp", v.whole("depth"));

@@ -83,7 +83,7 @@ std::vector<Rendering> rough_furnace(const Values& v) {
                                                : "roundings of the eye's direction, on which the share hangs"}}}}};
 }
 
-// f(o, i) = f(i, o), as connections evaluate it.
+// The reciprocity of rough lobes, f(o, i) = f(i, o), as connections evaluate them.
 std::vector<Measurement> rough_reciprocity(const Values& v, const DirectSetting& setting) {
     return with_kernel(setting, [&]<class Kernel>() {
         using Real = typename Kernel::Real;

@@ -19,7 +19,8 @@ inline double fresnel_reflectance(double n, double sine_squared) {
 // The view factor from the wall to a lamp of radius a in a ball of radius b: a^2 n^2 less what is reflected.
 inline double glazed_lamp_share(double a, double b, double n) {
     const double last = std::min(n * a, b);
-    // In x, q^2 = last^2 (1 - x^2): the root at grazing incidence becomes smooth. Simpson's rule.
+    // The integral is over x with q^2 = last^2 (1 - x^2), so that the root at grazing incidence becomes smooth, by
+    // Simpson's rule.
     constexpr int steps = 1 << 12;
     double sum = 0;
     for (int i = 0; i <= steps; ++i) {

@@ -18,7 +18,7 @@ class RayRandom {
 public:
     explicit RayRandom(std::uint64_t seed) : engine_(seed) {}
 
-    // By hand: std::uniform_real_distribution is another on every library.
+    // A uniform number, computed here, since std::uniform_real_distribution is another on every library.
     double uniform(double low, double high) {
         return low + (high - low) * (static_cast<double>(engine_() >> 11) * 0x1p-53);
     }
@@ -49,7 +49,7 @@ public:
     using Real = RealT;
     static constexpr FeatureSet shapes = shape_features | Feature::near_sphere;
     using Kernel = Config<Real, shapes | formula>;
-    // The robust functions of the same precision.
+    // The kernel whose formulas are the robust ones, in the same precision.
     using RobustKernel = Config<Real, shapes | (formula & ~static_cast<FeatureSet>(Feature::naive))>;
 
     explicit RayScene(const SceneText& text)
@@ -72,7 +72,7 @@ private:
     SceneBuffers<Real> buffers_;
 };
 
-// check.template operator()<Real, formula>() in what the setting asks for.
+// Calls check.template operator()<Real, formula>() in the precision and formula that the setting asks for.
 template <class Check>
 auto in_setting(const DirectSetting& setting, const Check& check) {
     constexpr auto naive = static_cast<FeatureSet>(Feature::naive);
@@ -101,13 +101,13 @@ Vec3<Real> direction_to(const Vec3<Real>& from, const Vec3d& to) {
 
 inline long double length(const Vec3l& v) { return sqrtl(dot(v, v)); }
 
-// From a point of a body's surface to the other end of the chord, and the cosine by which an error of the far face's
-// place shows along it; 1 where the chord is a product.
+// The distance from a point of a body's surface to the other end of the chord, and the cosine by which an error of the
+// far face's place shows along it; 1 where the chord is a product.
 struct Chord {
     long double t, slant;
 };
 
-// By the direction in which the point lies: t = -2 n.g / g.g in the frame where the body is a unit sphere.
+// The chord of a unit sphere, t = -2 f.g / g.g, from a point in the direction f.
 inline Chord unit_chord(const Vec3l& f, const Vec3l& g) { return {-2 * dot(f, g) / (length(f) * dot(g, g)), 1}; }
 
 template <class Real>
@@ -126,7 +126,7 @@ Chord exact_chord(const Ellipsoid<Real>& e, const Vec3l& origin, const Vec3l& di
     return unit_chord(in_frame(inverse, origin - Vec3l(e.centre)), in_frame(inverse, direction));
 }
 
-// To the first of the planes +-half that lie ahead.
+// The chord of a box: to the first of the planes +-half that lie ahead.
 inline Chord box_chord(const Vec3l& half, const Vec3l& origin, const Vec3l& direction) {
     Chord nearest{INFINITY, 1};
     for (int axis = 0; axis < 3; ++axis) {
@@ -151,7 +151,7 @@ Chord exact_chord(const OrientedBox<Real>& box, const Vec3l& origin, const Vec3l
     return box_chord(Vec3l(box.half), in_frame(axis, origin - Vec3l(box.centre)), in_frame(axis, direction));
 }
 
-// Nothing is inside a flat shape, and no case asks for the chord of another body.
+// There is no chord here: nothing is inside a flat shape, and no case asks for the chord of another body.
 template <class Shape>
 Chord exact_chord(const Shape&, const Vec3l&, const Vec3l&) {
     return {0, 1};

@@ -9,7 +9,7 @@
 
 namespace pt::stability {
 
-// `excess`: index ahead / index behind - 1.
+// The exact Fresnel reflectance. `excess`: index ahead / index behind - 1.
 inline long double reflectance(long double excess, long double cosine) {
     const long double k = excess * (2 + excess);
     if (k == 0) {
@@ -25,12 +25,12 @@ inline long double reflectance(long double excess, long double cosine) {
     return (s * s + p * p) / 2;
 }
 
-// Cosine beyond the boundary; only where there is light beyond it.
+// The cosine beyond the boundary; only where there is light beyond it.
 inline long double cosine_beyond(long double excess, long double cosine) {
     return std::sqrt(cosine * cosine + excess * (2 + excess)) / (1 + excess);
 }
 
-// What of the light comes back from a layer and what goes through; layers are the same from both sides.
+// The shares of the light that come back from a layer and that go through; layers are the same from both sides.
 struct Shares {
     long double reflected, transmitted;
 };
@@ -44,7 +44,7 @@ inline Shares stacked(const Shares& a, const Shares& b) {
 
 inline Shares boundary(long double reflected) { return {reflected, 1 - reflected}; }
 
-// Two boundaries with an absorber between them that a crossing leaves `a` of.
+// The shares of a plate: two boundaries with an absorber between them that leaves `a` of the light in one crossing.
 inline Shares plate(long double reflected, long double a) {
     // Nothing gets in, so it does not matter what is within, where the sums have 0 / 0.
     if (reflected == 1) {
@@ -80,7 +80,7 @@ inline long double diffuse_reflectance(long double n) {
            8 * n4 * (n4 + 1) / ((n2 + 1) * (n4 - 1) * (n4 - 1)) * std::log(n);
 }
 
-// From within: what enters must leave, and the radiance within is n^2 times as dense.
+// Diffuse reflectance from within: what enters must leave, and the radiance within is n^2 times as dense.
 inline long double internal_diffuse_reflectance(long double n) { return 1 - (1 - diffuse_reflectance(n)) / (n * n); }
 
 }  // namespace pt::stability

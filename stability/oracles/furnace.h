@@ -11,7 +11,7 @@
 
 namespace pt::stability {
 
-// sum of albedo^j for j = 0 .. segments - 1, times the emission.
+// The radiance in a furnace: the emission times the sum of albedo^j for j = 0 .. segments - 1.
 inline double furnace(double emission, double albedo, double segments) {
     return albedo == 1 ? emission * segments : emission * -std::expm1(segments * std::log(albedo)) / (1 - albedo);
 }
@@ -35,12 +35,12 @@ inline double lamp_radiance(double a, double albedo, double reflections) {
     return s * albedo * -std::expm1(reflections * std::log1p(-ends)) / ends;
 }
 
-// As many paths as make so many segments.
+// Number of paths that have `segments` segments in all, if each has `depth`; between 16 and 2^25.
 inline std::uint64_t paths_for(double segments, double depth) {
     return static_cast<std::uint64_t>(std::clamp(segments / depth, 16.0, 0x1p25));
 }
 
-// What a furnace is looked at for: every pixel the same, and no path that leaks out.
+// The quantities of a furnace: every pixel is the same, and no path leaks out.
 inline std::vector<Quantity> furnace_quantities(double emission, double albedo, std::uint32_t depth) {
     const double exact = furnace(emission, albedo, depth);
     return {{.name = "radiance of the pixel that is farthest off",
@@ -56,7 +56,7 @@ inline std::vector<Quantity> furnace_quantities(double emission, double albedo, 
 }
 
 inline Rendering furnace_rendering(const SceneText& scene, double emission, double albedo, std::uint32_t depth) {
-    // At least a sample a pixel of 8 x 8.
+    // The image of 8 x 8 pixels gets at least one sample a pixel.
     return {.scene = scene.json(),
             .quick_paths = std::max<std::uint64_t>(64, paths_for(1e6, depth)),
             .full_paths = std::max<std::uint64_t>(64, paths_for(3e7, depth)),

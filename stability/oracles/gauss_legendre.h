@@ -12,7 +12,7 @@ struct Node {
     long double x, weight;
 };
 
-// Of the interval [0, 1].
+// Nodes and weights of Gauss-Legendre quadrature on the interval [0, 1].
 inline std::vector<Node> gauss_legendre(int count) {
     std::vector<Node> nodes;
     for (int i = 0; i < count; ++i) {
@@ -37,7 +37,8 @@ inline std::vector<Node> gauss_legendre(int count) {
     return nodes;
 }
 
-// Over [low, high] in panels that halve towards `low`, where the integrand may have a root or a logarithm.
+// Quadrature nodes over [low, high] in panels that halve towards `low`, where the integrand may have a root or a
+// logarithm.
 inline std::vector<Node> graded_nodes(long double low, long double high, int panels = 60, int nodes_per_panel = 16) {
     const std::vector<Node> unit = gauss_legendre(nodes_per_panel);
     std::vector<Node> nodes;

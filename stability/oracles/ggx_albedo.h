@@ -16,7 +16,7 @@ namespace pt::stability {
 
 class GgxAlbedo {
 public:
-    // `cosine` of the viewer's direction to the normal, in (0, 1]; alpha in (0, 1].
+    // The albedo of a rough surface. `cosine` of the viewer's direction to the normal, in (0, 1]; alpha in (0, 1].
     GgxAlbedo(long double alpha, long double cosine)
         : alpha_(alpha), z_(cosine), x_(std::sqrt((1 - cosine) * (1 + cosine))), masked_(smith_lambda(cosine)) {}
 
@@ -32,7 +32,7 @@ public:
                 sum += (high - low) * node.weight * ring(low + (high - low) * node.x);
             }
         }
-        // share = first (last / first)^w, w = (1 - cos(pi s)) / 2.
+        // The substitution is share = first (last / first)^w with w = (1 - cos(pi s)) / 2.
         const long double ratio = std::log(last / first);
         for (const Node& node : nodes()) {
             const long double turn = std::numbers::pi_v<long double> * node.x;
@@ -55,7 +55,7 @@ private:
     // The share of facets, by the area that they cover, whose slope is greater.
     long double steeper_than(long double slope) const { return 1 / (1 + slope * slope / (alpha_ * alpha_)); }
 
-    // What the facets keep of whose slope so large a share is steeper: the mean over their azimuths.
+    // The light kept by those facets than whose slope a share of all facets is steeper: the mean over their azimuths.
     long double ring(long double share) const {
         const long double slope = alpha_ * std::sqrt((1 - share) / share);
         const long double up = 1 / std::sqrt(1 + slope * slope), across = slope * up * x_;
@@ -66,7 +66,7 @@ private:
         return arc(up, across, least <= -across ? std::numbers::pi_v<long double> : std::acos(least / across));
     }
 
-    // Of azimuths from 0 to `end`.
+    // Integral over azimuths from 0 to `end`.
     long double arc(long double up, long double across, long double end) const {
         long double sum = 0;
         for (const Node& node : nodes()) {

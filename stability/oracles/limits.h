@@ -1,5 +1,5 @@
-// Where an estimate, or single precision, is known to have an end: texts for Case::known_limit. Each holds only where
-// the numbers say so; a case that fails elsewhere has failed.
+// Known limits of estimates, or of single precision: texts for Case::known_limit. Each holds only where the numbers say
+// so; a case that fails elsewhere has failed.
 #pragma once
 
 #include <cmath>
@@ -33,7 +33,7 @@ inline std::string too_dim(double bright, double dim) {
                                          : "";
 }
 
-// A light that fills `share` of what a path may meet.
+// The known limit of a light that fills `share` of what a path may meet.
 inline std::string rare_or_dim(const VariantTraits& variant, double share, double bright, double dim,
                                double paths = quick_paths_at_least) {
     return !variant.direct_light.connects ? too_rare(share, paths) : too_dim(bright, dim);

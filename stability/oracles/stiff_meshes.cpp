@@ -14,7 +14,7 @@ namespace {
 
 using Corner = std::array<float, 3>;
 
-// Vertices by their place, so that what touches shares them.
+// Vertices found by their place, so that what touches shares them.
 class SharedVertices {
 public:
     explicit SharedVertices(Mesh& mesh) : mesh_(mesh) {}
@@ -39,7 +39,7 @@ void add_quad(Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c, std
     mesh.triangles.push_back({a, c, d});
 }
 
-// Vertices of a ring of n of a radius, at a height.
+// Adds a ring of n vertices of a radius, at a height, and returns their numbers.
 std::vector<std::uint32_t> ring(SharedVertices& vertices, std::uint32_t n, double radius, double z) {
     std::vector<std::uint32_t> numbers;
     for (std::uint32_t i = 0; i < n; ++i) {
@@ -155,7 +155,7 @@ Mesh nested_squares(int k) {
 
 Mesh shuffled(const Mesh& mesh, std::uint64_t seed) {
     MeshRandom random(seed);
-    // Fisher and Yates, by hand: std::shuffle is another on every library.
+    // The order is Fisher and Yates's, written out: std::shuffle is another on every library.
     const auto order = [&](std::size_t count) {
         std::vector<std::uint32_t> numbers(count);
         std::iota(numbers.begin(), numbers.end(), 0u);
@@ -192,7 +192,7 @@ Mesh with_flat_ones(const Mesh& mesh) {
         const auto& p = mesh.vertices[a];
         const auto first = static_cast<std::uint32_t>(more.vertices.size());
         more.vertices.push_back(p);
-        // In line with p along an axis: exactly, whatever p's coordinates are.
+        // These points are in line with p along an axis, exactly, whatever p's coordinates are.
         more.vertices.push_back({p[0], p[1], p[2] + 0.5f});
         more.vertices.push_back({p[0], p[1], p[2] - 0.25f});
         more.triangles.push_back({a, b, b});

@@ -10,7 +10,7 @@ namespace pt::stability {
 Mesh grid_room(std::uint32_t n);
 // Two points at z = +-1 over a ring of n vertices of radius 1: each point is shared by n triangles.
 Mesh spindle(std::uint32_t n);
-// The same, and n pages within: triangles from the axis to the ring. The axis is an edge that n triangles share.
+// A spindle with n pages within: triangles from the axis to the ring. The axis is an edge that n triangles share.
 Mesh book(std::uint32_t n);
 // A box [-1, 1]^3 whose walls along x are strips: 16 of width 2^-k in the middle, two wide ones beside them.
 Mesh striped_room(std::uint32_t k);
@@ -20,14 +20,14 @@ Mesh thin_tube(std::uint32_t n, std::uint32_t k);
 // the one within; its point is (0, 0, -2^k).
 Mesh nested_squares(int k);
 
-// The same mesh with its triangles, their first corners and its vertices in an order of the seed's.
+// The mesh with its triangles, their first corners and its vertices in an order of the seed's.
 Mesh shuffled(const Mesh& mesh, std::uint64_t seed);
-// With every triangle twice.
+// The mesh with every triangle twice.
 Mesh doubled(const Mesh& mesh);
-// With triangles without area among the others: corners that are one, twins in one place and points in one line. Adds
-// one of each for every triangle.
+// The mesh with triangles without area among the others: corners that are one, twins in one place and points in one
+// line. Adds one of each for every triangle.
 Mesh with_flat_ones(const Mesh& mesh);
-// Every vertex moved and rounded.
+// The mesh with every vertex moved and rounded.
 Mesh moved_by(Mesh mesh, double x, double y, double z);
 
 }  // namespace pt::stability

@@ -142,7 +142,8 @@ std::vector<long double> solve(std::vector<std::vector<long double>> a, std::vec
     return b;
 }
 
-// Photons whose first collision lies below x, and what of the light from each cell reaches a face unscattered.
+// The share of photons that pass x without a collision; mu 0: of diffuse light. It gives where first collisions lie,
+// and what of each cell's light reaches a face unscattered.
 long double uncollided(long double x, double mu) { return mu > 0 ? std::exp(-x / mu) : 2 * exponential_integral(3, x); }
 
 SlabShares galerkin(double optical_depth, double albedo, double mu, int cells) {

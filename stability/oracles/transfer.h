@@ -18,7 +18,7 @@ long double exponential_integral(int n, long double x);
 class HFunction {
 public:
     explicit HFunction(double albedo);
-    // Of a direction of cosine mu from 0 to 1.
+    // The H function at a direction of cosine mu from 0 to 1.
     double at(double mu) const;
     double plane_albedo(double mu) const;
     double diffuse_albedo() const;  // 1 - 2 sqrt(1-w) alpha_1
@@ -37,7 +37,7 @@ struct SlabShares {
     double error = 0;  // of either: the last step of the extrapolation
 };
 
-// `mu` is the cosine of incidence; 0: diffuse incidence.
+// The shares of light that a slab reflects and transmits. `mu` is the cosine of incidence; 0: diffuse incidence.
 SlabShares slab_shares(double optical_depth, double albedo, double mu);
 
 }  // namespace pt::stability

@@ -229,7 +229,8 @@ TEST(EmbreeNativeTest, MeetsWhatBruteForceMeets) {
         if (same_place(wanted, found)) {
             ++same;
             if (wanted.side.exists()) {
-                // Of the distance, or of the coordinates (about 1), whose rounding a short distance has too.
+                // The error is relative to the distance, or to the coordinates (about 1), whose rounding a short
+                // distance has too.
                 EXPECT_NEAR(found.t, wanted.t, 1e-5f * std::max(wanted.t, 1.0f));
             }
         }
@@ -288,7 +289,7 @@ TEST(EmbreeBuilderTest, BuildsAWholeTreeOfAnyTriangles) {
         EXPECT_NO_THROW(builder::check(tree, boxes)) << triangles.size();
         EXPECT_EQ(choice->hook.builder.build(boxes, triangles).references, tree.references) << triangles.size();
     }
-    // Its planes are chosen by the same heuristic as those of sah_binned, from more bins.
+    // Embree's planes are chosen by the same heuristic as those of sah_binned, from more bins.
     EXPECT_LT(builder::tree_cost(choice->hook.builder.build(boxes_of(all[6]), all[6])),
               1.1 * builder::tree_cost(builder::sah_binned::build(boxes_of(all[6]))));
 }

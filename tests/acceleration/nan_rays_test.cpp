@@ -72,7 +72,8 @@ TEST(NanRaysTest, ComeToAnEndInBvh4) { expect_an_end<accelerator::bvh4::Traversa
 TEST(NanRaysTest, ComeToAnEndInBvh8) { expect_an_end<accelerator::bvh8::Traversal>(accelerator::bvh8::encode); }
 TEST(NanRaysTest, ComeToAnEndInCwbvh) { expect_an_end<accelerator::cwbvh::Traversal>(accelerator::cwbvh::encode); }
 
-// As renders on the host call it: bvh4 and bvh8 have nodes and leaves of their own there.
+// Expects that rays of NaNs meet nothing, called as renders on the host call it: bvh4 and bvh8 have nodes and leaves of
+// their own there.
 void expect_nothing_met_by(const AcceleratorHook& hook, const Triangles& triangles) {
     const EncodedTree tree = hook.encode(builder::sah_binned::build(boxes_of(triangles), 1));
     std::vector<LeafTriangle> leaves;

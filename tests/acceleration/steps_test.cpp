@@ -95,7 +95,8 @@ Traced with_short_stack(const EncodedTree& tree, const Triangles& triangles, con
     return trace<Loop<Accelerator, Short<entries>::template Stack>>(tree, triangles, rays);
 }
 
-// As many entries as can wait: no restart, and the work of a whole stack. One entry: restarts all the time.
+// Expects short stacks to find the same hits. With as many entries as can wait there is no restart, and the work of a
+// whole stack; with one entry there are restarts all the time.
 template <class Accelerator>
 void expect_short_stacks_find_their_way(const EncodedTree& encoded, const Triangles& triangles,
                                         const std::vector<TestRay>& rays) {

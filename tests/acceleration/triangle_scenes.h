@@ -39,7 +39,7 @@ Triangles large_floor(float size);
 Triangles geometric_progression(std::uint32_t count);
 
 Triangles moved(Triangles triangles, Vec3<float> by);
-// By 2^exponent: exact.
+// The triangles scaled by 2^exponent, which is exact.
 Triangles scaled(Triangles triangles, int exponent);
 
 // One scene of each kind, of moderate size.

@@ -88,7 +88,7 @@ class Page:
         file.write_bytes(base64.b64decode(self.call("Page.captureScreenshot", **options)["data"]))
 
     def pdf(self, file: Path, **options) -> None:
-        """As printed: A4, with backgrounds left out."""
+        """Writes the page as it is printed: A4, without backgrounds."""
         size = {"paperWidth": 8.27, "paperHeight": 11.69, "preferCSSPageSize": True}
         file.write_bytes(base64.b64decode(self.call("Page.printToPDF", **size, **options)["data"]))
 

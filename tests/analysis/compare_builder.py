@@ -39,7 +39,7 @@ def wavefront_by_depth() -> dict:
 
 
 def run_again(document: dict, scale: float = 1.0, *, clock: float = 1.0, only: str = "") -> dict:
-    """The same program on the same machine another day: times and clocks times a factor, of cells with `only`."""
+    """The result of the program on another day: times and clocks of the cells with `only` times a factor."""
     document = copy.deepcopy(document)
     for row in document["benchmarks"]:
         if only in row["run_name"]:

@@ -28,7 +28,7 @@ class Law:
 
 
 def images(law: Law, seed: int, spps: list[int]) -> dict[int, tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """By spp: the mean image and those of its halves, as errors; runs of more samples hold those of fewer."""
+    """Errors of the mean image and of its halves at each spp; a run of more samples holds those of fewer."""
     random = np.random.default_rng(seed)
     bias = np.sqrt(law.bias2) * np.where(np.arange(law.pixels) % 2, 1, -1) + law.mean_bias
     sums, done, sigma = np.zeros(law.pixels), 0, np.sqrt(law.sigma2)
@@ -151,7 +151,7 @@ def convergence_cell(
 
 
 def without_checkpoints(builder: Builder, cell: dict, ms_per_spp: float, noise: float = 0.0, **fields) -> dict:
-    """The same render in one piece; the study `cornell_without_checkpoints` is made where it is not there."""
+    """Adds the cell's render without checkpoints to `cornell_without_checkpoints`, a study made if need be."""
     name = "cornell_without_checkpoints"
     if all(study["name"] != name for study in builder.studies):
         builder.study(name, "")

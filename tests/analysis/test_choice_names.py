@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT
+
 from ptbench.io.axes import known_axes
 
 FOLDERS = ("variants", "harness", "stability", "kernels")
@@ -30,7 +31,8 @@ ORDINARY = {
 
 _COMMENT = re.compile(r"//[^\n]*")
 _AXIS = "|".join(AXES)
-# variant[axes::sorting] == "none", "none" != variant["sorting"], and any name instead of the literal but another variant's.
+# variant[axes::sorting] == "none", "none" != variant["sorting"], and any name instead of the literal but that of
+# another variant.
 _CHOSEN = rf'\w+\[\s*(?:axes::|")(?:{_AXIS})"?\s*\]'
 _COMPARED = re.compile(
     rf'{_CHOSEN}\s*[!=]=(?!\s*(?:\w+(?:\.|->))*\w+(?:\([^()]*\))?\[)|"\w*"\s*[!=]=\s*{_CHOSEN}'

@@ -401,7 +401,7 @@ def test_back_to_front_is_the_reciprocal(base, compared):
 
 
 def test_the_interval_of_a_geometric_mean():
-    """Of one pair it is that of the ratio; of independent pairs alike it narrows by the root of their number."""
+    """One pair has its ratio's interval; that of many independent pairs is narrower by the root of their number."""
     random = np.random.default_rng(3)
     pairs = [(random.normal(10, 1, 9), random.normal(10, 1, 9)) for _ in range(64)]
     assert geometric_mean_of_ratios(pairs[:1]).value == pytest.approx(ratio_estimate(*pairs[0]).value, rel=1e-15)
@@ -676,7 +676,7 @@ def test_a_long_comparison_is_drawn_on_several_pages():
 
 
 def test_the_h200_against_the_cpu():
-    """Of the 70 cells of the CPU, four are n/a on the GPU; the six with a cache did other work at other spp."""
+    """Four of the CPU's 70 cells are n/a on the GPU; the six with a cache did other work at other spp."""
     files = [RESULTS / machine / "seeds.json" for machine in ("nvidia-h200", "amd-epyc-2-threads")]
     (one,) = compare_files(files).comparisons
     assert one.matching.across_backends

@@ -16,7 +16,7 @@ from ptbench.compare.stability.text import stability_json, stability_sections
 
 
 def before() -> StabilityBuilder:
-    """Of each tally one, and two variants more that pass."""
+    """A stability run with one row of each verdict, and two variants more that pass."""
     builder = StabilityBuilder().case("lamp").row(FLOAT, 2e-6).row(DOUBLE, 1e-7).row(NAIVE, 1.0).row(WAVEFRONT, 3e-7)
     builder.case("plates", "film").row(FLOAT, 2e-3, status="known limit", reason="24 bits").row(FAST, 5e-7)
     return builder.none(MIXED, reason="needs float").none(DOUBLE, "broken", "out of memory")

@@ -50,7 +50,7 @@ def spoil_film(document: dict) -> None:
 
 
 def retake_first(document: dict, **changed) -> None:
-    """As a program of today says that the first sample was taken again: what it was before."""
+    """Notes in the file that its first sample was taken again; `changed` is in what the sample was before."""
     add_films(document)
     row = samples_of(document)[0]
     sample = {key: row[key] for key in row if key.startswith("pt_")} | {"film_hash": row["film_hash"]}
@@ -341,7 +341,7 @@ def test_a_failed_cells_samples_and_film_are_not_held_to_anything(tmp_path):
     ids=lambda apart: next(iter(apart)),
 )
 def test_films_that_need_not_agree(tmp_path, apart):
-    """Of cells that claim a mean (arithmetic that rounds freely does), or of other work."""
+    """Cells that claim only a mean (as arithmetic that rounds freely does), or of other work, may have other films."""
     builder = Builder().study("compaction")
     builder.cell("compaction", n=9)
     builder.cell("compaction", n=9, axes={"compaction": "a"}, film_hash="0" * 16, **apart)
@@ -395,7 +395,7 @@ def test_the_run_says_how_many_samples_were_asked_for(tmp_path):
 
 
 def test_seeds_of_64_bits_are_told_apart(tmp_path):
-    """As doubles they would be one."""
+    """Seeds that round to one double are told apart."""
     builder = Builder().study("compaction")
     builder.cell("compaction", n=9)
     for index, row in enumerate(builder.rows[:9]):

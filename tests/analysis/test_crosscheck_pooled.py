@@ -58,7 +58,7 @@ def test_one_alone_is_itself():
 
 
 def told_apart(random: np.random.Generator, parts: list[tuple[float, int]], bias: float, limit: float) -> bool:
-    """Of one trial: cross-checks with these errors, which they estimate from so many seeds."""
+    """Whether one trial finds a bias: `parts` are its cross-checks' (error, seeds to estimate the error from)."""
     made, first = [], 1
     for error, seeds in parts:
         seen = bias + error * random.standard_normal(), error * (random.chisquare(seeds - 1) / (seeds - 1)) ** 0.5

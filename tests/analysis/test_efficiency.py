@@ -37,7 +37,7 @@ def exact(**fields) -> Law:
 
 
 def test_an_interval_beside_a_word_shows_it():
-    """As [1.00, 1.02], SLOWER would be false as printed; as [1.010, 1.010], so would be what is not within 1 %."""
+    """An interval is printed with the digits that its verdict needs: [1.00, 1.02] would contradict SLOWER."""
     cell = None
     cost = CheckpointCost(cell, Estimate(1.012, 1.0003, 1.0204, 9), "")
     assert (cost.word, cost.interval) == ("SLOWER with checkpoints", "[1.0003, 1.0204]")
@@ -101,7 +101,7 @@ def test_an_efficiency_by_disturbed_times_has_no_verdict(tmp_path, of, disturbed
 
 @pytest.mark.parametrize("disturbed", [0, 1])
 def test_an_efficiency_is_judged_by_the_renders_that_time_it(tmp_path, disturbed):
-    """Where both ran without checkpoints, those times count, disturbed ones too, and the others do not."""
+    """If both cells also ran without checkpoints, those times alone decide, even where they are disturbed."""
     builder = convergence_study(on_gpu()).study("cornell_without_checkpoints", "")
     for sigma2, axes in ((0.5, {}), (0.05, NEE)):
         cell = convergence_cell(builder, exact(sigma2=sigma2), axes=axes, time_noise=0.0, contended=8 * (1 - disturbed))

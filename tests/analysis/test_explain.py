@@ -228,7 +228,7 @@ _SHARE = re.compile(r"\d %[^|.;]* (of (the|this) difference|of what it)|whole di
 
 
 def unsettled(ms: float, noise: float, n: int = 9) -> Builder:
-    """As compacted(), with other times for the second cell."""
+    """The result that compacted() builds, with other times for the second cell."""
     builder = compacted()
     row_of = [row for row in builder.rows if row["name"] == builder.cells[1]["cell"] and "pt_wall_ms" in row]
     for index, row in enumerate(row_of):

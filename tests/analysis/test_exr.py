@@ -107,7 +107,7 @@ def test_mitsuba_reads_and_groups_the_layers(images, in_mitsuba):
 
 
 def test_first_hits_are_mitsubas(in_mitsuba):
-    """Where no edge is in sight the two differ by jitter alone: the median pixel hardly, the image's mean less."""
+    """Depths and normals differ from Mitsuba's by jitter alone, but at edges: the median pixel and the mean agree."""
     depth, normal = in_mitsuba["mitsuba"][:, :, 0], in_mitsuba["mitsuba"][:, :, 1:]
     ours = np.squeeze(in_mitsuba["depth"])
     assert np.median(np.abs(ours - depth)) < 0.01

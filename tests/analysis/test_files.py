@@ -67,7 +67,7 @@ def test_a_report_replaces_reports_alone(tmp_path, analysis):
 
 
 def odd_files(folder: Path) -> dict[str, Path]:
-    """By what is said of it: what is no regular file."""
+    """Things that are no regular file, by what the error says of each."""
     kinds = {
         f"{NO_REGULAR_FILE} #pipe": folder / "pipe.json",
         f"{NO_REGULAR_FILE} #socket": folder / "socket.json",
@@ -145,7 +145,7 @@ def test_every_command_refuses_what_is_no_file(tmp_path, arguments):
 
 
 def test_a_file_without_permission_says_so(tmp_path, monkeypatch):
-    """As root no file is without permission: the system's answer is put in its place."""
+    """Tests may run as root, whom no file refuses, so the system's refusal is put in by hand."""
     path = one_cell(tmp_path / "a.json")
 
     def refuse(*_, **__):

@@ -34,7 +34,7 @@ def result_of(summary: Path) -> Path | None:
 
 
 def summaries() -> list[Path]:
-    """Of runs of suites: those of other records say no commit."""
+    """The summaries of suites' runs: those of other records name no commit."""
     all_of_them = sorted(HOUSE.results.glob("*/figures/*/summary.md"))
     return [path for path in all_of_them if result_of(path) is not None and "\n- ptbench: " in path.read_text()]
 

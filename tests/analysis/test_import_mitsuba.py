@@ -52,7 +52,7 @@ def test_an_imported_scene_has_mitsubas_picture(name, mitsuba, tmp_path, capsys,
 
 
 def test_another_reading_has_another_picture(mitsuba, tmp_path, capsys, monkeypatch):
-    """As many samples tell the angle of view of the picture's height apart from that of its width."""
+    """The samples at which an import passes tell it from one that takes Mitsuba's angle of view for the height's."""
     scene = imported("room", tmp_path)
     changed = json.loads(scene.read_text(encoding="utf-8"))
     changed["camera"]["vertical_fov_degrees"] = 50

@@ -103,7 +103,7 @@ def test_it_draws_outside_the_repository(installed, tmp_path):
 
 @pytest.mark.parametrize("program", [("python", "-m", "ptbench"), ("ptbench-analysis",)], ids=["module", "command"])
 def test_it_works_from_any_folder(installed, tmp_path, program):
-    """By a relative name, in a folder that has nothing of the repository; the schemas are the package's own."""
+    """The installed program checks files by relative names, far from the repository, by the package's schemas."""
     for source in ("packet.json", "stability.json"):
         (tmp_path / source).write_bytes(read_stored(RESULTS / "amd-epyc-2-threads" / source, 1 << 30)[1])
     for source in ("tuning.json", "inspect_cornell_open_45.json"):

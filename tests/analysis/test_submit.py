@@ -207,7 +207,7 @@ class Task:
         self.process = subprocess.Popen([str(script)], env=environment, stdout=subprocess.PIPE, text=True)
 
     def send(self, number: signal.Signals) -> None:
-        """Once the program runs."""
+        """Sends the script a signal, once the program that it starts is running."""
         end = time.monotonic() + 30
         while not (self.folder / "runs").exists() and time.monotonic() < end:
             time.sleep(0.01)

@@ -29,7 +29,7 @@ def test_a_reader_may_leave_before_the_end(call):
 
 
 def run_with(streams: str, *call: str) -> subprocess.CompletedProcess:
-    """As a shell calls it with these redirections."""
+    """Runs ptbench from a shell with these redirections."""
     return subprocess.run(
         ["/bin/sh", "-c", f'exec "$0" -m ptbench "$@" {streams}', sys.executable, *call], capture_output=True,
         text=True, cwd=ANALYSIS.parent, env={**os.environ, "PYTHONPATH": str(ANALYSIS)}, check=False,

@@ -400,7 +400,7 @@ TEST(BadCallsTest, OutputFiles) {
                    "--out: file name: found \"/proc/version/result.json\", a path through a file that is no folder, ");
 }
 
-// As root a rename would put a file in the place of the device.
+// A root user's rename would put a file in the place of the device.
 TEST(BadCallsTest, DevicesPipesAndFoldersAreNoOutputFiles) {
     const TemporaryFolder folder;
     const std::string pipe = folder.file("pipe"), image_pipe = folder.file("pipe.png");
@@ -471,7 +471,7 @@ TEST(BadCallsTest, WhatStandsTwice) {
                    "--scene: argument: found \"cornell_open\" twice" + once);
     expect_refusal({"stability", "--case", "lamp", "--set", "a=0.1", "--set", "a=0.2"}, 2,
                    "--set: argument: found a twice" + once);
-    // By its name and by its number in the catalogue.
+    // The case is named by its name and by its number in the catalogue.
     for (const char* again : {"lamp", "S5"}) {
         expect_refusal({"stability", "--case", "lamp", "--case", again}, 2,
                        "--case: argument: found \"lamp\" twice" + once);

@@ -93,7 +93,7 @@ TEST(RenderTest, TheSummaryHasTheFixedKeys) {
     EXPECT_EQ(summary.at("variant"), "packet");
 }
 
-// The same film, and a time for each render after it.
+// A repeated render has the film of a single one, and a time for each render after it.
 TEST(RenderTest, RepeatsARenderForItsTimes) {
     const json once = render_image({"--spp", "3"}).summary;
     EXPECT_FALSE(once.contains("repetitions"));
@@ -129,8 +129,8 @@ TEST(RenderTest, TakesTheFastestIntegratorThatApplies) {
     EXPECT_EQ(fastest.at("film_hash"), named.at("film_hash"));
 }
 
-// Where people look on: which variant it was, where the file is, how to open it. (A log has the summary: no test here
-// has a word on standard error.)
+// People who look on are told which variant it was, where the file is, and how to open it. (A log has the summary: no
+// test here has a word on standard error.)
 TEST(RenderTest, OnATerminalItSaysWhereTheFileIs) {
     const TemporaryFolder folder;
     const CommandResult shown = run_command(
@@ -243,7 +243,7 @@ TEST(RenderTest, ReplacesAnImageAndLeavesItWhereItFails) {
     EXPECT_EQ(content_of(image).substr(0, 7), "PF\n4 3\n");
 }
 
-// By the test's hook, as if each phase took long.
+// The test's hook makes each phase as if it took long.
 TEST(RenderTest, APhaseThatTakesLongIsTold) {
     const TemporaryFolder folder;
     const CommandResult rendered = ptbench({"render", "--scene", "cornell_open", "--backend", "cpu", "--resolution",

@@ -303,7 +303,7 @@ TEST(ExportCommandTest, WrongCallsAreOneLine) {
     EXPECT_EQ(other.exit_code, 2);
 }
 
-// Where a lamp emits on one side only: both of a quad, the inside of a room, and through the glass that holds it.
+// Lamps that emit on one side only: both sides of a quad, the inside of a room, and through the glass that holds it.
 TEST(ExportMitsubaTest, LampsAreAsBrightAsHereFromWhereTheyAreSeen) {
     SceneBuilder builder;
     builder.camera({0, 0, 0}, {0, 0, 1}).image(8, 8, 40, true);

@@ -114,7 +114,8 @@ protected:
             EXPECT_TRUE(taken.contains({fact.at("cell"), fact.at("sample").at("pt_timestamp")})) << fact;
         }
     }
-    // Of a completed run: every sample once, in the order of time once, and nothing else than an uninterrupted run has.
+    // Expects of a completed run every sample once, in the order of time once, and nothing else than an uninterrupted
+    // run has.
     void expect_as_uninterrupted(const json& uninterrupted) const {
         EXPECT_EQ(folder.content(), Arguments{"result.json"});
         const json ended = result();

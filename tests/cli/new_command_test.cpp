@@ -67,7 +67,7 @@ TEST_F(NewCommandTest, WritesTheTemplatesUnderTheName) {
     for (const auto& [file, source] : {std::pair{"variants/compaction/my_scan2.cpp", "choice.cpp.in"},
                                        std::pair{"variants/compaction/my_scan2.cuh", "choice.cuh.in"},
                                        std::pair{"tests/unit/my_scan2_compaction_test.cpp", "test.cpp.in"}}) {
-        // As CMake fills them in for the test that compiles them.
+        // The text is as CMake fills it in for the test that compiles it.
         EXPECT_EQ(content_of(home.file(file)), filled(source, "my_scan2"));
         EXPECT_NE(content_of(home.file(file)).find("my_scan2"), std::string::npos);
         EXPECT_EQ(content_of(home.file(file)).find('@'), std::string::npos);

@@ -77,7 +77,7 @@ protected:
 
 using FilmOfSample = std::map<std::pair<std::string, int>, std::string>;
 
-// By cell and repetition: the hashes of a sample's film, at its checkpoints too, and its paths.
+// The hashes of each sample's film, at its checkpoints too, and its paths, by cell and repetition.
 FilmOfSample films_of(const json& result) {
     FilmOfSample films;
     for (const json& row : result.at("benchmarks")) {

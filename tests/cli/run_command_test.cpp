@@ -334,7 +334,7 @@ TEST_F(RunCommandTest, ResumeWithoutAJournalSaysThatItBegins) {
     EXPECT_EQ(ptbench(call(1, {"--resume"})).err.find("so this one begins"), std::string::npos);  // it is done
 }
 
-// As nohup starts it.
+// The program is started as nohup starts it.
 TEST_F(RunCommandTest, AHangupThatTheCallerIgnoresStaysIgnored) {
     Arguments arguments{"/bin/sh", "-c", "trap '' HUP; exec \"$0\" \"$@\""};
     for (const std::string& argument : ptbench_arguments(call(200))) {
@@ -401,7 +401,7 @@ TEST_F(RunCommandTest, GoogleBenchmarksVariablesAreIgnoredAndNamed) {
         << run.err;
     EXPECT_EQ(content_of(folder.file("mine.json")), "{}");
     EXPECT_EQ(result().at("context").at("ptbench.status"), "completed");
-    // Where the environment says how threads wait, too.
+    // The environment's flags are ignored also where it says how threads wait.
     const CommandResult again =
         ptbench(call(2, {"--overwrite"}), {.environment = {{"BENCHMARK_FILTER", "nothing"}, {"GOMP_SPINCOUNT", "0"}}});
     EXPECT_EQ(again.exit_code, 0) << again.err;

@@ -13,7 +13,7 @@ namespace {
 
 using Arguments = std::vector<std::string>;
 
-// As a shell calls it with `redirection`.
+// Runs ptbench as a shell calls it with `redirection`.
 CommandResult ptbench_with(const std::string& redirection, const Arguments& arguments, const TemporaryFolder& folder) {
     Arguments call{"/bin/sh", "-c", "exec \"$0\" \"$@\" " + redirection, program_file()};
     call.insert(call.end(), arguments.begin(), arguments.end());

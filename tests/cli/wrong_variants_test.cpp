@@ -42,7 +42,7 @@ protected:
         return call(arguments, crash_in_render);
     }
     json result() const { return json::parse(content_of(out)); }
-    // By compaction: the status, and of a failed cell its reason.
+    // The status of each compaction's cell and, if it failed, the reason.
     std::map<std::string, std::string> statuses() const {
         std::map<std::string, std::string> found;
         const json all = result();
@@ -52,7 +52,7 @@ protected:
         }
         return found;
     }
-    // Of each sample of a compaction's cell.
+    // The film hashes of all samples of a compaction's cell.
     std::vector<std::string> films(const std::string& compaction) const {
         std::vector<std::string> hashes;
         const json all = result();

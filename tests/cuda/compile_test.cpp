@@ -124,7 +124,7 @@ private:
     std::map<std::string, Program> programs_;
 };
 
-// Those whose kernels differ: scenes with the same features and numbers of objects share them.
+// The scenes whose kernels differ: those with the same features and numbers of objects share them.
 std::vector<Scene> scenes_by_program() {
     std::vector<fs::path> files;
     for (const auto& entry : fs::directory_iterator(home_folder() / "scenes")) {

@@ -149,7 +149,7 @@ TEST(OccupancyTest, AnUnknownArchitectureIsRefusedWithTheKnownOnes) {
 // --- reports of whole variants
 // ----------------------------------------------------------------------------------------
 
-// $PTBENCH_NVDISASM for a while.
+// Sets $PTBENCH_NVDISASM for as long as it lives.
 class NamedDisassembler {
 public:
     explicit NamedDisassembler(const std::string& program) {

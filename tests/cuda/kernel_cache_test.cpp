@@ -28,7 +28,7 @@ ModuleRequest small_request() {
                                "sm_90");
 }
 
-// What came of a build.
+// What came of a build through the kernel cache.
 struct Built {
     std::string outcome;  // "compiled", "cached", "compile error", "error", or how its process ended
     std::string key;

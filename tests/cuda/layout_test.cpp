@@ -14,7 +14,7 @@
 namespace pt {
 namespace {
 
-// As memory of the device is aligned, as far as the layouts ask for it.
+// A block of memory aligned as the device's is, as far as the layouts ask for it.
 struct alignas(16) Block {
     std::uint64_t words[2];
 };

@@ -24,7 +24,7 @@ std::string machine_error(Call call) {
     return "";
 }
 
-// As ncu writes it: its own words first, then names, units and a line a launch.
+// A table as ncu writes it: its own words first, then names, units and a line a launch.
 const std::string table =
     R"csv(==PROF== Connected to process 4242 (/work/build/ptbench)
 ==PROF== Profiling "megakernel" - 0: 0%....50%....100% - 2 passes
@@ -56,7 +56,7 @@ TEST(NcuTableTest, LaunchesOfOneKernelAreSummed) {
     EXPECT_EQ(kernel.lsu, 55.0);
     EXPECT_EQ(kernel.fp64, 8.0);
     EXPECT_EQ(kernel.memory_bytes, 1025750000.0);
-    // By their time, not each launch alike.
+    // Launches are weighted by their time, not each launch alike.
     EXPECT_DOUBLE_EQ(kernel.occupancy, (0.6 * 1500 + 0.2 * 500.5) / 2000.5);
     EXPECT_DOUBLE_EQ(kernel.l1, (0.5 * 1500 + 0.3 * 500.5) / 2000.5);
     EXPECT_DOUBLE_EQ(kernel.l2, (0.2 * 1500 + 0.6 * 500.5) / 2000.5);

@@ -174,7 +174,7 @@ TEST(DisassemblyTest, OfTwoLoopsTheLongerCountsWhicheverComesFirst) {
         /*0010*/                   FADD R2, R2, R3 ;
         /*0030*/               @P1 BRA `(.L_x_0) ;
 )";
-    // By no more than one instruction.
+    // The long loop has no more than one instruction more.
     const std::string long_loop = R"(
 .L_x_1:
         /*0040*/                   MUFU.RCP R5, R2 ;

@@ -111,7 +111,7 @@ TEST(WithoutDeviceTest, CompilesAheadForAnArchitecture) {
         }
         return names;
     };
-    // Its own, its exact twin's, and the reference's.
+    // The integrators of the variant, of its exact twin and of the reference.
     const Variant reference = Registry::instance().reference(exact_twin(baseline(), Backend::cuda), Backend::cuda);
     std::vector<std::string> expected{cuda::integrator_source(baseline()), cuda::integrator_source(baseline()),
                                       cuda::integrator_source(reference)};

@@ -51,7 +51,7 @@ struct TakesASampleTwice final : BrokenMegakernel<Real> {
         this->launch(this->job_.pixels, 1);
     }
 };
-// As many paths as there should be, but two times the same sample.
+// A broken integrator that traces as many paths as there should be, but one sample twice.
 template <class Real>
 struct RepeatsASample final : BrokenMegakernel<Real> {
     using BrokenMegakernel<Real>::BrokenMegakernel;

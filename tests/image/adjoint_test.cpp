@@ -99,7 +99,7 @@ private:
     std::uint64_t rays_ = 0, branches_ = 0;
 };
 
-// As test::block_means.
+// The means of an image and its blocks, as test::block_means has them.
 template <class Real>
 std::vector<test::ColourMeanOfPixels> means_of(const Scene& scene, const Options& options,
                                                const Spoil<Real>& spoil = {}) {
@@ -188,7 +188,7 @@ void expect_always(AdjointTable<Real>& table, Real share_of_white) {
     std::ranges::fill(table.by_pixel, 1.0f);
 }
 
-// Of an albedo of 1/2 every number that is met is a multiple of a power of two: not a bit may be lost.
+// With an albedo of 1/2 every number that is met is a multiple of a power of two, so not a bit may be lost.
 TYPED_TEST(AdjointTest, SplittingInAFurnaceLosesNothing) {
     const std::uint32_t depth = 6;
     const Scene scene = furnace(depth, Vec3d(0.5));
@@ -368,7 +368,7 @@ TEST(AdjointTableTest, IsNoneWhereThereIsNoLight) {
     EXPECT_EQ(learned(dark), nullptr);
 }
 
-// Of a furnace each estimate is known: what is left of the series after so many segments.
+// The estimates of a furnace are known: each is what is left of the series after so many segments.
 TEST(AdjointTableTest, KnowsAFurnace) {
     const double albedo = 0.5;
     const std::uint32_t depth = 6;

@@ -55,7 +55,7 @@ struct Part {
     std::uint32_t first = 0, samples = 1, film_samples = 0, depth = 0;
 };
 
-// rays: 0 for first_bounce=off.
+// Renders some samples of a scene with a cache of `rays` camera rays a pixel; 0: with first_bounce=off.
 RenderResult render_part(const Scene& scene, std::uint32_t rays, const Part& part,
                          const std::string& integrator = "depth_first") {
     Variant variant = Registry::instance().baseline();

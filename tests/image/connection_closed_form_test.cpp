@@ -34,7 +34,7 @@ Vec3d vector_irradiance(const std::vector<Vec3d>& corners) {
     return sum;
 }
 
-// What an object sends to the origin, up, for a radiance of 1: of its outline there, which lies wholly above it.
+// The irradiance at the origin, facing up, by an object of radiance 1 with this outline, wholly above the horizon.
 double of_outline(const std::vector<Vec3d>& corners) { return std::abs(vector_irradiance(corners).y); }
 
 Vec3d to_world(const SceneObject& object, const Vec3d& local) {
@@ -43,7 +43,8 @@ Vec3d to_world(const SceneObject& object, const Vec3d& local) {
     return object.translate + rotation.column[0] * at.x + rotation.column[1] * at.y + rotation.column[2] * at.z;
 }
 
-// Its face across `axis`, at half its extent times `side`; of a box only those that face the origin are seen.
+// The irradiance at the origin by an object's face across `axis`, at half the extent times `side`. Unless `always`, a
+// face that is turned away from the origin counts for nothing.
 double face(const SceneObject& object, int axis, double side, bool always) {
     std::vector<Vec3d> corners;
     for (const auto& [u, v] : {std::pair{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}}) {
@@ -90,7 +91,7 @@ double irradiance(const SceneObject& object) {
     if (object.shape == Shape::quad) {
         return face(object, 1, 0, true);
     }
-    // A mesh: test::square_mesh.
+    // All meshes of these scenes are test::square_mesh.
     return object.shape == Shape::mesh ? face(object, 2, 0, true) : ellipsoid(object);
 }
 
@@ -200,7 +201,8 @@ TYPED_TEST_SUITE(ConnectionTest, Reals);
 
 using AddLight = std::function<void(SceneBuilder&, std::uint32_t)>;
 
-// Of every shape, around the floor's normal; from the origin none hides another. Light that scatters meets them rarely.
+// Small lights of every shape, around the floor's normal; from the origin none hides another. Light that scatters meets
+// them rarely.
 const AddLight small_lights[] = {
     [](auto& b, auto m) {
         b.sphere(m, {0.9, 1.4, -0.6}, 0.6);

@@ -93,7 +93,7 @@ struct Difference {
     test::Mean channel[3];
 };
 
-// Of image means over batches, double less float; float's seeds are so many further.
+// Differences of image means over batches, double less float; float's seeds are so many further.
 Difference difference(const Scene& scene, std::uint64_t float_seeds_from) {
     RenderRequest narrow = request_for(scene, "float"), wide = request_for(scene, "double");
     narrow.samples = wide.samples = 16;

@@ -206,7 +206,7 @@ TYPED_TEST(EnvironmentTest, OneBrightTexelOf1e8) {
     }
 }
 
-// The same light times a power of two, from below the least to beyond the largest of other tests.
+// The light is multiplied by a power of two, from below the least to beyond the largest of other tests.
 TYPED_TEST(EnvironmentTest, ScalesWithItsRadiance) {
     const Scene scene = stage([](auto& b) { sky(b); });
     for (const std::uint32_t exponent : {0u, 2u}) {

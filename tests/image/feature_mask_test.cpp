@@ -83,7 +83,7 @@ Case asked_for(const char* name) {
     return {name, feature, [](Still&) {}, &film_of<(base | feature) | other>, other | feature};
 }
 
-// Where the feature stands on another.
+// A case whose feature stands on another feature, which the kernel must have as well.
 template <Feature feature, Feature other>
 Case with(const char* name, void (*add)(Still&)) {
     return {name, feature, add, &film_of<(base | feature) | other>};

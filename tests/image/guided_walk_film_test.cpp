@@ -123,7 +123,8 @@ TEST(GuidedMeanPathTest, DoesNotDependOnTheScattering) {
                                           test::BodyMedium{1.5, 5, 0}, test::BodyMedium{1.5, 5, -0.5}}) {
             const Mean path = test::mean_path(shape, c, 20000, guided(0.75));
             const double exact = c.ior * c.ior * test::four_v_over_s(shape);
-            // As in subsurface_test.cpp; and a walk's weight is 1 to (its length times least_decay) / sigma_a.
+            // The tolerance is that of subsurface_test.cpp; and a walk's weight is 1 to (its length times least_decay)
+            // / sigma_a.
             EXPECT_NEAR(path.value(), exact, tolerated_errors * path.standard_error() + 1e-4)
                 << shape << " " << c.ior << " " << c.sigma_s << " " << c.g;
         }
@@ -277,7 +278,7 @@ TYPED_TEST(GuidedFilmTest, MovingBodyIsGuidedInItsOwnFrame) {
     };
     const auto moving = test::mean_radiance<TypeParam>(scene(true), guided(0.75, 500));
     const auto still = test::mean_radiance<TypeParam>(scene(false), guided(0.75, 500));
-    // The same numbers and, but for rounding, the same walks.
+    // Both films have the same random numbers and, but for rounding, the same walks.
     EXPECT_NEAR(moving.channel[0].value(), still.channel[0].value(), 0.1 * still.channel[0].standard_error());
 }
 

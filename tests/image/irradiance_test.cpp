@@ -48,7 +48,7 @@ Scene lit(double size, const std::function<void(SceneBuilder&)>& add_lights) {
 template <class Real>
 class IrradianceTest : public testing::Test {
 protected:
-    // `irradiance`: E / Le.
+    // Expects the radiance that a floor reflects. `irradiance`: E / Le, of a lamp of radiance Le.
     static void expect(const Scene& scene, double irradiance, const std::string& what) {
         const double exact = albedo * irradiance / pi<double>;
         const auto by_chance = test::mean_radiance<Real>(scene, {.samples = 60000, .depth = 2});
@@ -99,7 +99,7 @@ TYPED_TEST(IrradianceTest, RectangleAboveTheCorner) {
 
 TYPED_TEST(IrradianceTest, RectangleAboveTheCentre) {
     this->expect(lit(10, [](auto& b) { b.quad(b.emitter(Vec3d(1.0)), {0, 1, 0}, 2, 2); }), 1.740839502734206, "quad");
-    // Of a box straight above only the face below is seen.
+    // A box straight above shows only its face below.
     this->expect(lit(10,
                      [](auto& b) {
                          b.box(b.emitter(Vec3d(1.0)), {0, 1.25, 0}, {2, 0.5, 2});

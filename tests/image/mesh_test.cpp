@@ -79,7 +79,8 @@ TEST(MeshTest, FromWithinAClosedMeshNothingElseIsSeen) {
     }
 }
 
-// Of every shape that the generators make, in a room with other objects: a mesh that also ends paths, refracts, shines.
+// A room with meshes of every shape that the generators make, and other objects: a mesh also ends paths, refracts,
+// shines.
 Scene mixed_scene() {
     SceneBuilder builder;
     const std::uint32_t white = builder.diffuse(Vec3d(0.75));
@@ -165,7 +166,8 @@ TEST(MeshTest, AMeshShinesAsTheShapeThatItIs) {
                 continue;
             }
             for (const std::uint32_t mis_exponent : {0u, 2u}) {
-                // Of the lit floor itself where the last vertex is connected: no path meets a second surface here.
+                // The light of the lit floor itself counts where the last vertex is connected: no path meets a second
+                // surface here.
                 const test::RenderOptions options{.samples = 400,
                                                   .depth = final_bounce ? 1u : 3u,
                                                   .final_bounce = final_bounce,

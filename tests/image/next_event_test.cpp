@@ -76,7 +76,7 @@ TYPED_TEST(NextEventTest, BoxEllipsoidAndQuadLights) {
         [](auto& b) {
             b.quad(b.emitter({4, 5, 6}), {-1.2, 1.5, -0.5}, 1.5, 1, {80, 50, 0});
         },
-        // It stands on the floor and against the wall.
+        // The box stands on the floor and against the wall.
         [](auto& b) {
             b.box(b.emitter({4, 5, 6}), {1.5, 0.5, 1.75}, {1, 1, 0.5});
         },
@@ -138,8 +138,8 @@ TYPED_TEST(NextEventTest, OneSampleOfTwoTechniques) {
     }
 }
 
-// Of the numbers that are drawn the same for both, one sample counts twice what two samples count by the technique that
-// was chosen, and nothing by the other; each is chosen about as often.
+// One-sample MIS draws the same numbers as the sum of both techniques: a sample counts twice what the technique that
+// was chosen brings there, and nothing by the other; each is chosen about as often.
 TYPED_TEST(NextEventTest, OneSampleCountsTheChosenTechniqueTwice) {
     const Scene scene = stage(lamp);
     RenderOptions both{.depth = 2, .seed = 5, .next_event = true, .mis_exponent = 1};
@@ -186,7 +186,7 @@ TYPED_TEST(NextEventTest, WaysToDrawLightsHaveOneMean) {
             b.quad(b.emitter({4, 5, 6}), {-1.2, 1.5, -0.5}, 1.5, 1, {80, 50, 0});
             b.box(b.diffuse(Vec3d(0.5), {2, 1, 3}), {1.5, 0.5, 1.75}, {1, 1, 0.5});
         },
-        // It stands on the floor and against the wall.
+        // The box stands on the floor and against the wall.
         [](auto& b) {
             b.box(b.emitter({4, 5, 6}), {1.5, 0.5, 1.75}, {1, 1, 0.5});
         },

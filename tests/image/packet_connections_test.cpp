@@ -100,7 +100,7 @@ TEST(PacketConnections, OfEveryKindOfLight) {
         [](auto& b) {
             b.box(b.emitter({4, 5, 6}), {0.5, 2.8, -1}, {2, 0.00001, 2});
         },
-        // It stands on the floor and against the wall.
+        // The box stands on the floor and against the wall.
         [](auto& b) {
             b.box(b.emitter({4, 5, 6}), {1.5, 0.5, 1.75}, {1, 1, 0.5});
         },

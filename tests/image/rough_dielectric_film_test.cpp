@@ -87,7 +87,7 @@ double reflected_straight_on(double n, double alpha) {
     return sum / steps;
 }
 
-// Of two segments: what is refracted ends within.
+// Paths have two segments, so what is refracted ends within.
 TYPED_TEST(RoughDielectricImageTest, AnEvenLightIsReflectedByFacets) {
     for (const double ior : {1.5, 3.0}) {
         for (const double roughness : {1e-4, 0.3, 0.6, 1.0}) {

@@ -149,7 +149,7 @@ TYPED_TEST(RoughnessTextureTest, GoesWithAnImageOfColours) {
     EXPECT_EQ(test::render<TypeParam>(coloured(9), options).hash(), film);
 }
 
-// By every way that the program has to render and to connect.
+// Every way that the program has to render and to connect is tried.
 TEST(RoughnessTextureFilm, OfOneNumberIsThatRoughnessByEveryChoice) {
     const auto film_of = [](const Scene& scene, const Variant& variant) {
         RenderRequest request;

@@ -128,7 +128,7 @@ TYPED_TEST(ShadingNormalLightTest, ABallOfTrianglesIsLitAsARoundOne) {
     EXPECT_GT(dark, 20);
 }
 
-// By how much coordinates change where the surface's point is moved.
+// The change of texture coordinates where the surface's point is moved by `step`.
 template <class Real>
 Vec2<double> change_of_coordinates(const test::Stages<Real>& stages, const Hit<Real>& hit, const Vec3<Real>& point,
                                    const Vec3<Real>& normal, const Vec3d& step) {
@@ -235,7 +235,7 @@ Scene plate(double degrees, const std::function<std::uint32_t(SceneBuilder&)>& m
 
 std::uint32_t white(SceneBuilder& b) { return b.diffuse(Vec3d(1.0)); }
 
-// Of the hemisphere about the leaning normal, by the cosine, the part above the plate is (1 + cos) / 2: the half above
+// A cosine-weighted hemisphere about the leaning normal has the part (1 + cos) / 2 above the plate: the half above
 // both, and of the other half its image in the plane of the leaning normal's horizon.
 TYPED_TEST(ShadingNormalLightTest, ADiffuseSurfaceLosesWhatLiesBehindIt) {
     const auto lit = [](double degrees, bool is_drawn) {
@@ -379,7 +379,7 @@ TYPED_TEST(ShadingNormalLightTest, ConnectionsBringWhatLobesMeet) {
         builder.scene.materials[surface].emission = Vec3d(0.0);
         builder.normal_map(surface, 64, 1, texels);
         builder.quad(surface, {0, 0, 0}, 1, 1);
-        // Its lower part is behind the plate's horizon, seen from the leaning normals.
+        // The lower part of the lamp is behind the plate's horizon, seen from the leaning normals.
         builder.sphere(builder.emitter(Vec3d(1.0)), {2, 0.9, 0.5}, 2.5);
         test::expect_connections_bring_what_lobes_meet<TypeParam>(builder.scene, static_cast<double>(which));
     }

@@ -41,7 +41,7 @@ RenderRequest request_for(const std::string& direct_light, const std::string& li
     return request;
 }
 
-// As pt::render has it, by this file's kernel. Connections are counted.
+// Renders as pt::render does, by this file's kernel. Connections are counted.
 Film film_of_closest_hits(const Scene& scene, const RenderRequest& request, PathCounters& counters) {
     const KernelChoice kernel = choose_kernel(scene, request.variant);
     EXPECT_TRUE(is_superset(features, kernel.needed)) << scene.name;
@@ -59,7 +59,7 @@ Film film_of_closest_hits(const Scene& scene, const RenderRequest& request, Path
     return film;
 }
 
-// Channels of pixels.
+// How many channels of pixels differ between two films.
 std::size_t differing(const Film& a, const Film& b) {
     EXPECT_EQ(a.sums().size(), b.sums().size());
     return static_cast<std::size_t>(std::inner_product(a.sums().begin(), a.sums().end(), b.sums().begin(), 0,

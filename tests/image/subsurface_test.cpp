@@ -255,7 +255,7 @@ TYPED_TEST(SubsurfaceTest, MovingBodyWalksInItsOwnFrame) {
     };
     const auto moving = test::mean_radiance<TypeParam>(scene(true), {.samples = 1000});
     const auto still = test::mean_radiance<TypeParam>(scene(false), {.samples = 1000});
-    // The same numbers and, but for rounding, the same walks.
+    // Both films have the same random numbers and, but for rounding, the same walks.
     EXPECT_NEAR(moving.channel[0].value(), still.channel[0].value(), 0.1 * still.channel[0].standard_error());
 }
 

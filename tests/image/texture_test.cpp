@@ -195,7 +195,8 @@ TYPED_TEST(TextureTest, StaysInRangeAndHasNoSeam) {
     }
 }
 
-// Of a surface of albedo a alone in an even light of 1, every path has the radiance a: a film of it is its image.
+// The albedo of a texel. A surface of albedo a alone in an even light of 1 gives every path the radiance a: a film of
+// it is its image.
 Vec3d texel_of_four(std::uint32_t column, std::uint32_t row) {
     return {(1 + column) / 8.0, (1 + row) / 8.0, (column + 4 * row) / 16.0};
 }
@@ -252,7 +253,7 @@ TYPED_TEST(TextureTest, IsUprightOnEverySideOfABox) {
     }
 }
 
-// One far thinner than it is wide: the face is told by the normal.
+// The face of a box far thinner than it is wide is told by the normal.
 TYPED_TEST(TextureTest, IsWholeOnAThinPlate) {
     for (const Vec3d& turn : {Vec3d(0, 0, 0), Vec3d(0, 30, 0)}) {
         SceneBuilder builder;
@@ -286,7 +287,7 @@ TYPED_TEST(TextureTest, IsUprightOnQuadsAndMeshes) {
     }
 }
 
-// Where rays meet shapes in motion, turned and stretched, against the definition in double.
+// Rays meet shapes in motion, turned and stretched; the oracle is the definition in double.
 TYPED_TEST(TextureTest, LiesOnASphereByLatitudeAndLongitude) {
     using Real = TypeParam;
     using Kernel = Config<Real, all_features | samplers | traversals>;
@@ -390,7 +391,7 @@ TYPED_TEST(TextureTest, WhiteFurnaceKeepsItsLight) {
     }
 }
 
-// By every integrator, accelerator and specialisation that the program has for the scene: one film.
+// Every integrator, accelerator and specialisation that the program has for the scene leaves one film.
 TEST(TextureFilm, IsTheSameByEveryChoice) {
     SceneBuilder builder;
     builder.camera({0, 1.5, -4}, {0, 0.8, 0}).image(24, 24, 55, true).depth(5).environment(0.25);

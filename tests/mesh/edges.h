@@ -15,7 +15,7 @@ struct EdgeCounts {
     std::uint64_t open = 0;      // passed more often in one direction
 };
 
-// Of edges between vertices by number.
+// The edges of a mesh between vertices by number, counted by how triangles pass them.
 inline EdgeCounts edge_counts(const Mesh& mesh) {
     std::vector<std::pair<std::uint64_t, int>> passed;  // the ends, the lower first, and which way
     for (const auto& triangle : mesh.triangles) {
@@ -38,7 +38,8 @@ inline EdgeCounts edge_counts(const Mesh& mesh) {
     return counts;
 }
 
-// By the divergence theorem; positive where corners go counter-clockwise, seen from outside. Of a closed mesh.
+// The volume of a closed mesh by the divergence theorem; positive where corners go counter-clockwise, seen from
+// outside.
 inline double signed_volume(const Mesh& mesh) {
     double volume = 0.0;
     for (const auto& [ia, ib, ic] : mesh.triangles) {

@@ -449,7 +449,7 @@ TEST_F(GlbTest, EachFaultHasItsLine) {
     EXPECT_EQ(fault_of(parse_glb, "").substr(0, 12), "mesh: file: ");
 }
 
-// By 4 or 8 bytes, the size of its own header, tinygltf does not see it.
+// A chunk too long by 4 or 8 bytes, the size of its own header, is not seen by tinygltf.
 TEST_F(GlbTest, ABinaryChunkThatIsLongerThanItsFileIsRefused) {
     const std::string content = GlbQuad().content();
     const std::size_t size_at = content.size() - 108 - 8;

@@ -28,7 +28,7 @@ Triangles triangles_of(const Polygon& polygon) {
     return found.triangles.empty() ? fan_of(polygon.size()) : found.triangles;
 }
 
-// Of the plane z = 0, in double precision; a point on no edge.
+// Whether a point of the plane z = 0, which is on no edge, lies in a polygon, in double precision.
 bool is_in(const Polygon& polygon, double x, double y) {
     bool inside = false;
     for (std::size_t i = 0; i < polygon.size(); ++i) {

@@ -146,7 +146,7 @@ class Cluster:
         self._start("slurmd", "-D", "-N", node)
 
     def kill_node(self, node: str) -> None:
-        """As a power cut would: slurmd and all that runs under it, at once."""
+        """Kills slurmd and all that runs under it at once, as a power cut would."""
         daemon = self._daemons.pop(f"slurmd {node}", None)
         if daemon is None:
             return
@@ -156,7 +156,7 @@ class Cluster:
             kill(process)
 
     def processes_on(self, node: str, program: str = "") -> list[int]:
-        """Of the jobs on a node, what starts and watches a job first; of one program, if it is named."""
+        """The processes of jobs on a node, those that start and watch a job first; `program`: only its own."""
         wanted = {f"SLURMD_NODENAME={node}".encode(), f"SLURM_CONF={self.folder}/slurm.conf".encode()}
         jobs, steps = [], []
         for folder in Path("/proc").iterdir():

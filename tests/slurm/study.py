@@ -66,7 +66,7 @@ def _samples(study: Path, shard: int) -> int:
 
 
 def _nodes_of_shards(study: Path) -> dict[int, str]:
-    """By shard: the node of its latest start."""
+    """The node on which each shard was started last."""
     nodes = {}
     for shard in range(1, _SHARDS + 1):
         log = study / "any" / f"shard-{shard}.log"

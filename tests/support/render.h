@@ -30,15 +30,15 @@ struct RenderOptions {
     FeatureSet sampler = no_features;
 };
 
-// Through integrator::depth_first::trace.
+// Renders a scene path by path, with integrator::depth_first::trace.
 template <class Real>
 Film render(const Scene& scene, const RenderOptions& options);
 
-// Through pt::render: the baseline variant, on all cores, with the given choice on one axis ("" for none).
+// Renders a scene with pt::render: the baseline variant, on all cores, with the given choice on one axis ("" for none).
 Film render_variant(const Scene& scene, const RenderOptions& options, const std::string& axis = "",
                     const std::string& choice = "");
 
-// The stages, one at a time, for Config<Real, all_features | samplings | traversals>.
+// Runs the stages of a path one at a time, of the kernel Config<Real, all_features | samplings | traversals>.
 template <class Real>
 class Stages {
 public:
@@ -50,13 +50,13 @@ public:
     Hit<Real> intersect(const Ray<Real>& ray) const;
     SurfacePoint<Real> surface(const Ray<Real>& ray, const Hit<Real>& hit) const;
     bool shade(Path<Real>& path, const Hit<Real>& hit);
-    // From the path's present state to its end.
+    // Traces the path from its present state to its end.
     void finish(Path<Real>& path);
-    // A whole path; returns its radiance.
+    // Traces a whole path, and returns its radiance.
     Vec3d radiance(std::uint32_t pixel, std::uint32_t sample);
 
     std::uint64_t unfinished_walks() const { return unfinished_walks_; }
-    // Index in scene.objects.
+    // The index in scene.objects of the object that has this side.
     std::uint32_t file_index(SurfaceId side) const { return buffers_->file_index()[side.object()]; }
 
 private:

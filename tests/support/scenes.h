@@ -18,11 +18,11 @@ struct SceneBuilder {
     SceneBuilder& image(std::uint32_t width, std::uint32_t height, double fov_degrees, bool jitter);
     SceneBuilder& depth(std::uint32_t segments);
     SceneBuilder& environment(double radiance);
-    // One that is drawn: texels from the top, row by row.
+    // Sets an environment map of these texels, row by row from the top.
     SceneBuilder& environment_map(std::uint32_t width, std::uint32_t height, const std::vector<Vec3d>& texels,
                                   double rotation_degrees = 0);
 
-    // Each returns the material's index.
+    // These functions add a material each and return its index.
     std::uint32_t diffuse(const Vec3d& albedo, const Vec3d& emission = Vec3d(0.0));
     std::uint32_t mirror(const Vec3d& reflectance, const Vec3d& emission = Vec3d(0.0));
     std::uint32_t mix(const Vec3d& albedo, const Vec3d& reflectance, double mirror_probability,
@@ -34,10 +34,10 @@ struct SceneBuilder {
     std::uint32_t emitter(const Vec3d& radiance);
     // Has the material show an image in place of its colour: texels from the bottom, row by row.
     void texture(std::uint32_t material, std::uint32_t width, std::uint32_t height, const std::vector<Vec3d>& texels);
-    // The same in place of its roughness.
+    // Gives a material an image in place of its roughness.
     void roughness_texture(std::uint32_t material, std::uint32_t width, std::uint32_t height,
                            const std::vector<double>& texels);
-    // Likewise normals in tangent space.
+    // Gives a material an image of normals in tangent space.
     void normal_map(std::uint32_t material, std::uint32_t width, std::uint32_t height, const std::vector<Vec3d>& texels,
                     double scale = 1);
     std::uint32_t dielectric(double ior, const Vec3d& sigma_a = Vec3d(0.0), const Vec3d& tint = Vec3d(1.0));
@@ -69,9 +69,10 @@ private:
 // An upright square of two triangles, [-1/2, 1/2]^2 in the plane z = 0, facing +z, with coordinates from 0 to `most`.
 std::shared_ptr<const SceneMesh> square_mesh(float most = 1);
 
-// Every length times `factor` (a power of two for bitwise comparisons), every coefficient per length divided by it.
+// The scene with every length times `factor` (a power of two for bitwise comparisons), every coefficient per length
+// divided by it.
 Scene scaled(Scene scene, double factor);
-// Every radiance times `factor`.
+// The scene with every emitted radiance times `factor`.
 Scene brightened(Scene scene, double factor);
 
 }  // namespace pt::test

@@ -12,13 +12,13 @@ namespace pt::test {
 
 inline const std::vector<Vec3d> bumpy_texels{{0.5, 0.1, 0.8}, {-0.4, 0.3, 0.9}, {0, 0, 1}, {0.2, -0.6, 0.7}};
 
-// Turned about v by an angle, towards u.
+// The normal (0, 0, 1) of tangent space, turned towards u by an angle.
 inline Vec3d tilted(double degrees) {
     const double angle = degrees * (pi<double> / 180);
     return {std::sin(angle), 0, std::cos(angle)};
 }
 
-// Each triangle with vertices of its own, whose normals are the triangle's.
+// The mesh with three vertices for each triangle, whose normals are the triangle's: it is shaded flat.
 inline Mesh with_normals_of_faces(const Mesh& mesh) {
     Mesh apart;
     for (const auto& triangle : mesh.triangles) {
@@ -43,7 +43,7 @@ inline Mesh ball_mesh(std::uint32_t rows) {
     return mesh;
 }
 
-// A material.
+// A material that tests of shading normals go through, and how it is added to a scene.
 struct Kind {
     const char* name;
     std::function<std::uint32_t(SceneBuilder&)> make;

@@ -27,7 +27,7 @@ public:
     }
     double value() const { return sum_ / pixels_; }
     double standard_error() const { return std::sqrt(squared_errors_) / pixels_; }
-    // Of a sample about its pixel's mean.
+    // The variance of a sample about its pixel's mean.
     double variance() const { return variances_ / pixels_; }
 
 private:
@@ -43,7 +43,7 @@ struct ColourMeanOfPixels {
     }
 };
 
-// Of the image, [0], and then of its four blocks. `radiance(pixel, sample)`: of a path.
+// Means of the image, [0], and then of its four blocks. `radiance(pixel, sample)`: the radiance of a path.
 template <class Radiance>
 std::vector<ColourMeanOfPixels> block_means_of(std::uint32_t samples, const Radiance& radiance) {
     std::vector<ColourMeanOfPixels> means(5);
@@ -66,7 +66,7 @@ std::vector<ColourMeanOfPixels> block_means(const Scene& scene, const RenderOpti
                           [&](std::uint32_t pixel, std::uint32_t sample) { return stages.radiance(pixel, sample); });
 }
 
-// Both are means of the same, however many samples each is of.
+// Expects equal mean radiances of two kernels, `off` and `on`, within their standard errors.
 inline void expect_equal_means(const std::vector<ColourMeanOfPixels>& off, const std::vector<ColourMeanOfPixels>& on,
                                const std::string& what) {
     for (std::size_t i = 0; i < off.size(); ++i) {

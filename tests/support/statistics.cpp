@@ -6,10 +6,10 @@ namespace pt::test {
 
 namespace {
 
-// x^a e^-x / Gamma(a)
+// x times the density at x of the gamma distribution of shape a: x^a e^-x / Gamma(a).
 double gamma_density_times_x(double a, double x) { return std::exp(a * std::log(x) - x - std::lgamma(a)); }
 
-// Series for the lower function; converges fast for x < a + 1.
+// Lower regularised incomplete gamma function, 1 - Q(a, x), by its series; it converges fast for x < a + 1.
 double lower_by_series(double a, double x) {
     double term = 1 / a;
     double sum = term;

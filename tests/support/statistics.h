@@ -54,7 +54,7 @@ double chi_square_p_value(double chi_square, double degrees_of_freedom);
 
 // Pearson's test of counts against probabilities (which sum to 1); cells that expect less than 5 are pooled.
 double chi_square_test(const std::vector<std::uint64_t>& counts, const std::vector<double>& probabilities);
-// The same for cells of equal probability.
+// The p-value of a chi-square test for cells of equal probability.
 double chi_square_test(const std::vector<std::uint64_t>& counts);
 
 // Two-sided p-value below which a chi-square test fails. With some 80 such tests in the suite, chance alone would fail

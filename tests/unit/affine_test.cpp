@@ -70,7 +70,7 @@ TEST(AffineTest, QuarterTurnsAndTheirNeighboursAreExact) {
             EXPECT_EQ(again.column[axis], map.column[axis]) << degrees.x << " " << degrees.y << " " << degrees.z;
         }
     }
-    // As single precision writes a quarter turn about y.
+    // The map is a quarter turn about y as single precision writes it.
     Affine rounded = map_of({0, 0, 0}, {0, 90, 0}, {1, 1, 1});
     rounded.column[0].x = rounded.column[2].z = -4.37114e-8;
     const TranslateRotateScale parts = take_apart(rounded);

@@ -41,7 +41,7 @@ TEST(BootstrapTest, OneSampleHasNoInterval) {
     EXPECT_EQ(ratio.samples, 1u);
 }
 
-// Of two samples 1 and 3 a quarter of the medians are 1, a half 2 and a quarter 3: 2.5 % lies at the ends.
+// Two samples 1 and 3: a quarter of the medians are 1, a half 2 and a quarter 3, so 2.5 % lies at the ends.
 TEST(BootstrapTest, TheIntervalOfTwoValuesReachesBothOfThem) {
     const RatioEstimate ratio = ratio_estimate({1, 3}, {2, 2});
     EXPECT_EQ(ratio.value, 1);

@@ -71,7 +71,7 @@ struct CommittedRun {
         }
     }
 
-    // Of a cell of a study of error: what its images were compared with.
+    // Adds the reference that a cell's images were compared with, if it is of a study of error.
     void add_errors(Cell& cell, const Json& facts) {
         const auto convergence = facts.find("convergence");
         if (convergence == facts.end()) {
@@ -117,7 +117,7 @@ struct CommittedRun {
         return cells;
     }
 
-    // As tests/analysis/test_run_verdicts.py writes them.
+    // The pairs as tests/analysis/test_run_verdicts.py writes them.
     Json pairs() const {
         Json pairs = Json::array();
         for (const Study& study : suite.studies) {
@@ -146,8 +146,8 @@ struct CommittedRun {
     }
 };
 
-// As tests/analysis/test_run_errors.py writes them: study, cell, baseline, and for MSE and relMSE the mean error, the
-// efficiency and the ends of its interval.
+// The errors as tests/analysis/test_run_errors.py writes them: study, cell, baseline, and for MSE and relMSE the mean
+// error, the efficiency and the ends of its interval.
 Json errors_in(const CommittedRun& run) {
     Json rows = Json::array();
     for (const Study& study : run.suite.studies) {

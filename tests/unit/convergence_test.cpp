@@ -180,7 +180,7 @@ TEST_F(ConvergenceTest, EveryCheckpointHasItsErrorsAndClocks) {
             EXPECT_EQ(wall, row.at("pt_wall_ms"));
         }
     }
-    // The same bits: measured once, on clocks of their own.
+    // Cells with the same bits are measured once, on clocks of their own.
     EXPECT_EQ(cells[0].at("convergence").at("shared_with"), "");
     EXPECT_EQ(cells[1].at("convergence").at("shared_with"), cells[0].at("cell"));
     for (std::size_t sample = 0; sample < 3; ++sample) {
@@ -211,7 +211,7 @@ TEST_F(ConvergenceTest, EveryCheckpointHasItsErrorsAndClocks) {
     }
 }
 
-// Of a folder that has the name of a result's images, those alone are replaced that the earlier result names.
+// A folder that has the name of a result's images keeps its files, but for those that the earlier result names.
 TEST(ImagesFolderTest, KeepsWhatNoResultNames) {
     const test::TemporaryFolder folder;
     const std::string result = folder.file("room.json");

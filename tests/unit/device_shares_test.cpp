@@ -102,7 +102,7 @@ TEST(DeviceSharesTest, DynamicFollowsTheSpeedOfDevices) {
     EXPECT_LE(std::max(busy_until[0], busy_until[1]), 1.02 * ideal);
 }
 
-// Devices ask at once.
+// Devices that ask at the same time, in threads, get each sample once.
 TEST(DeviceSharesTest, DynamicHandsOutEachSampleOnceToThreads) {
     constexpr std::uint32_t samples = 20000, devices = 4;
     SampleSource source(partitions.at("dynamic"), devices, {0, samples});

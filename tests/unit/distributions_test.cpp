@@ -53,7 +53,7 @@ TEST(DistributionsTest, StudentQuantile) {
     expect_close(student_t_deviate(0.025, 15), 2.131449545559323);
     EXPECT_NEAR(student_t_deviate(0.5, 4), 0, 1e-15);
     expect_close(student_t_deviate(1e-8, 15), 10.714732022798797);
-    // Where scipy.stats.t.sf is 1e-12; t.isf itself is off by 2e-11 here.
+    // At this deviate scipy.stats.t.sf is 1e-12; t.isf itself is off by 2e-11 here.
     expect_close(student_t_deviate(1e-12, 2.5), 55306.174076515817);
     expect_close(student_t_deviate(1e-4, 30), 4.23398595727202);
     expect_close(student_t_deviate(0.01, 1e6), 2.3263516031208056, 1e-8);

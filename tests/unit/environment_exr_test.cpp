@@ -78,7 +78,7 @@ TEST(EnvironmentExrTest, ADataWindowBeyondTheDisplayWindowIsCut) {
             }
         }
     }
-    // Both at another place.
+    // Data window and display window may both begin elsewhere than at (0, 0).
     const Imath::Box2i shifted({5, 7}, {8, 8});
     EXPECT_EQ(parse_exr(exr_of(Imf::Header(shifted, shifted), {"Y"}), "sky.exr").texels[4], Vec3<float>(86));
 }

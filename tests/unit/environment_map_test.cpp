@@ -28,7 +28,7 @@ SceneEnvironment environment_with(std::uint32_t width, std::uint32_t height, con
     return *builder.scene.environment_map;
 }
 
-// Of texels from 0 to 1, and one that is `bright`.
+// An environment of texels from 0 to 1, and one that is `bright`.
 SceneEnvironment random_environment(std::uint32_t width, std::uint32_t height, double bright, double rotation = 0) {
     Random random(7);
     std::vector<Vec3d> texels;
@@ -231,7 +231,7 @@ TEST(EnvironmentImage, ReadsRadianceFiles) {
     ASSERT_EQ(image.texels.size(), 2u);
     EXPECT_EQ(image.texels[0], Vec3<float>(1, 0.5f, 0));
     EXPECT_EQ(image.texels[1], Vec3<float>(2, 2, 2));
-    // By runs: nine of one red, five and four greens, blues one by one, one exponent.
+    // The row is encoded by runs: nine of one red, five and four greens, blues one by one, one exponent.
     const std::string row = std::string("\x02\x02\0\x09", 4) + "\x89\x80" + "\x85\x80\x84\x40" +
                             "\x09\x80\x80\x80\x80\x80\x80\x80\x80\x20" + "\x89\x81";
     const EnvironmentImage runs = parse_hdr(hdr_of(9, 1, row), "");
@@ -240,7 +240,7 @@ TEST(EnvironmentImage, ReadsRadianceFiles) {
     EXPECT_EQ(runs.texels[4], Vec3<float>(1, 1, 1));
     EXPECT_EQ(runs.texels[5], Vec3<float>(1, 0.5f, 1));
     EXPECT_EQ(runs.texels[8], Vec3<float>(1, 0.5f, 0.25f));
-    // By older runs: a texel and seven more of it, 257 of another (256 by a second run).
+    // The image is encoded by older runs: a texel and seven more of it, 257 of another (256 by a second run).
     const std::string older =
         "\x80\x80\x80\x81\x01\x01\x01\x07" + std::string("\x80\x40\x40\x81\x01\x01\x01\0", 8) + "\x01\x01\x01\x01";
     const EnvironmentImage old_runs = parse_hdr(hdr_of(265, 1, older), "");
@@ -334,7 +334,7 @@ TEST(EnvironmentImage, ExrComesBackAsItWas) {
     EXPECT_EQ(back.width, 3u);
     EXPECT_EQ(back.height, 2u);
     EXPECT_EQ(back.texels, image.texels);
-    // Luminance alone is grey.
+    // An image with the channel Y alone is read as grey.
     const EnvironmentImage grey = parse_exr(encode_exr({{"", "Y", {1, 2}}}, 2, 1), "sky.exr");
     EXPECT_EQ(grey.texels, (std::vector<Vec3<float>>{Vec3<float>(1), Vec3<float>(2)}));
     for (const std::string& broken : {std::string("hello"), std::string(), content.substr(0, content.size() / 2),

@@ -56,7 +56,7 @@ protected:
     }
 };
 
-// "CELL's compaction: reason", each.
+// The failed cells in words: "COMPACTION: REASON".
 std::vector<std::string> told(const std::vector<FailedCell>& failed) {
     std::vector<std::string> texts;
     for (const FailedCell& one : failed) {

@@ -27,7 +27,7 @@ TYPED_TEST(GgxGainTest, TheFitIsTheDirectionalAlbedos) {
         for (const double x : {0.001, 0.01, 0.05, 0.15, 0.3, 0.5, 0.7, 0.85, 0.95, 0.99, 1.0}) {
             const double cosine = std::min(1.0, x * alpha / std::sqrt(1 - x * x * (1 - alpha * alpha)));
             const double gain = static_cast<double>(ggx_gain(static_cast<Real>(x), static_cast<Real>(alpha)));
-            // 5e-4: the quadrature's own.
+            // 5e-4 is the error of the quadrature in kept_energy.
             EXPECT_NEAR((1 + gain) * kept_energy(alpha, cosine, 384), 1, fit + 5e-4) << alpha << " " << x;
         }
     }

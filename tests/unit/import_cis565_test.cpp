@@ -412,7 +412,7 @@ TEST(ImportCis565, RotationsGiveTheMatrixOfCis565) {
     }
 }
 
-// Where ours has its poles: the x of cis565 turned by z = 90 degrees about it, and close to that.
+// Rotations near the poles of ours: the x of cis565 turned by z = 90 degrees about it, and close to that.
 TEST(ImportCis565, RotationsGiveTheMatrixOfCis565NearThePoles) {
     test::Random random(2);
     for (int i = 0; i < 10000; ++i) {

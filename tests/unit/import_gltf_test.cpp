@@ -352,7 +352,7 @@ Json document_with_image(const Json& image) {
     return json;
 }
 
-// Of each way to have an image the texels are those of the file, and the corners lie where they did, with v up.
+// Whatever way a file has its image, the texels are those of the file, and the corners lie where they did, with v up.
 TEST_F(ImportGltfTest, TheBaseColoursImage) {
     const std::string content = content_of(tiles);
     const Json in_text = {{"uri", "data:image/png;base64," + base64(content)}};
@@ -525,7 +525,7 @@ TEST_F(ImportGltfTest, ANormalTexture) {
         EXPECT_EQ(material.normal_texture->image.texels,
                   read_texture_image(test::in_source("scenes/textures/studs.png"), TexelMeaning::normal).texels);
     }
-    // Of glass too.
+    // An image on glass needs texture coordinates too.
     json["materials"][0]["extensions"] = {{"KHR_materials_transmission", {{"transmissionFactor", 1}}}};
     json["meshes"][0]["primitives"][0]["attributes"].erase("TEXCOORD_0");
     EXPECT_EQ(Gltf(json).problems().size(), 1u);  // no coordinates

@@ -182,9 +182,9 @@ TEST(MitsubaImagesTest, EveryBitOfTheFilmComesBack) {
               render_variant(scene, options, "accelerator", "bvh2").hash());
 }
 
-// Where Mitsuba's own coordinates have the image's corners: u from its first column on, v from its first row on. Those
-// of a rectangle are (x + 1) / 2 and (y + 1) / 2, those of a sphere atan2(y, x) / 2 pi and acos(z) / pi, and those of a
-// PLY with flip_tex_coords u and 1 - v of the file (src/shapes/ of Mitsuba 3).
+// Mitsuba's own coordinates have the image's corners where ours have them: u from its first column on, v from its first
+// row on. Those of a rectangle are (x + 1) / 2 and (y + 1) / 2, those of a sphere atan2(y, x) / 2 pi and acos(z) / pi,
+// and those of a PLY with flip_tex_coords u and 1 - v of the file (src/shapes/ of Mitsuba 3).
 TEST(MitsubaImagesTest, CoordinatesAreTurnedByTheirFormulas) {
     const Scene scene = parse_scene(scene_with_images(), "scene.json");
     const MitsubaScene exported = mitsuba_scene(scene, {.width = 24, .height = 24, .depth = 5}, "there");
@@ -216,7 +216,7 @@ TEST(MitsubaImagesTest, CoordinatesAreTurnedByTheirFormulas) {
     }
 }
 
-// Of an image the texels are many more in the file, for Mitsuba blends them, and lie where they lay.
+// An environment's image has many more texels in the exported file, for Mitsuba blends them; they lie where they lay.
 TEST(MitsubaEnvironmentTest, ComesBack) {
     if (!reads_xml() || !has_openexr()) {
         GTEST_SKIP() << "this build has no reader for XML, or no OpenEXR";

@@ -219,7 +219,7 @@ TEST_F(ImportMitsubaTest, MediaAbsorbOrScatter) {
 
 TEST_F(ImportMitsubaTest, AFlatSpectrumOfAnEmitterIsNotGrey) {
     const Mitsuba read(scene_of(R"(<emitter type="constant"><spectrum name="radiance" value="2"/></emitter>)"));
-    // As Mitsuba 3.9.1 has it in scalar_rgb, in single precision.
+    // The numbers are those that Mitsuba 3.9.1 has in scalar_rgb, in single precision.
     EXPECT_NEAR(read.scene.environment.x, 2 * 1.204793, 1e-5);
     EXPECT_NEAR(read.scene.environment.y, 2 * 0.948292, 1e-5);
     EXPECT_NEAR(read.scene.environment.z, 2 * 0.908917, 1e-5);
@@ -299,7 +299,7 @@ std::string with_image(const std::string& more = "", const std::string& file = t
         file, more);
 }
 
-// A shape of that BSDF.
+// The XML of a shape whose BSDF is the one with the id "tiles".
 std::string shown_on(const std::string& type, const std::string& content = "") {
     return fmt::format("<shape type=\"{}\">{}<ref id=\"tiles\"/></shape>", type, content);
 }
@@ -310,7 +310,7 @@ std::string named_file(const std::string& file) {
 
 const std::string v_turned = R"(<transform name="to_uv"><scale x="1" y="-1"/></transform>)";
 
-// Where a point of the object's own space stands.
+// The place in the scene of a point of the object's own space.
 Vec3d placed_point(const SceneObject& object, const Vec3d& p) {
     const Rotation rotation = rotation_of(object.rotate_degrees);
     return object.translate + rotation.column[0] * (object.scale.x * p.x) +
@@ -343,7 +343,7 @@ TEST_F(ImportMitsubaTest, AnImageOnASphereLiesAsItDoesThere) {
     EXPECT_EQ(placed_point(sphere, {0, 0.5, 0}), Vec3d(0, 0, 1));
 }
 
-// Of a PLY Mitsuba's v is the file's, of an OBJ 1 - v; and it is downwards, unless to_uv turns it.
+// Mitsuba's v is the file's for a PLY, and 1 - v for an OBJ; and it is downwards, unless to_uv turns it.
 TEST_F(ImportMitsubaTest, AnImageOnAMeshLiesAsItDoesThere) {
     const TemporaryFolder folder;
     Mesh mesh;

@@ -20,7 +20,7 @@ const std::string two_squares =
     "mtllib two.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\n"
     "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
     "usemtl left side\nf 1/1 2/2 3/3 4/4\nusemtl right\nf 2/1 5/2 6/3 3/4\n";
-// A closed one, for glass.
+// A closed mesh, as glass must have.
 const std::string tetrahedron =
     "mtllib two.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl right\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 const std::string left = "newmtl left side\nKd 0.25 0.5 0.75\n";
@@ -39,7 +39,7 @@ public:
                               .out = folder.file("out.json"),
                               .name = ""});
     }
-    // Of the material `right` with these lines.
+    // The problems of an import whose material `right` has these lines.
     static Lines problems_of(const std::string& lines, const std::string& mesh = two_squares) {
         return Course(left + "newmtl right\n" + lines, mesh).import().problems.messages("a", "");
     }
@@ -48,7 +48,7 @@ public:
         EXPECT_EQ(result.problems.messages("a", ""), Lines()) << lines;
         return result.warnings.messages("a", "warning");
     }
-    // Its JSON in the scene.
+    // The JSON that the scene has for the material of these lines.
     static std::string material_of(const std::string& lines, const std::string& mesh = two_squares) {
         const ImportResult result = Course(left + "newmtl right\n" + lines, mesh).import();
         EXPECT_EQ(result.problems.messages("a", ""), Lines()) << lines;
@@ -152,7 +152,8 @@ TEST(ImportMtl, GlassByIllumination) {
     EXPECT_NE(problems[0].find("not closed"), std::string::npos) << problems[0];
 }
 
-// What both reflect together is Kd + Ks: albedo (1 - p) and reflectance p, exact in these numbers.
+// The diffuse lobe and the mirror of a mix reflect Kd + Ks together: albedo (1 - p) and reflectance p, exact in these
+// numbers.
 TEST(ImportMtl, AMirrorBesideADiffuseColour) {
     EXPECT_EQ(Course::material_of("Kd 0\nKs 0.5 0.25 0\nillum 3\n"),
               R"({"type": "mirror", "reflectance": [0.5, 0.25, 0]})");

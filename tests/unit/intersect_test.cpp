@@ -182,7 +182,7 @@ TYPED_TEST(IntersectTest, TiesGoToTheLowestObjectNumber) {
     using Real = TypeParam;
     for (int shape = 0; shape < 5; ++shape) {
         SceneBuilder builder;
-        // The same body twice.
+        // Both materials have a body in the same place.
         for (const double albedo : {0.25, 0.75}) {
             const std::uint32_t material = builder.diffuse(Vec3d(albedo));
             const Vec3d centre{0, 0, 4};

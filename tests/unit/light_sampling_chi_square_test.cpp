@@ -126,7 +126,7 @@ struct Tests {
     }
 };
 
-// By 8 x 8 points of Gauss and Legendre; the lamp is the scene's only object.
+// The probability of a cell, by 8 x 8 points of Gauss and Legendre; the lamp is the scene's only object.
 template <class Real, class Sky>
 double probability_of(const Sky& sky, const SceneView<Real>& scene, const Vec3d& from, int cell) {
     constexpr double nodes[] = {-0.9602898564975363, -0.7966664774136267, -0.5255324099163290, -0.1834346424956498,

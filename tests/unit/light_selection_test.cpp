@@ -155,7 +155,7 @@ TYPED_TEST(LightSelectionTest, TreeDrawsWithTheProbabilityThatItSays) {
                 const LightPick<TypeParam> pick = pick_from_tree(nodes_of(tables), vertex, random_words(random));
                 ASSERT_LT(pick.light, count);
                 const double probability = tree_probability(tables, vertex, pick.light);
-                // A few roundings a level.
+                // 64 roundings are a few for each level of the tree.
                 ASSERT_NEAR(static_cast<double>(pick.inverse_probability) * probability, 1,
                             64 * static_cast<double>(gamma<TypeParam>(1)));
                 // Both techniques weigh by one density, bit for bit.
@@ -278,7 +278,7 @@ TYPED_TEST(LightSelectionTest, EveryLightIsWithinReachFromEverywhere) {
     }
 }
 
-// Where every cut takes one light off, the levels would run out.
+// Lights of which every cut would take one off, so that the levels would run out.
 TYPED_TEST(LightSelectionTest, TreesEndWithinTheirLevels) {
     std::vector<LightExtent> lights;
     for (int i = 0; i < 300; ++i) {

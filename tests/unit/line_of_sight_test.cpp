@@ -253,7 +253,7 @@ TYPED_TEST(LineOfSightTest, IsThatOfTheClosestHitUnderALightLetIntoACeiling) {
     }
 }
 
-// As a path that meets them does, bit for bit: only what is met before can hide them.
+// A shadow ray enters a body where a path that meets it does, bit for bit: only what is met before can hide it.
 TYPED_TEST(LineOfSightTest, BodiesTellWhereARayEntersThem) {
     using Real = TypeParam;
     Random random(5);

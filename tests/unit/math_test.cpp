@@ -110,7 +110,7 @@ TYPED_TEST(MathTest, ExponentialIsWithinOneUnit) {
         check(static_cast<Real>(random.uniform(underflow, std::log(Limits::min()))));  // to denormal numbers
         check(std::ldexp(static_cast<Real>(random.uniform(-1, 1)), -static_cast<int>(random.word() % 1100)));
     }
-    // Where the reduction turns to the next power of two: odd multiples of ln(2)/2.
+    // These are the numbers at which the reduction turns to the next power of two: odd multiples of ln(2)/2.
     for (int k = Limits::min_exponent - Limits::digits; k < Limits::max_exponent; ++k) {
         const Real x = static_cast<Real>((k + 0.5L) * logl(2));
         check(std::nextafter(x, -Limits::infinity()));
@@ -194,8 +194,8 @@ TYPED_TEST(MathTest, ExponentialAndLogarithmAscend) {
     constexpr int steps = 2000;
     const auto e = [](Real x) { return exponential(x); };
     const auto l = [](Real x) { return logarithm(x); };
-    // Where a step shows first: at 0 and 1, at the turns of both reductions, at the border to denormal numbers, at the
-    // ends of the range.
+    // A step would show first at 0 and 1, at the turns of both reductions, at the border to denormal numbers, and at
+    // the ends of the range.
     const Real half_ln2 = std::log(Real(2)) / 2, root_half = std::sqrt(Real(0.5));
     for (const Real x : {Real(0), half_ln2, -half_ln2, 5 * half_ln2, -5 * half_ln2, -41 * half_ln2, Real(-1), Real(1),
                          std::log(Limits::min()), std::log(Limits::denorm_min()), std::log(Limits::max())}) {

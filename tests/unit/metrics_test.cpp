@@ -47,7 +47,7 @@ TEST(Metrics, BiasIsTheProductOfWhatTheHalvesAgreeOn) {
     const Halves halves{{2, 2, 0}, {4, 3, 2}};
     const std::optional<Errors> errors = errors_of({3, 2.5, 1}, &halves, r1, r2);
     ASSERT_TRUE(errors.has_value());
-    // By channel: ((1)(1) + (-1)(3)) / 2, ((1)(2) + (1)(2)) / 2, ((-1)(1) + (-1)(1)) / 2.
+    // The channels have ((1)(1) + (-1)(3)) / 2, ((1)(2) + (1)(2)) / 2 and ((-1)(1) + (-1)(1)) / 2.
     EXPECT_EQ(errors->bias2, (-1.0 + 2.0 - 1.0) / 3);
 }
 

@@ -1,4 +1,4 @@
-// Where a point of a triangle is kept off its edges must not depend on the unit of length.
+// How a point of a triangle is kept off its edges must not depend on the unit of length.
 #include <cmath>
 
 #include <gtest/gtest.h>

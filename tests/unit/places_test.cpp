@@ -1,4 +1,4 @@
-// Where scenes and suites are looked for.
+// Tests where scenes and suites are looked for.
 #include "harness/scene/places.h"
 
 #include <cstdlib>

@@ -77,7 +77,7 @@ double diffuse_bsdf(const Kind& kind, double colour, double a, double b) {
     return diffuse_share(kind) * colour / pi<double> * (1 - std::max(reflectance(n, a), reflectance(n, b)));
 }
 
-// Above the surface.
+// The principled BSDF for two directions above the surface, by its formula in double.
 double bsdf(const Kind& kind, double colour, double alpha, const Vec3d& a, const Vec3d& b) {
     const Vec3d half = normalize(a + b);
     const double both = 1 / (1 + smith_lambda(alpha, a.z) + smith_lambda(alpha, b.z));
@@ -195,7 +195,7 @@ TYPED_TEST(PrincipledTest, AnEvenLightIsKeptAsQuadratureHasIt) {
                 if (kind.ior == 1 && kind.transmission > 0) {
                     exact = kind.colour.y;
                 }
-                // As if the points were independent.
+                // The error is taken as if the points were independent.
                 const double error = std::sqrt(std::max(0.0, square - kept * kept)) / side;
                 EXPECT_NEAR(kept, exact, test::tolerated_errors * error + 1e-4)
                     << roughness << " " << cosine << " m " << kind.metallic << " t " << kind.transmission << " n "
@@ -205,7 +205,7 @@ TYPED_TEST(PrincipledTest, AnEvenLightIsKeptAsQuadratureHasIt) {
     }
 }
 
-// Of white: no more than there is, at any roughness, index and angle.
+// A white material reflects and transmits no more light than there is, at any roughness, index and angle.
 TEST(PrincipledEnergy, AWhiteOneGainsNothing) {
     for (const double alpha : {1e-6, 0.01, 0.1, 0.3, 1.0}) {
         for (const double ior : {1.0, 1.02, 1.33, 1.5, 2.5, 20.0}) {
@@ -240,7 +240,7 @@ TEST(PrincipledEnergy, StraightOnASmoothOneKeepsAllButItsMeanReflectance) {
         const double cosine = (i + 0.5) / steps;
         mean += 2 * cosine * reflectance(1.5, cosine) / steps;
     }
-    // Walsh 1926, of index 1.5.
+    // The hemispherical reflectance of index 1.5 (Walsh 1926).
     EXPECT_NEAR(mean, 0.0918, 1e-4);
     EXPECT_NEAR(directional_albedo({0, 0, 1.5}, 0.5, 1e-6, 1), 0.04 + 0.5 * (1 - mean), 1e-5);
 }

@@ -66,7 +66,7 @@ TEST(QueueChunksTest, TheKeysOfLivePathsAreBelowTheLast) {
             EXPECT_LT(key_of(capacity - 1, materials, materials, chunk), keys_of_chunks(capacity, materials, chunk));
         }
     }
-    // By chunk, then by material, "missed" the last of a chunk.
+    // Keys are ordered by chunk, then by material, "missed" the last of a chunk.
     EXPECT_EQ(key_of(65535, 9, 9, 65536) + 1, key_of(65536, 0, 9, 65536));
 }
 

@@ -300,7 +300,7 @@ TEST_F(ResultFileTest, WhatNoRunWroteIsRefused) {
     };
     const Json ok{{"status", "ok"}, {"reason", ""}};
     EXPECT_EQ(refusal(ok, good_sample), "");
-    // What only times can be.
+    // Times and counts that no sample can have are refused.
     for (const auto& [key, value, found] : std::vector<std::tuple<const char*, Json, const char*>>{
              {"pt_wall_ms", 0, "pt_wall_ms 0, not above 0"},
              {"pt_wall_ms", "1", "pt_wall_ms \"1\""},

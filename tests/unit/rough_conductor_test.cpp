@@ -63,7 +63,7 @@ TYPED_TEST(RoughConductorTest, AWhiteFurnaceLosesWhatSingleScatteringLoses) {
                                                             static_cast<Real>(v + random.uniform(-0.5, 0.5) / 512));
                 return sample.cosine > 0 ? static_cast<double>(sample.value.weight.x) : 0.0;
             });
-            // Of 2^18 stratified points, where a half of them scatter by 1: some 3e-5.
+            // The error of 2^18 stratified points, a half of which scatter by 1, is some 3e-5.
             EXPECT_NEAR(kept, kept_energy(roughness * roughness, cosine), 2e-4) << roughness << " " << cosine;
         }
     }

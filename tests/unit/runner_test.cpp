@@ -440,7 +440,7 @@ TEST_F(RunnerTest, ResumeKeepsTheSamplesThatWereTaken) {
 
     for (std::size_t lines = 0; lines <= ends.size(); ++lines) {
         SCOPED_TRACE(lines);
-        // As a kill leaves it: whole lines, and half of the next.
+        // The journal is as a kill leaves it: whole lines, and half of the next.
         const std::size_t size = lines == 0 ? 0 : ends[lines - 1];
         test::write_text(journal_file, kept.substr(0, size + (lines < ends.size() ? (ends[lines] - size) / 2 : 0)));
         ASSERT_EQ(run(suite(three_compactions), how), exit_good);
@@ -700,7 +700,7 @@ TEST_F(RunnerTest, GoingOnDoesNotOverwriteAnothersResultUnasked) {
     EXPECT_NE(test::content_of(out), others);
 }
 
-// As `ptbench merge` to the same name does.
+// Another command may write the result's file meanwhile, as `ptbench merge` to the same name does.
 TEST_F(RunnerTest, WhatAnotherCommandWroteMeanwhileStays) {
     int renders = 0;
     on_render = [&] {

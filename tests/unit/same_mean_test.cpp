@@ -128,7 +128,7 @@ TEST(SameMeanTest, PixelsThatStayBlackAreFoundAndCounted) {
     EXPECT_EQ(p_of(dense, support), 1);
 }
 
-// Of a light of area 1.1, seen through three fifths of the light in the brightest place and less with distance.
+// A light of area 1.1 is seen by three fifths of the light in the brightest place, and by less with distance.
 TEST(SameMeanTest, ALightSampledWithoutItsAreaIsFound) {
     const auto factor = [](std::uint32_t x, std::uint32_t) { return 1 + 0.6 * (1.1 - 1) * (1 - x / 32.0); };
     const SameMeanReport report = compare({.spp = 64, .dense = true, .factor = factor}, {.spp = 64});
@@ -269,7 +269,7 @@ ImageRuns minstd_runs(std::uint32_t spp, const std::function<std::uint32_t(std::
     return runs;
 }
 
-// The same walk with independent numbers: every iteration of every run has a seed of its own.
+// Runs of the walk with independent numbers: every iteration of every run has a seed of its own.
 ImageRuns independent_runs(std::uint32_t spp, std::uint64_t seed) {
     test::Random random(seed);
     ImageRuns runs(32, 32);

@@ -182,8 +182,8 @@ double probability_in_squares(const Pattern& pattern) { return splits_halves(pat
 double probability_in_halves(const Pattern& pattern) { return splits_halves(pattern) ? 0.0 : 1.0 / 8; }
 double probability_if_shuffled_apart(const Pattern& pattern) { return splits_halves(pattern) ? 1.0 / 32 : 1.0 / 16; }
 
-// Of the first four points of Sobol's first dimension and any other one lies in each square of halves; the others have
-// theirs in the same halves.
+// Four successive points of Sobol's first dimension and any other have one in each square of halves; the other pairs of
+// dimensions have theirs in the same halves.
 TEST(SobolTest, WordsAreScrambledApart) {
     const Probability probability = [](std::size_t a, std::size_t b, const Pattern& pattern) {
         if (a / 4 != b / 4) {
@@ -195,7 +195,7 @@ TEST(SobolTest, WordsAreScrambledApart) {
     expect_patterns(set_of(Feature::sobol_owen), 20, probability);
 }
 
-// Of a pair's four samples one lies in each square of halves; another pair has another order.
+// Four successive samples of a pair have one in each square of halves; another pair has another order.
 TEST(Pmj02Test, WordsAreScrambledApart) {
     const Probability probability = [](std::size_t a, std::size_t b, const Pattern& pattern) {
         if (a / 2 != b / 2) {

@@ -106,8 +106,8 @@ TEST(SobolTest, OtherKeysGiveOtherPoints) {
     }
 }
 
-// Of an integrand that is smooth the error falls as n^-1.5 in one dimension where that of random numbers falls as
-// n^-0.5: at 1024 samples it is far below a tenth.
+// The error of a smooth integrand falls as n^-1.5 in one dimension where that of random numbers falls as n^-0.5: at
+// 1024 samples it is far below a tenth.
 TEST(SobolTest, IntegratesSmoothFunctionsFarBetterThanRandomNumbers) {
     double of_sobol = 0, of_hash = 0;
     for (std::uint32_t pixel = 0; pixel < 64; ++pixel) {
@@ -187,8 +187,8 @@ TEST(Pmj02Test, PairsAreShuffledApart) {
     EXPECT_NEAR(product.value(), 0, test::tolerated_errors * product.standard_error());
 }
 
-// By the Chinese remainder theorem: of 2^2 x 3^2 samples one lies in each box of a quarter by a ninth, and of every p^k
-// one in each interval of length p^-k of the dimension with that base.
+// The oracle is the Chinese remainder theorem: of 2^2 x 3^2 samples one lies in each box of a quarter by a ninth, and
+// of every p^k one in each interval of length p^-k of the dimension with that base.
 TEST(HaltonTest, FillsTheIntervalsOfItsBases) {
     const RandomSeed seed = RandomSeed::from(7);
     const auto interval = [](std::uint32_t word, std::uint64_t count) { return (word * count) >> 32; };

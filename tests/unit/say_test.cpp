@@ -12,7 +12,7 @@
 namespace pt {
 namespace {
 
-// Another stderr while it lives.
+// Sends stderr to another descriptor for as long as it lives.
 class StderrTo {
 public:
     explicit StderrTo(int descriptor) : kept_(::dup(STDERR_FILENO)) { ::dup2(descriptor, STDERR_FILENO); }

@@ -98,7 +98,7 @@ TEST(SceneJson, EnvironmentsThatAreDrawn) {
     EXPECT_NE(turned.environment_map->hash, sky.environment_map->hash);  // which is part of the scene's
 }
 
-// The same texels in rows of another length are another picture.
+// Texels in rows of another length are another picture.
 TEST(SceneJson, AnEnvironmentsShapeIsPartOfItsHash) {
     const test::TemporaryFolder folder;
     const auto hash_of = [&](int width, int height) {

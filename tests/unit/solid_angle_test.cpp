@@ -212,7 +212,7 @@ TYPED_TEST(SolidAngleTest, Sphere) {
         for (const double height : {1e-3, 0.5, 20.0}) {
             const Vec3d away = normalize(Vec3d(0.3, 0.8, -0.5));
             const Sphere<Real> sphere{narrow<Real>(centre), static_cast<Real>(radius), static_cast<Real>(1 / radius)};
-            // As the rounded numbers stand to each other.
+            // The geometry is that of the rounded numbers.
             const Vec3d from(narrow<Real>(centre + away * (radius * (1 + height))));
             const Vec3d apart = from - Vec3d(sphere.centre);
             const double distance = std::sqrt(dot(apart, apart));
@@ -454,8 +454,8 @@ TYPED_TEST(SolidAngleTest, QuadFromItsOwnPlane) {
     }
 }
 
-// Of threads and needles, seen from their ends and from all over, whatever is drawn is a direction with a density, and
-// a density is a number: a corner of such a rectangle lies nearer to the observer than its square can say.
+// Threads and needles, seen from their ends and from all over: whatever is drawn is a direction with a density, and a
+// density is a number. A corner of such a rectangle lies nearer to the observer than its square can say.
 TYPED_TEST(SolidAngleTest, BoxesOfExtremeSidesHaveDensities) {
     using Real = TypeParam;
     const auto expect_numbers = [](const AxisBox<Real>& box, const Vec3<Real>& from, const std::string& what) {

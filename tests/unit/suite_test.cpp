@@ -308,7 +308,7 @@ TEST_F(SuiteTest, TellsTwoScenesOfOneNameApartByTheirHashes) {
         }
         EXPECT_EQ(names.size(), 2u);
     }
-    // The same scene from two places is one scene.
+    // One scene's text in two places is one scene.
     test::write_text(other, scene_text("still", false));
     EXPECT_EQ(plan(R"({"name": "a", "scenes": ["still", ")" + other + "\"]}").cells.size(), 1u);
 }
@@ -443,7 +443,7 @@ TEST_F(SuiteTest, ACellThatTwoStudiesShareIsOneCellOfBoth) {
     EXPECT_EQ(made.cells[0].studies, (std::vector<std::string>{"a", "b"}));  // the baseline
     EXPECT_EQ(made.cells[1].studies, std::vector<std::string>{"a"});
     EXPECT_EQ(made.cells[2].studies, std::vector<std::string>{"b"});
-    // Other settings, other cells.
+    // Studies of other settings share no cells.
     EXPECT_EQ(plan(R"({"name": "a", "scenes": ["still"]}, {"name": "b", "scenes": ["still"], "spp": 2})").cells.size(),
               2u);
 }

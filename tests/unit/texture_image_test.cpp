@@ -10,7 +10,7 @@
 #include "tests/support/command.h"
 #include "tests/support/places.h"
 
-// Of stb_image_write.h, which harness/render/image.cpp compiles.
+// These functions are those of stb_image_write.h, which harness/render/image.cpp compiles.
 extern "C" int stbi_write_png_to_func(void (*write)(void*, void*, int), void* context, int width, int height,
                                       int channels, const void* data, int stride);
 extern "C" int stbi_write_jpg_to_func(void (*write)(void*, void*, int), void* context, int width, int height,
@@ -281,7 +281,7 @@ TEST(TexturedScene, NeedsCoordinatesOfItsMeshes) {
                   std::string::npos);
     }
     EXPECT_EQ(scene_of(tiled_metal, with).meshes[0]->coordinates.size(), 1u);
-    // The same mesh with other coordinates, or none, is another.
+    // A mesh with other coordinates, or none, is another mesh.
     const Scene plain = scene_of(R"({"type": "diffuse", "albedo": [1, 1, 1]})", one_triangle);
     EXPECT_TRUE(plain.meshes[0]->coordinates.empty());
     EXPECT_EQ(plain.meshes[0]->hash, scene.meshes[0]->hash);

@@ -247,7 +247,7 @@ TEST(TunableTest, AReferenceKeepsThoseOfChoicesThatDoNotClaimBits) {
     EXPECT_EQ(shown_name(kept, Backend::cpu),
               "depth_first first_bounce=cached_jitters specialisation=generic jitters=4");
     EXPECT_EQ(registry.reference(kept), kept);
-    // Those of no choice, or of one that claims bits, go.
+    // The reference loses tunables of no choice, or of one that claims bits.
     EXPECT_TRUE(registry.reference(variant_with({}, {{"jitters", 4}})).tuning.empty());
     if (test::cuda_is_built()) {
         const Variant variant =

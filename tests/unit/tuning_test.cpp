@@ -21,7 +21,7 @@ namespace {
 const std::string plain = "wavefront";
 const std::string kept = "wavefront first_bounce=cached_jitters";
 
-// By the name, which is plain, kept, or of no variant that there is.
+// The identity of a variant by its test name, which is plain, kept, or that of no variant.
 std::string id_of(const std::string& name) {
     Variant variant = Registry::instance().baseline();
     if (name == kept) {

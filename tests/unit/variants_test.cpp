@@ -416,7 +416,7 @@ TEST(RegistryTest, ABackendHasItsOwnChoices) {
              .baseline = on_cpu,
              .backends = on_every_backend},
             {});
-    // Each backend's own baseline first.
+    // The baseline of a backend comes first in its list.
     EXPECT_EQ(names(Backend::cpu), (std::vector<std::string>{"zero", "a_last", "quick"}));
     EXPECT_EQ(names(Backend::cuda), (std::vector<std::string>{"a_last", "quick", "zero"}));
     EXPECT_THROW(
@@ -574,7 +574,7 @@ TEST(VariantTest, ReferenceIsThePlainestVariantOfTheSameExpectation) {
                             ".brute_force." + variant["builder"] +
                             ".while_while.local.each_object.solid_angle.1.samples.uniform.classical");
         EXPECT_EQ(registry().reference(reference), reference);
-        // Which do not go together.
+        // Pairs of choices that do not go together have no kernel.
         const bool has_formulas = variant["precision"] == "double_intersection" || variant["robustness"] == "naive";
         const bool excluded =
             (formula == "matrix" && (variant["precision"] == "double" || variant["sampler"] != "pcg4d")) ||
@@ -798,7 +798,7 @@ TEST(ApplicabilityTest, SaysWordForWordWhatDoesNotApply) {
     }
 }
 
-// For programs: neither changes when a sentence does.
+// Programs read the code and the axis: neither changes when a sentence does.
 TEST(ApplicabilityTest, ReasonsHaveACodeAndTheAxisThatDoesNotApply) {
     const struct {
         std::vector<std::pair<std::string, std::string>> choices;
@@ -1133,7 +1133,7 @@ TEST(WorkTest, EveryCheckIsTriedAbove) {
     }
 }
 
-// As many camera rays are kept as there are samples, or fewer: both are the cache's work.
+// The cache's work is right with as many camera rays kept as there are samples, or fewer.
 TEST(WorkTest, ACacheOfSeveralRaysMayBeFilledByEverySample) {
     const Descriptor& d = registry().find("first_bounce", "cached_jitters")->descriptor;
     EXPECT_EQ(d.check_counters({.paths = 200, .rays = 500, .cache_fills = 200, .cache_hits = 0}, 2), "");

@@ -15,7 +15,7 @@ namespace pt {
 namespace {
 
 constexpr std::uint32_t width = 16, height = 12, spp = 3;
-// Where faults are planted: one pixel, one sample, one place along the path.
+// The place of planted faults: one pixel, one sample, one place along the path.
 constexpr std::uint32_t bad_pixel = 77, bad_sample = 2;  // pixel 13,4
 
 // ---- Faulty choices ----
@@ -192,7 +192,7 @@ void add_a_negative(RenderJob& job) {
     job.film.add(5, Vec3<float>(0, -1, 0));
 }
 
-// Every sample alone is right.
+// A variant whose film is wrong only if it takes more than one sample at once.
 void spoil_the_sum(RenderJob& job) {
     generic_kernel("depth_first")(job);
     if (job.samples > 1) {
@@ -200,7 +200,7 @@ void spoil_the_sum(RenderJob& job) {
     }
 }
 
-// Other numbers, the same expectation.
+// A variant with other random numbers, and so another film of the same expectation.
 void take_other_samples(RenderJob& job) {
     job.first_sample += 1000;
     generic_kernel("depth_first")(job);
@@ -264,7 +264,7 @@ Scene closed_room() {
     return builder.scene;
 }
 
-// The same without walls, in a bright environment: paths leave at any segment.
+// A scene without walls, in a bright environment: paths leave at any segment.
 Scene open_scene() {
     test::SceneBuilder builder;
     builder.environment(0.5);

@@ -188,7 +188,7 @@ TEST(VertexNormals, ComputedDoNotKnowSeams) {
     }
 }
 
-// Of generators: all that are smooth have them, unit and outward of most of their triangles; the others are refused.
+// All generators of smooth meshes have normals, unit and outward of most of their triangles; the others are refused.
 TEST(VertexNormals, OfGenerators) {
     int smooth = 0;
     for (const Generator& generator : generators()) {

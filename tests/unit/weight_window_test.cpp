@@ -50,7 +50,7 @@ TYPED_TEST(WeightWindowTest, NoPathCarriesMoreThanItsBound) {
     path.throughput = Vec3<Real>(Real(0.75), Real(0.5), Real(0));
     for (int vertex = 0; vertex < 100; ++vertex) {
         ASSERT_TRUE(survives_by_share(path, Real(0), Real(1), Real(0)));
-        // 2 roundings.
+        // The throughput may be above the bound by two roundings.
         ASSERT_LE(path.throughput.x, most_carried<Real> * (Real(1) + gamma<Real>(2)));
     }
     EXPECT_GT(path.throughput.x, most_carried<Real> / 2);

@@ -17,7 +17,7 @@ private:
     void spoil(PathQueue& queue) override {
         const char* const in = std::getenv("PTBENCH_CRASH_IN_RENDER");
         if (in != nullptr && renders == std::atoi(in)) {
-            // On whichever thread comes first.
+            // The crash is on whichever thread of the pool comes first.
             parallel_for(queue.count, 64, [](std::size_t, std::size_t) {
                 volatile int* volatile nowhere = nullptr;
                 *nowhere = 1;

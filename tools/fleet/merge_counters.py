@@ -64,7 +64,7 @@ def kernels_of(lines: Iterable[str]) -> dict[str, dict[str, float]]:
 
 
 def counters_of(sums: dict[str, float], rays: float, ceilings: dict[str, float]) -> dict:
-    """As `ptbench inspect` writes a kernel's."""
+    """The counters of a kernel as `ptbench inspect` writes them."""
     seconds = sums["seconds"]
     reached = {
         "issue": sums["warp_instructions"] / ceilings["issue_g_warp_instructions_per_second"],
@@ -86,7 +86,7 @@ def counters_of(sums: dict[str, float], rays: float, ceilings: dict[str, float])
 
 
 def merged(folder: Path) -> list[dict]:
-    """All entries, those of one file after those of another."""
+    """The entries of all files, those of one after those of another."""
     read = [
         (folder / "csv" / f"{file.stem.removeprefix('inspect_')}-{number}.csv", entry)
         for file in sorted(folder.glob("inspect_*.json"))

@@ -36,7 +36,7 @@ GRACE = 30.0  # seconds beyond twice what a call is said to take
 
 @dataclass(frozen=True)
 class Call:
-    """A line of the list."""
+    """A call of the list that is to be run."""
 
     name: str
     seconds: float
@@ -63,7 +63,7 @@ def calls_in(text: str, file: str) -> list[Call]:
 
 
 class Host:
-    """The GPUs and cores, and what is left of the time."""
+    """The host: its GPUs and cores, and what is left of the time."""
 
     def __init__(self, gpus: int, out: Path, until: float) -> None:
         self._gpus, self._out, self._until = gpus, out, until

@@ -45,7 +45,7 @@ JSON_NEEDS = {
 
 MISSING_MESH = "mesh file that is not in the repository"
 
-# The first that fits a problem names its reason.
+# Reasons by pattern; the first that fits a problem names its reason.
 REASONS = (
     # A pattern of the program by its number.
     ("procedural shape or pattern", r"TEXTURE \d+\", allowed: an image"),
@@ -77,7 +77,7 @@ REASONS = (
 
 @dataclass
 class Scene:
-    """One file, what it asks for and what became of it."""
+    """A scene that was tried: its file, what it asks for and what became of it."""
 
     author: str
     path: Path
@@ -90,7 +90,7 @@ class Scene:
 
     @property
     def group(self) -> str:
-        """What there must be for it to be read."""
+        """The group of a scene: what there must be for it to be read."""
         if not self.needs:
             return "plain"
         return "mesh" if self.needs == ["mesh"] else "texture or procedural"
@@ -102,7 +102,7 @@ class Scene:
 
     @property
     def lacks_a_file(self) -> bool:
-        """Whether any file that it names is missing."""
+        """Whether any file that the scene names is missing."""
         return any(reason.endswith("that is not in the repository") for reason in self.reasons)
 
 
@@ -150,7 +150,7 @@ def scenes_in(folder: Path) -> tuple[list[Scene], Counter]:
 
 
 def run(command: list[str], seconds: int) -> tuple[int, str]:
-    """The exit code and what was said on both streams."""
+    """Runs a program; returns the exit code and what was said on both streams."""
     try:
         done = subprocess.run(command, capture_output=True, timeout=seconds, check=False)
     except subprocess.TimeoutExpired:
@@ -168,7 +168,7 @@ def reasons_of(said: str) -> set[str]:
 
 
 def try_scene(scene: Scene, binary: Path) -> None:
-    """Fills in what became of it."""
+    """Tries to import a scene, and fills in what became of it."""
     with tempfile.TemporaryDirectory(prefix="ptbench-survey-") as name:
         out = Path(name) / "scene.json"
         code, scene.said = run([str(binary), "import", str(scene.path), "--out", str(out)], RENDER_SECONDS)
@@ -191,14 +191,14 @@ def try_scene(scene: Scene, binary: Path) -> None:
 
 
 def share(scenes: list[Scene]) -> dict:
-    """How many of them came through."""
+    """How many of the scenes came through."""
     good = sum(scene.outcome == IMPORTED for scene in scenes)
     exact = sum(scene.outcome == IMPORTED and scene.warnings == 0 for scene in scenes)
     return {"files": len(scenes), "imported_and_rendered": good, "without_a_warning": exact}
 
 
 def document(scenes: list[Scene], left_out: Counter, binary: Path) -> dict:
-    """All counts."""
+    """The survey's document, with all counts."""
     groups = ("plain", "mesh", "texture or procedural")
     by = {
         dialect: [scene for scene in scenes if dialect in (scene.dialect, "all")] for dialect in ("all", "text", "json")

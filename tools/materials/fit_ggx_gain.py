@@ -10,7 +10,7 @@ ALONG, ACROSS, UPRIGHT = 8, 6, 6  # coefficients by sqrt(x), by alpha, and of al
 
 
 def directional_albedo(x, alpha, points=160):
-    """Of the direction whose cosine c has c / sqrt(c^2 + alpha^2 (1 - c^2)) = x; visible normals after Heitz 2018."""
+    """Albedo at the cosine c with c / sqrt(c^2 + alpha^2 (1 - c^2)) = x; visible normals after Heitz 2018."""
     cosine = x * alpha / np.sqrt(1 - x * x * (1 - alpha * alpha)) if x < 1 else 1.0
     q = np.sqrt(cosine**2 + alpha**2 * (1 - cosine**2))
     sine = np.sqrt(max(0.0, 1 - cosine**2))

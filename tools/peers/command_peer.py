@@ -18,7 +18,7 @@ from pathlib import Path
 
 
 class Failed(Exception):
-    """What the program did instead."""
+    """The failure of a program that was asked for a picture."""
 
 
 class Peer:
@@ -33,7 +33,7 @@ class Peer:
         return {"program": Path(self.call.program[0]).name, "clock": self.call.ms or "the whole process"}
 
     def load(self, request):
-        """Nothing is read before it is rendered."""
+        """Takes the scene, which is not read before it is rendered."""
         width, height = request["resolution"]
         depth = "" if request["depth"] is None else request["depth"]
         self.place = {"scene": request["scene"], "xml": request["xml"], "width": width, "height": height}
@@ -51,7 +51,7 @@ class Peer:
         return said
 
     def times(self, request):
-        """A render that warms up, and then those that count."""
+        """The times of a seed's renders: one warms up, and then come those that count."""
         with tempfile.TemporaryDirectory(prefix="command-peer-") as folder:
             out = Path(folder) / "picture.pfm"
             return {"renders": [self._rendered(request, out) for _ in range(request["repetitions"] + 1)][1:]}
@@ -75,7 +75,7 @@ def _filled(argument, words):
 
 
 def arguments():
-    """The call."""
+    """Reads the arguments of the call."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--ms", default="", metavar="REGEX", help="with one group: the milliseconds of the render")
     parser.add_argument("program", nargs="+", help="and its arguments, after --")
@@ -89,7 +89,7 @@ def arguments():
 
 
 def main():
-    """Answers until there is no more request."""
+    """Answers requests until there are no more."""
     peer = Peer(arguments())
     for line in sys.stdin:
         try:

@@ -20,7 +20,7 @@ LARGEST_FLOAT = 3.4028234663852886e38
 
 
 def ray_sets(path):
-    """(class, any, rays as an array of floats, how many hit) of each set."""
+    """The sets of rays of a file, each as class, any, rays as an array of floats, and how many hit."""
     with path.open("rb") as file:
         magic, count, _ = struct.unpack("<8sII", file.read(16))
         if magic != b"PTBRAYS1":
@@ -47,7 +47,7 @@ def columns_of(values):
 
 
 def device_rays(mi, values):
-    """The rays where Mitsuba traces them."""
+    """The rays in the memory where Mitsuba traces them."""
     x, y, z, t_max, along_x, along_y, along_z = [mi.Float(column) for column in columns_of(values)]
     return mi.Ray3f(mi.Point3f(x, y, z), mi.Vector3f(along_x, along_y, along_z), t_max, 0.0, [])
 
@@ -72,7 +72,7 @@ def traced(mi, dr, scene, ray, any_hit):
 
 
 def measured(mi, dr, scene, path, repetitions):
-    """A row for each set of the file."""
+    """The measured rates, a row for each set of the file."""
     for name, any_hit, values, hits in ray_sets(path):
         rays = len(values) // RAY_FLOATS
         ray = device_rays(mi, values)
@@ -93,7 +93,7 @@ def measured(mi, dr, scene, path, repetitions):
 
 
 def arguments():
-    """The call."""
+    """Reads the arguments of the call."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("mesh", type=Path, help="what --write-mesh wrote (.ply)")
     parser.add_argument("rays", type=Path, help="what --write-rays wrote")

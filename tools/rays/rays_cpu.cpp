@@ -148,7 +148,7 @@ void add_embree(std::vector<Contender>& contenders, const Planted& native) {
 }
 #endif
 
-// Of this thread alone: what other programs take is not in it.
+// CPU time of this thread alone in seconds: what other programs take is not in it.
 double seconds() {
     timespec time;
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);

@@ -28,7 +28,7 @@ class PtbenchSuite(rfm.RunOnlyRegressionTest):
 
     @run_before("run")
     def set_call(self):
-        """The call; a cuda one wants a GPU from the system's configuration."""
+        """Sets the call of ptbench; a cuda one wants a GPU from the system's configuration."""
         self.executable = str(Path(os.environ.get("PTBENCH", "build/ptbench")).resolve())
         self.executable_opts = ["run", "--suite", self.suite, "--backend", self.backend, "--out", "result.json"]
         self.keep_files = ["result.json"]
@@ -37,7 +37,7 @@ class PtbenchSuite(rfm.RunOnlyRegressionTest):
 
     @sanity_function
     def no_cell_failed(self):
-        """Its last line, and its exit code."""
+        """Checks that no cell failed, by the last line and the exit code."""
         return sn.all(
             [sn.assert_eq(self.job.exitcode, 0), sn.assert_found(r"\d+ cells, \d+ samples, 0 failed", self.stdout)]
         )
@@ -51,7 +51,7 @@ class PtbenchSuite(rfm.RunOnlyRegressionTest):
 
     @run_before("performance")
     def set_rates(self):
-        """One variable a cell."""
+        """Sets one performance variable a cell."""
         cells = json.loads((Path(self.stagedir) / "result.json").read_text())["ptbench"]["cells"]
         names = [cell["cell"] for cell in cells if cell["status"] == "ok"]
         self.perf_variables = {

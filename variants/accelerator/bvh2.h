@@ -16,11 +16,11 @@ struct alignas(16) Node {
 };
 static_assert(sizeof(Node) == 64);
 
-// Edges from the root to the deepest leaf: each inner node on the way leaves one child on the stack.
+// Most edges from the root to the deepest leaf: each inner node on the way leaves one child on the stack.
 inline constexpr std::uint32_t stack_size = 64;
 
 #if !defined(__CUDACC_RTC__)
-// Throws std::length_error for a tree that is too deep, too large, or has too large leaves.
+// Encodes a binary tree. Throws std::length_error for one that is too deep, too large, or has too large leaves.
 EncodedTree encode(const BinaryTree& tree);
 #endif
 
@@ -41,7 +41,8 @@ PT_HD inline Real child_entry(const Node& node, int child, const BoxRay<Real>& r
                      {x ? low.x : high.x, y ? low.y : high.y, z ? low.z : high.z}, best_t);
 }
 
-// leaf(first_slot, count) may lower the variable that best_t refers to; to below 0: nothing more is visited.
+// Calls leaf(first_slot, count) for the leaves that the ray enters before best_t, nearer child first. The call may
+// lower the variable that best_t refers to; below 0 nothing more is visited.
 template <class Real, class Leaf, class Counter>
 PT_HD void traverse(const TreeView& tree, const Vec3<Real>& origin, const Vec3<Real>& direction, const Real& best_t,
                     Leaf&& leaf, Counter& counter) {

@@ -10,7 +10,8 @@ using Node = WideNode<4>;
 static_assert(sizeof(Node) == 128);
 
 #if !defined(__CUDACC_RTC__)
-// Throws std::length_error for a tree that is too deep, too large, or has too large leaves.
+// Encodes a binary tree as one of 4 children a node. Throws std::length_error for one that is too deep, too large, or
+// has too large leaves.
 inline EncodedTree encode(const BinaryTree& tree) { return encode_wide<4>(tree); }
 #endif
 

@@ -16,9 +16,10 @@ namespace pt::accelerator::cwbvh {
 
 inline constexpr std::uint32_t width = 8;
 inline constexpr std::uint32_t largest_leaf = 3;
-// In steps: distances to planes are rounded as numbers near 2^15 steps are, by less than this.
+// Room that every box is given, in steps of its node's grid: distances to planes are rounded as numbers near 2^15 steps
+// are, by less than this.
 inline constexpr double plane_room = 1.0 / 128.0;
-// What a traversal can hold open: encode() refuses a deeper tree.
+// Most levels of nodes that a traversal can hold open: encode() refuses a deeper tree.
 inline constexpr std::uint32_t largest_depth = 64;
 
 // The bits of 2^15, whose second byte counts units: see plane_number. Nodes hold it, for read with them it costs
@@ -35,7 +36,8 @@ struct alignas(16) Node {
     std::uint32_t slot_base;   // the first slot of its leaves, likewise
     std::uint32_t contents;
     std::uint32_t splice = plane_splice;
-    // Of each axis the low ones and the high ones, in steps from the origin, at least plane_room outside of the child.
+    // The low and the high planes of the children on each axis, in steps from the origin, at least plane_room outside
+    // of the child.
     std::uint8_t plane[3][2][width];
 };
 static_assert(sizeof(Node) == 80);
@@ -92,7 +94,7 @@ PT_HD inline std::uint32_t lowest_bit(std::uint32_t x) {
     return static_cast<std::uint32_t>(__builtin_ctz(x));
 #endif
 }
-// With one rounding on every backend, so that a ray enters the same boxes on each.
+// a * b + c with one rounding on every backend, so that a ray enters the same boxes on each.
 PT_HD inline float multiply_add(float a, float b, float c) {
 #if defined(__CUDA_ARCH__)
     return __fmaf_rn(a, b, c);
@@ -229,7 +231,7 @@ struct NodeGroup {
 
     PT_HD static NodeGroup root() { return {0, 1u << 31}; }
     PT_HD bool empty() const { return bits < (1u << 24); }
-    // In the order of the octant, 7 the first.
+    // The position in the group, from 7 (first) to 0 in the order of the ray's octant, of the child to enter next.
     PT_HD std::uint32_t nearest() const { return highest_bit(bits) - 24u; }
     PT_HD void keep_up_to(std::uint32_t position, bool inclusive) {
         bits &= (1u << (24u + position)) * (inclusive ? 2u : 1u) - 1u;
@@ -255,7 +257,8 @@ PT_HD void visit_leaves(const LoadedNode& node, std::uint32_t hits, Leaf& leaf, 
     }
 }
 
-// leaf(first slot, count) may lower the variable that best_t refers to; to below 0: nothing more is visited.
+// Calls leaf(first slot, count) for the leaves that the ray enters before best_t. The call may lower the variable that
+// best_t refers to; below 0 nothing more is visited.
 template <class Real, class Leaf, class Counter>
 PT_HD void traverse(const TreeView& tree, const Vec3<Real>& origin, const Vec3<Real>& direction, const Real& best_t,
                     Leaf&& leaf, Counter& counter) {
@@ -287,7 +290,7 @@ PT_HD void traverse(const TreeView& tree, const Vec3<Real>& origin, const Vec3<R
     }
 }
 
-// Triangles of one node that are yet to be tested, of all its leaves.
+// The triangles of one node's leaves that are yet to be tested.
 struct SlotGroup {
     std::uint32_t bits = 0;  // as in boxes_hit
     std::uint32_t contents = 0, base = 0;

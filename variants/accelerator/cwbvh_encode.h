@@ -9,7 +9,8 @@
 
 namespace pt::accelerator::cwbvh {
 
-// A node visited costs as much as 10/3 triangles: the paper's, and what instructions on an H200 come to.
+// Costs of a node visited and of a triangle tested: 10 to 3 as in the paper, which instructions on an H200 come to as
+// well.
 inline constexpr float node_cost = 1.0f, reference_cost = 0.3f;
 inline constexpr std::uint32_t no_node = ~0u;
 
@@ -23,7 +24,7 @@ struct alignas(32) Cut {
     float cost[width - 1];
     std::uint32_t choices;
 
-    // Of `roots` (2 to 8) so many on the left; 0: best as one fewer.
+    // How many of `roots` (2 to 8) subtrees the left child gives; 0: one subtree fewer costs less.
     PT_HD std::uint32_t left_of(std::uint32_t roots) const { return choices >> (3 * (roots - 2)) & 7u; }
     PT_HD bool is_leaf() const { return (choices >> 21 & 1u) != 0; }
     PT_HD std::uint32_t references() const { return choices >> 22; }  // at most one more than a leaf holds
@@ -65,7 +66,7 @@ struct alignas(32) Cut {
     }
 };
 
-// A Tree has left(node), right(node), is_leaf(node), box(node) and cut(node).
+// Requirements on a Tree: left(node), right(node), is_leaf(node), box(node) and cut(node).
 struct Children {
     std::uint32_t node[width];
     std::uint32_t count = 0;
@@ -98,7 +99,8 @@ struct Children {
         return children;
     }
 
-    // at[corner] is the child there or no_node: the pair of child and corner that lies farthest out is placed first.
+    // Places the children at the corners of a node; at[corner] becomes the child there, or no_node. The pair of child
+    // and corner that lies farthest out is placed first.
     template <class Tree>
     PT_HD void put_at_corners(const Tree& tree, const Box& box, std::uint32_t (&at)[width]) const {
         Wish wishes[width];
@@ -133,7 +135,7 @@ struct Children {
     }
 
 private:
-    // Of a child, the free corner towards which it lies farthest out.
+    // The free corner towards which a child lies farthest out.
     struct Wish {
         float from_centre[3], reach;
         std::uint32_t corner;
@@ -152,7 +154,7 @@ private:
     };
 };
 
-// 2^exponent, -126 to 127.
+// 2^exponent as a float, for exponents from -126 to 127.
 PT_HD inline double power_of_two(int exponent) { return number_of(static_cast<std::int64_t>(exponent + 1023) << 52); }
 
 PT_HD inline float next_below(double x) {
@@ -161,7 +163,7 @@ PT_HD inline float next_below(double x) {
         return rounded;
     }
     const std::int32_t bits = bits_of(rounded);
-    // One step down the floats: away from zero where negative.
+    // The result is one step down among the floats: away from zero where the number is negative.
     return rounded > 0.0f   ? number_of(bits - 1)
            : rounded < 0.0f ? number_of(bits + 1)
                             : number_of(std::int32_t(0x80000001u));
@@ -194,7 +196,7 @@ PT_HD inline void set_box(Node& node, std::uint32_t corner, const Box& box) {
     }
 }
 
-// Everything but where its children and slots begin.
+// Encodes a node, but for the numbers at which its children and slots begin.
 template <class Tree>
 PT_HD inline Node make_node(const Tree& tree, const Box& box, const std::uint32_t (&at)[width]) {
     Node node{};

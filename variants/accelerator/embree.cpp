@@ -24,7 +24,8 @@ struct Query {
 };
 static_assert(offsetof(Query, context) == 0);
 
-// Beyond which nothing is looked for. Embree leaves out what it enters at tfar, and rounds where it enters.
+// The distance beyond which Embree need not look. It is a little beyond best_t, since Embree leaves out what it enters
+// at tfar, and rounds where it enters.
 float limit(float best_t) { return best_t * (1.0f + gamma<float>(64)) + std::numeric_limits<float>::min(); }
 
 void meet(const RTCIntersectFunctionNArguments* arguments) {
@@ -37,7 +38,7 @@ void meet(const RTCIntersectFunctionNArguments* arguments) {
     RTCRayN_tfar(RTCRayHitN_RayN(arguments->rayhit, 1), 1, 0) = limit(query.best->t);
 }
 
-// The same triangles in boxes that are wider by `margin`.
+// A mesh's triangles, for boxes that are wider by `margin`.
 struct Widened {
     const LeafTriangle* leaves;
     float margin;
@@ -54,7 +55,7 @@ void bounds(const RTCBoundsFunctionArguments* arguments) {
     *arguments->bounds_o = {low[0], low[1], low[2], 0, high[0], high[1], high[2], 0};
 }
 
-// One tree for rays that start near the mesh, and others, made when a ray asks for one, for rays from afar.
+// Holds one tree for rays that start near the mesh, and others, made when a ray asks for one, for rays from afar.
 class Mesh {
 public:
     explicit Mesh(std::span<const LeafTriangle> leaves) : leaves_(leaves) {
@@ -69,7 +70,7 @@ public:
         }
     }
 
-    // Null: no tree is good enough, and every triangle is to be met in turn.
+    // The tree that finds all that this ray meets; null: none is good enough, and every triangle is to be met in turn.
     RTCScene scene_for(const MeshRay<float>& ray) const {
         const Vec3<float>& d = ray.direction;
         const float length = max(absolute(d.x), max(absolute(d.y), absolute(d.z)));
@@ -94,7 +95,8 @@ private:
         Scene scene;
     };
 
-    // Twice what BoxRay allows for, and as much for Embree's rounding of side * (1 / d) - origin * (1 / d).
+    // The margin is twice what BoxRay allows for, and as much again for Embree's rounding of side * (1 / d) - origin *
+    // (1 / d).
     float margin_for(const Vec3<float>& origin) const {
         float reach = 0, from_zero = 0;
         for (int axis = 0; axis < 3; ++axis) {

@@ -56,7 +56,8 @@ void meet_mesh(Hit<float>& best, const MeshInstance<float>& instance, std::uint3
     const Vec3<float>&o = in_mesh.origin, &d = in_mesh.direction;
     const auto scene = static_cast<RTCScene>(const_cast<void*>(instance.geometry.native));
     if (enough > 0) {
-        // By Embree's distance, and at `enough` itself too: within the claim.
+        // Any hit before `enough` ends the search. Embree tells it by its own distance, and includes `enough` itself,
+        // which is within the choice's claim.
         RTCRay any{o.x, o.y, o.z, 0, d.x, d.y, d.z, 0, enough, ~0u, 0, 0};
         rtcOccluded1(scene, &query.context, &any);
         if (any.tfar < 0) {

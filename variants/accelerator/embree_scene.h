@@ -11,9 +11,9 @@
 
 namespace pt::accelerator::embree {
 
-// One for the whole program, made when it is first asked for.
+// The whole program's one Embree device, made when it is first asked for.
 RTCDevice device();
-// Throws std::runtime_error for what Embree has found wrong on this thread.
+// Throws std::runtime_error if Embree has reported an error on this thread.
 void require_no_error(const char* doing);
 
 struct ReleaseScene {
@@ -21,7 +21,7 @@ struct ReleaseScene {
 };
 using Scene = std::unique_ptr<std::remove_pointer_t<RTCScene>, ReleaseScene>;
 
-// A committed scene with this one geometry, whose number is 0; takes the geometry over.
+// Returns a committed scene with this one geometry, whose number is 0; takes the geometry over.
 Scene scene_of(RTCGeometry geometry, RTCSceneFlags flags);
 
 inline Reason needs_embree_rays(FeatureSet scene, const VariantTraits& variant) {

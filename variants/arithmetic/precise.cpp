@@ -21,8 +21,8 @@ const Registration registration(
         .fp_relaxed = true,
         .backends = on_cuda,
     },
-    // Where an error of a few units in the last place moves a sample, or a point along its ray, and nothing else
-    // (kernels/in_range.h).
+    // Kernels approximate where an error of a few units in the last place moves a sample, or a point along its ray, and
+    // nothing else (kernels/in_range.h).
     {.cuda = {.options = {"-DPT_APPROXIMATE=1"}}});
 
 }  // namespace

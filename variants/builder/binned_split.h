@@ -17,7 +17,7 @@ struct Reference {
     std::uint32_t primitive;
 };
 
-// Of references: what holds them, and what holds their centres.
+// The box that holds some references, and the box that holds their centres.
 struct Bounds {
     Box box, centres;
 
@@ -39,7 +39,7 @@ struct Bin {
     std::uint32_t count = 0;
 };
 
-// Which bin along an axis: monotone in the centre.
+// Assigns references to bins along an axis, monotonically in their centres.
 struct Binning {
     static constexpr int bins = 16;
     float low, scale;
@@ -51,7 +51,7 @@ struct Binning {
     int of(const Box& box, int axis) const {
         return std::clamp(static_cast<int>((centre(box, axis) - low) * scale), 0, bins - 1);
     }
-    // A scale that overflows would make numbers that no bin has.
+    // Whether the scale is finite: one that overflows would make numbers that no bin has.
     bool is_usable() const { return scale > 0 && scale < std::numeric_limits<float>::max(); }
 };
 
@@ -64,7 +64,8 @@ struct ObjectSplit {
 
 ObjectSplit best_object_split(std::span<const Reference> references, const Bounds& bounds);
 
-// By number, in the order of the centres along their longest axis: the first half to the front.
+// Puts the first half of the references, by number and in the order of their centres along the longest axis, to the
+// front.
 void halve_by_centre(std::span<Reference> references, const Bounds& bounds);
 
 }  // namespace pt::builder

@@ -11,7 +11,7 @@ namespace pt::builder::embree {
 
 namespace {
 
-// As Embree builds it, in its own memory; a leaf has no children.
+// A node as Embree builds it, in Embree's memory; a leaf has no children.
 struct Node {
     Node* child[2] = {nullptr, nullptr};
     std::uint32_t primitive = 0;
@@ -25,7 +25,7 @@ void set_children(void* node, void** children, unsigned count, void*) {
         static_cast<Node*>(node)->child[i] = static_cast<Node*>(children[i]);
     }
 }
-// `assemble` joins the boxes itself.
+// Embree tells a node its children's boxes here; they are not needed, since `assemble` joins boxes itself.
 void ignore_bounds(void*, const RTCBounds**, unsigned, void*) {}
 void* make_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* primitives, std::size_t, void*) {
     auto* leaf = new (rtcThreadLocalAlloc(allocator, sizeof(Node), alignof(Node))) Node;
@@ -42,7 +42,7 @@ std::vector<RTCBuildPrimitive> primitives_of(const PrimitiveBoxes& boxes) {
     return primitives;
 }
 
-// Depth first, so that where Embree's threads have put the nodes does not matter.
+// Nodes are numbered depth first, so that where Embree's threads have put them does not matter.
 class Numbering {
 public:
     explicit Numbering(std::size_t primitives) : primitives_(static_cast<std::uint32_t>(primitives)) {}
@@ -53,7 +53,7 @@ public:
     }
 
 private:
-    // A leaf's is its place among the leaves; an inner node's comes after those of all leaves.
+    // A leaf's number is its place among the leaves; an inner node's comes after those of all leaves.
     std::uint32_t number_of(const Node* node) {
         if (node->child[0] == nullptr) {
             pairing_.leaf.push_back(node->primitive);

@@ -38,12 +38,12 @@ private:
     T* data_ = nullptr;
 };
 
-// A cluster of a range: its node, and the first of its leaves.
+// A cluster of a range of leaves: its node, and the first of its leaves.
 struct alignas(8) Cluster {
     std::uint32_t node, first;
 };
 
-// Floats as integers in their order, for atomics.
+// Maps floats to integers in the same order, for atomic minima and maxima.
 __device__ int ordered(float x) {
     const int bits = __float_as_int(x);
     return bits >= 0 ? bits : bits ^ 0x7fffffff;
@@ -61,7 +61,7 @@ __global__ void clear_bounds(CentreBounds* bounds) {
     }
 }
 
-// Twice the centre, as in every use here.
+// Twice a box's centre along an axis, which every use here works with.
 __device__ float centre_of(const Box& box, int axis) { return box.low[axis] + box.high[axis]; }
 
 __global__ void bound_centres(const Box* boxes, std::uint32_t count, CentreBounds* bounds) {
@@ -84,7 +84,7 @@ __global__ void bound_centres(const Box* boxes, std::uint32_t count, CentreBound
     }
 }
 
-// Bits of a number of 21 bits, three apart.
+// Spreads the bits of a number of 21 bits three apart.
 __device__ std::uint64_t spread(std::uint64_t x) {
     x = (x | x << 32) & 0x1f00000000ffffull;
     x = (x | x << 16) & 0x1f0000ff0000ffull;
@@ -140,13 +140,13 @@ struct BuildView {
 struct Range {
     std::uint32_t left, right, split;
 
-    // Whether the codes on both sides of i differ in a lower bit than those round j do: a pair of equal codes by
-    // number.
+    // Whether the Morton codes on both sides of i differ in a lower bit than those on both sides of j; equal codes are
+    // compared by their numbers.
     __device__ static bool is_closer(const BuildView& view, std::uint32_t i, std::uint32_t j) {
         const std::uint64_t a = view.codes[i] ^ view.codes[i + 1], b = view.codes[j] ^ view.codes[j + 1];
         return a != b ? a < b : (i ^ (i + 1)) < (j ^ (j + 1));
     }
-    // Joins the sibling; false where that has yet to come, and will then go on.
+    // Joins the sibling's range; false where the sibling has yet to come, and will then go on.
     __device__ bool rise(const BuildView& view) {
         const bool with_next = left == 0 || (right + 1 < view.count && is_closer(view, right, left - 1));
         __threadfence();
@@ -177,7 +177,7 @@ __device__ void store_node(GpuNode* node, const GpuNode& value) {
     words[1] = make_float4(value.high[0], value.high[1], value.high[2], __uint_as_float(value.right));
 }
 
-// The clusters of a range, one a lane, as a warp holds them.
+// The clusters of a range as a warp holds them, one a lane.
 struct WarpClusters {
     Cluster cluster;
     float low[3], high[3];
@@ -194,7 +194,7 @@ struct WarpClusters {
         }
     }
 
-    // Up to 16 of each half; what a half holds stands first in it.
+    // Loads up to 16 clusters of each half of a range; what a half holds stands at its front.
     __device__ static WarpClusters load(const BuildView& view, const Range& range, std::uint32_t lane) {
         WarpClusters w;
         const std::uint32_t from = lane < merge_to ? range.left : range.split, at = lane % merge_to;
@@ -218,8 +218,8 @@ struct WarpClusters {
         return w;
     }
 
-    // Of each cluster, the neighbour with which its box is least; of equal ones the first, so that somewhere two choose
-    // each other.
+    // The lane of the neighbouring cluster whose box together with this one's is least; the first of equal ones, so
+    // that somewhere two clusters choose each other.
     __device__ std::uint32_t nearest(std::uint32_t lane) const {
         std::uint32_t best = none;
 #pragma unroll
@@ -242,7 +242,7 @@ struct WarpClusters {
         return best & 31u;
     }
 
-    // Joins those that chose each other.
+    // Joins the pairs of clusters that chose each other.
     __device__ void merge(const BuildView& view, std::uint32_t lane, std::uint8_t* source_of) {
         const std::uint32_t other = nearest(lane);
         const bool mutual = __shfl_sync(all_lanes, other, other) == lane && lane < count && other < count;

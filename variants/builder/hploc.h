@@ -1,4 +1,4 @@
-// Builders on the GPU: boxes in, a binary tree out, both in device memory; and the way of that tree to the host.
+// Builders on the GPU: they make a binary tree in device memory of boxes there, which can be copied to the host.
 #pragma once
 
 #include <cstddef>
@@ -20,7 +20,8 @@ public:
     GpuTree(const GpuTree&) = delete;
     GpuTree& operator=(const GpuTree&) = delete;
 
-    // Lauterbach et al. 2009 as Apetrei 2014 builds it: in the order of the Morton codes, from the leaves up.
+    // Builds the LBVH of Lauterbach et al. 2009 in the way of Apetrei 2014: in the order of the Morton codes, from the
+    // leaves up.
     void build_lbvh(const Box* device_boxes);
     // Benthin et al., "H-PLOC: Hierarchical Parallel Locally-Ordered Clustering", HPG 2024: on that tree's way up,
     // warps merge the nearest of up to 32 neighbours until 16 are left.

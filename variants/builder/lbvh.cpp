@@ -13,7 +13,8 @@ namespace pt::builder::lbvh {
 
 namespace {
 
-// Karras's names: delta(i, j), the length of the common prefix, -1 out of range; keys are distinct.
+// Names in this class are Karras's: delta(i, j) is the length of the common prefix of keys i and j, -1 out of range;
+// keys are distinct.
 class RadixTree {
 public:
     explicit RadixTree(const std::vector<std::uint64_t>& keys)
@@ -34,7 +35,7 @@ private:
     std::uint32_t node(std::int64_t i, bool is_leaf) const {
         return static_cast<std::uint32_t>(is_leaf ? i : count_ + i);
     }
-    // Keys beyond i that its node covers, in direction d.
+    // The number of keys beyond i, in direction d, that node i covers.
     std::int64_t length(std::int64_t i, std::int64_t d) const {
         const int delta_min = delta(i, i - d);
         std::int64_t longest = 2;
@@ -49,7 +50,7 @@ private:
         }
         return covered;
     }
-    // The last key of the left child.
+    // The last key of node i's left child.
     std::int64_t split(std::int64_t i, std::int64_t j, std::int64_t d) const {
         const int delta_node = delta(i, j);
         std::int64_t covered = 0, step = (j - i) * d;

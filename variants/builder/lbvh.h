@@ -6,7 +6,7 @@
 
 namespace pt::builder::lbvh {
 
-// `leaf_size`: the most references of a leaf; subtrees become leaves by the surface area heuristic.
+// Builds an LBVH. `leaf_size`: the most references of a leaf; subtrees become leaves by the surface area heuristic.
 BinaryTree build(const PrimitiveBoxes& boxes, std::uint32_t leaf_size = 4, const SahCosts& costs = {});
 
 }  // namespace pt::builder::lbvh

@@ -8,7 +8,7 @@
 
 namespace pt::builder {
 
-// Sorted keys (variants/bvh/morton.h); a key's low half is its primitive.
+// Sorted Morton keys of the boxes' centres (variants/bvh/morton.h); a key's low half is its primitive.
 std::vector<std::uint64_t> morton_keys(const PrimitiveBoxes& boxes);
 
 inline std::uint32_t primitive_of(std::uint64_t key) { return static_cast<std::uint32_t>(key); }

@@ -1,4 +1,4 @@
-// Where a builder that runs on many threads writes its nodes: the two children that part the references at position m
+// Slots for the nodes of builders that run on many threads: the two children that part the references at position m
 // have the slots 2m - 1 and 2m, which no others have. `pack` then leaves the tree in depth-first order, without gaps.
 #pragma once
 
@@ -11,7 +11,7 @@ namespace pt::builder {
 
 inline std::uint32_t child_slot(std::uint32_t middle) { return 2 * middle - 1; }
 
-// As BinaryTree has them, `first` of an inner node being a slot.
+// Packs nodes into BinaryTree's order; in `slots`, `first` of an inner node is a slot.
 inline std::vector<BinaryTree::Node> pack(const std::vector<BinaryTree::Node>& slots) {
     std::vector<BinaryTree::Node> nodes;
     std::size_t used = 0;

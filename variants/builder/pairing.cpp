@@ -48,7 +48,7 @@ private:
     std::uint32_t left(std::uint32_t node) const { return pairing_.left[node - leaves_]; }
     std::uint32_t right(std::uint32_t node) const { return pairing_.right[node - leaves_]; }
 
-    // Boxes, counts and costs from the primitives up.
+    // Computes boxes, counts and costs of subtrees from the primitives up.
     void measure() {
         for (std::uint32_t i = 0; i < leaves_; ++i) {
             subtrees_[i].box = boxes_[pairing_.leaf[i]];
@@ -142,7 +142,8 @@ private:
     BinaryTree tree_;
 };
 
-// Of a whole tree; its references are the leaves, and those of one leaf siblings in a row.
+// Lists the siblings of a whole tree. The pairing's leaves are the tree's references, and those of one leaf are
+// siblings in a row.
 Pairing siblings_in(const BinaryTree& tree) {
     Pairing pairing;
     pairing.leaf = tree.references;

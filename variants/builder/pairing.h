@@ -8,7 +8,7 @@
 
 namespace pt::builder {
 
-// Nodes 0..n-1 are the primitives `leaf[i]`, node n + k is the inner node k.
+// The siblings that a builder found: nodes 0 to n - 1 are the primitives `leaf[i]`, node n + k is the inner node k.
 struct Pairing {
     std::vector<std::uint32_t> leaf;
     std::vector<std::uint32_t> left, right;  // of inner nodes
@@ -20,7 +20,7 @@ struct Pairing {
 BinaryTree assemble(const Pairing& pairing, const PrimitiveBoxes& boxes, std::uint32_t leaf_size,
                     const SahCosts& costs);
 
-// The tree itself if it goes no deeper than max_tree_depth, else one assembled from the siblings that it has.
+// Returns the tree itself if it is no deeper than max_tree_depth, else one assembled from its siblings.
 BinaryTree within_depth(BinaryTree tree, const PrimitiveBoxes& boxes, std::uint32_t leaf_size = 4);
 
 }  // namespace pt::builder

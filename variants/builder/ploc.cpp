@@ -36,7 +36,7 @@ std::uint32_t nearest(const std::vector<Cluster>& clusters, std::uint32_t i, std
     return chosen;
 }
 
-// Merges the pairs that chose each other; a union takes the place of its first.
+// Merges the pairs that chose each other; a union takes the place of the pair's first cluster.
 void merge(std::vector<Cluster>& clusters, const std::vector<std::uint32_t>& neighbour, std::uint32_t leaves,
            Pairing& pairing) {
     std::size_t kept = 0;

@@ -7,8 +7,8 @@
 
 namespace pt::builder::ploc {
 
-// `leaf_size`: the most references of a leaf; subtrees become leaves by the surface area heuristic. `radius`: how many
-// neighbours on either side are searched.
+// Builds a tree by PLOC. `leaf_size`: the most references of a leaf; subtrees become leaves by the surface area
+// heuristic. `radius`: how many neighbours on either side are searched.
 BinaryTree build(const PrimitiveBoxes& boxes, std::uint32_t leaf_size = 4, const SahCosts& costs = {},
                  std::uint32_t radius = 16);
 

@@ -8,7 +8,7 @@
 
 namespace pt::builder {
 
-// Costs as in Stich et al. 2009 and Meister, Bittner 2018.
+// Costs of a node visited and of a triangle tested, as in Stich et al. 2009 and Meister, Bittner 2018.
 struct SahCosts {
     double traversal = 1.2;     // a visit of an inner node
     double intersection = 1.0;  // a primitive's test

@@ -6,7 +6,7 @@
 
 namespace pt::builder::sah_binned {
 
-// `leaf_size`: the most references of a leaf. A leaf has fewer where the heuristic wants it.
+// Builds a tree by binned SAH. `leaf_size`: the most references of a leaf; the heuristic may want fewer.
 BinaryTree build(const PrimitiveBoxes& boxes, std::uint32_t leaf_size = 4, const SahCosts& costs = {});
 
 }  // namespace pt::builder::sah_binned

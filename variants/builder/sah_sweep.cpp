@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::uint32_t task_size = 2048;  // references below which a subtree is one thread's
 
-// The first `left` references in the order of an axis go left.
+// A split of a node's references: the first `left` in the order of an axis go left.
 struct Split {
     double cost = std::numeric_limits<double>::infinity();  // half area times count, of both children
     int axis = 0;

@@ -62,7 +62,8 @@ public:
     }
 
 private:
-    // `spare`: how many duplicates the subtree may still make; children share what is left by their references.
+    // Builds a subtree. `spare`: how many duplicate references it may still make; children share what is left in
+    // proportion to their references.
     void node(Subtree& subtree, References references, std::size_t spare, std::uint32_t depth) {
         const Bounds bounds = Bounds::of(references);
         const std::size_t count = references.size();

@@ -17,7 +17,7 @@ struct SpatialSplit {
     Bin left, right;
 };
 
-// `box` is that of the references.
+// Finds the best spatial split of some references; `box` is the one round all of them.
 SpatialSplit best_spatial_split(std::span<const Triangle<float>> triangles, std::span<const Reference> references,
                                 const Box& box);
 

@@ -7,7 +7,7 @@
 
 namespace pt {
 
-// The span of a tree along one axis: its root's.
+// The extent of a tree's root box along one axis.
 struct BoxSpan {
     float low, high;
 };
@@ -17,7 +17,8 @@ struct BoxRay {
     Vec3<Real> near_origin, far_origin;  // one box further and one box nearer than the ray's origin
     Vec3<Real> inverse;                  // of the direction; infinite along an axis that the ray does not move on
 
-    // With roundings of its own in every arithmetic: a ray enters the same boxes on a GPU as on a CPU.
+    // Prepares a ray for the box tests of a tree. Every operation has a rounding of its own in every arithmetic, so
+    // that a ray enters the same boxes on a GPU as on a CPU.
     PT_HD static BoxRay of(const Vec3<Real>& origin, const Vec3<Real>& direction, const BoxSpan (&spans)[3]) {
         const ShearedDirection<Real> s = ShearedDirection<Real>::of(direction);
         Vec3<Real> reach;
@@ -32,7 +33,8 @@ struct BoxRay {
             if (axis == s.kz) {
                 continue;
             }
-            // Six roundings of a sheared vertex, of the shear and of this; two of the shifted origin.
+            // The reach covers six roundings of a sheared vertex, of the shear and of this sum, and two of the shifted
+            // origin.
             const Real sheared = rounded_product(absolute(axis == s.kx ? s.shear.x : s.shear.y), along);
             const Real margin = rounded_product(gamma<Real>(8), reach[axis] + sheared) +
                                 rounded_product(gamma<Real>(2), absolute(origin[axis]));
@@ -46,8 +48,8 @@ struct BoxRay {
     // Whether the side of the box where the ray enters is the high one. -0 counts as negative, as its inverse does.
     PT_HD bool is_reversed(int axis) const { return inverse[axis] < Real(0); }
 
-    // Where the ray enters a box, or `no_entry`: also where it enters beyond best_t, but not where it enters at best_t.
-    // 0 times infinity, on a side's plane, is NaN, and is passed over.
+    // The ray parameter, at least 0, at which the ray enters a box, or `no_entry` if it misses the box or enters it
+    // beyond best_t (not at best_t). The product 0 * infinity, on a side's plane, is NaN, and is passed over.
     static constexpr Real no_entry = Real(-1);
     PT_HD Real entry(const Vec3<Real>& entry_sides, const Vec3<Real>& exit_sides, const Real& best_t) const {
         Real nearest = Real(0), farthest = best_t;
@@ -55,7 +57,7 @@ struct BoxRay {
             nearest = keep_larger(nearest, (entry_sides[axis] - near_origin[axis]) * inverse[axis]);
             farthest = keep_smaller(farthest, (exit_sides[axis] - far_origin[axis]) * inverse[axis]);
         }
-        // Three roundings of either side, and those of a triangle's t.
+        // The entry is brought forward by three roundings of each side, and by those of a triangle's t.
         nearest = nearest * (Real(1) - gamma<Real>(16));
         return nearest <= farthest ? nearest : no_entry;
     }

@@ -20,13 +20,13 @@ struct WideTree {
     std::vector<Node> nodes;  // depth first; the root is nodes[0]; a leaf alone is the one child of a root
 };
 
-// The most entries that wait on the stack of a traversal that pushes all children of a node and takes one up; those
-// that are not there too, as rays of NaNs enter them.
+// Most entries that wait on the stack of a traversal that pushes all children of a node and takes one up. Children that
+// do not exist count too, as rays of NaNs enter them.
 std::uint32_t stack_need(const WideTree& tree, std::uint32_t width);
 
-// Where the collapse by area would need more than `stack_size`, the highest subtrees are taken in instead: then
-// stack_size >= 1 + (width - 1) * max(1, ceil(depth / log2(width))) always suffices. Throws std::length_error
-// otherwise.
+// Collapses a binary tree into one of up to `width` children a node, largest area first. Where this would need a
+// traversal stack of more than `stack_size` entries, the highest subtrees are taken in instead: then stack_size >= 1 +
+// (width - 1) * max(1, ceil(depth / log2(width))) always suffices. Throws std::length_error otherwise.
 WideTree collapse(const BinaryTree& tree, std::uint32_t width, std::uint32_t stack_size);
 
 }  // namespace pt

@@ -27,7 +27,7 @@ struct EncodedTree {
     TreeView view() const {
         return {nodes.data(), node_count, static_cast<std::uint32_t>(references.size()), node_bytes()};
     }
-    // Of one node.
+    // Size of one node in bytes; 0 if there is none.
     std::uint32_t node_bytes() const {
         return node_count == 0 ? 0 : static_cast<std::uint32_t>(nodes.size() * sizeof(NodePiece) / node_count);
     }

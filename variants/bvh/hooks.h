@@ -10,38 +10,41 @@
 namespace pt {
 
 struct BuilderHook {
-    // `triangles`: those that the boxes are round, for builders that split them. The same tree on any number of cores.
+    // Builds a tree over boxes, the same on any number of cores. `triangles`: those that the boxes are round, for
+    // builders that split them.
     BinaryTree (*build)(const PrimitiveBoxes& boxes, std::span<const Triangle<float>> triangles) = nullptr;
 };
 
-// What an accelerator of the host makes of a mesh for itself: MeshView::native.
+// What an accelerator of the host, such as Embree, makes of a mesh for itself (MeshView::native).
 struct NativeMesh {
     std::shared_ptr<const void> data;
     std::uint64_t bytes = 0;
 };
 
 struct AcceleratorHook {
-    // In the accelerator's format; null: it needs no tree, and slots are primitives.
+    // Encodes a binary tree in the accelerator's format; null: it needs no tree, and slots are primitives.
     EncodedTree (*encode)(const BinaryTree& tree) = nullptr;
-    // On the host alone; null: the tree and its leaves are enough.
+    // Prepares a mesh on the host; null: the tree and its leaves are enough.
     NativeMesh (*prepare)(const EncodedTree& tree, std::span<const LeafTriangle> leaves) = nullptr;
     MeetMesh<float> meet_single = nullptr;
     MeetMesh<double> meet_double = nullptr;
-    // By one tree over the triangles of all objects; null: it has its trees by itself.
+    // Searches all objects that show meshes by one tree over their triangles; null: the accelerator has its trees by
+    // itself.
     MeetMeshes<float> meet_flat_single = nullptr;
     MeetMeshes<double> meet_flat_double = nullptr;
 };
 
-// A choice of the axis `levels`.
+// What a choice of the axis `levels` brings: how the objects that show meshes are searched, as by a two-level BVH.
 struct LevelsHook {
-    // Over the boxes of objects, leaves of one each; null: there is no such tree.
+    // Builds the top-level tree (TLAS) over the boxes of objects, one object a leaf; null: there is no such tree.
     std::vector<ObjectNode> (*build)(const PrimitiveBoxes& boxes) = nullptr;
     MeetMeshes<float> meet_single = nullptr;
     MeetMeshes<double> meet_double = nullptr;
     bool is_flat = false;  // met as the accelerator has it
 };
 
-// A host's kernel is compiled for motion or without it, its search for motion: of an object at rest it leaves the same.
+// Kernels of the host are compiled for motion or without it, their search through meshes for motion always: on an
+// object at rest both leave the same hit.
 template <class Traversal, class Real>
 using SearchConfig = Config<Real, Feature::mesh | Feature::motion, Traversal>;
 
@@ -50,7 +53,7 @@ void meet_flat(Hit<Real>& best, const SceneView<Real>& scene, const Ray<Real>& r
     closest_by_flat_tree<SearchConfig<Traversal, Real>>(best, scene, scene.meshes, ray, NearerThan<Real>{enough});
 }
 
-// A ray through a mesh on the host, by the traversal that kernels of a device have compiled in.
+// Traces a ray through a mesh on the host, by the accelerator's traversal that kernels of a device have compiled in.
 template <class Traversal, class Real>
 void meet_mesh(Hit<Real>& best, const MeshInstance<Real>& mesh, std::uint32_t object, const Vec3<Real>& origin,
                const Ray<Real>& ray, Real enough) {

@@ -1,4 +1,4 @@
-// Stacks of a walk (walk.h). Where their entries lie is their Memory's: get(i), set(i, open).
+// Stacks of a traversal in steps (walk.h). Their entries lie in their Memory, by get(i) and set(i, open).
 #pragma once
 
 #include "kernels/math.h"
@@ -14,7 +14,8 @@ struct LocalMemory {
     PT_HD void set(std::uint32_t i, const Open& open) { entries[i] = open; }
 };
 
-// Holds all that can wait. The memory is apart: an array that is indexed at run time keeps its neighbours in memory.
+// A stack that holds all that can wait. Its memory is a separate object: an array that is indexed at run time would
+// keep its neighbours in memory too.
 template <class Open, class MemoryT>
 class FullStack {
 public:
@@ -32,8 +33,8 @@ public:
         return true;
     }
 
-    // For nodes of many children, of which those are met that have an entry of 0 or more: the nearest is on top.
-    // Whether `link` is the child to enter; here the walk takes it from the stack, as all others.
+    // Pushes the children of a wide node that the ray enters (entries of 0 or more), the nearest on top. Returns
+    // whether `link` is the child to enter; on this stack the walk takes it from the top, as all others.
     template <class Real, int width>
     PT_HD bool enters_nearest(const Real (&entries)[width], const std::uint32_t (&links)[width], std::uint32_t&) {
         const std::uint32_t bottom = size_;
@@ -51,22 +52,23 @@ public:
         return false;
     }
 
-    // For nodes of two children: which one to enter where both are met, and whether to where one is.
+    // Pushes the further child of a binary node whose children the ray both enters, and returns whether to enter the
+    // nearer one.
     PT_HD bool enters_nearer(const Open& further) {
         push(further);
         return true;
     }
     PT_HD bool enters_only_child() { return true; }
 
-    // For nodes whose children wait in one group, in an order that the ray's octant fixes: the child at `position` is
-    // entered, `rest` waits. Whether the triangles of the node that is entered have been tested before.
+    // Enters the child at `position` of a node whose children wait in one group, in an order that the ray's octant
+    // fixes; `rest` waits. Returns whether the triangles of the node that is entered have been tested before.
     PT_HD bool enter(std::uint32_t, const Open& rest) {
         if (!rest.empty()) {
             push(rest);
         }
         return false;
     }
-    // Leaves of a node's children, which were met, those that have not been entered before.
+    // Narrows the children that were met to those which have not been entered before.
     PT_HD void narrow(Open&) {}
 
 private:
@@ -99,7 +101,8 @@ public:
         size_ += size_ == entries ? 0 : 1;
         return true;
     }
-    // Not where the walk was to enter the further child and the best hit has come nearer than that since.
+    // Whether to enter the only child that the ray meets: not if the walk restarted for the further child and the best
+    // hit has come nearer than that child since.
     PT_HD bool enters_only_child() {
         const std::uint64_t level = level_below();
         if (level == restarted_for_) {
@@ -139,11 +142,11 @@ private:
     std::uint32_t size_ = 0, top_ = 0;
 };
 
-// The same of a tree whose children wait in groups (FullStack::enter), up to 8 of a node, in 64 levels of groups below
-// the root. The trail has four bits a level, each in a word of its own: which child was entered last, and whether
-// others of its group wait. Of the wide trees of Vaidyanathan, Woop, Benthin, "Wide BVH Traversal with a Short Stack",
-// HPG 2019, whose trail counts children in the order of their distances; here the order is the octant's, which no hit
-// changes.
+// A short stack for trees whose children wait in groups (FullStack::enter), up to 8 in a node, in 64 levels of groups
+// below the root; where it has forgotten an entry, the walk restarts at the root and follows its trail. The trail has
+// four bits a level, each in a word of its own: which child was entered last, and whether others of its group wait. It
+// is that of the wide trees of Vaidyanathan, Woop, Benthin, "Wide BVH Traversal with a Short Stack", HPG 2019, which
+// counts children in the order of their distances; here the order is the octant's, which no hit changes.
 template <class Open, class MemoryT, std::uint32_t entries>
 class ShortGroupStack {
 public:
@@ -162,7 +165,8 @@ public:
         if (level == 0) {
             return target_ != 0;
         }
-        // The hit has come nearer than the child that leads back: what waits below it is out of reach.
+        // The hit has come nearer than the child that leads back on the trail, so what waits below that is out of
+        // reach.
         if (target_ != 0 && position != position_at(level)) {
             leave_trail(level);
         }
@@ -212,14 +216,14 @@ private:
         return ((position_[0] & level) != 0 ? 1u : 0u) | ((position_[1] & level) != 0 ? 2u : 0u) |
                ((position_[2] & level) != 0 ? 4u : 0u);
     }
-    // From here on the walk is where it has not been; nothing waits at this level or below.
+    // Ends the restart: the walk has come to where it has not been, and nothing waits at this level or below.
     PT_HD void leave_trail(std::uint64_t level) {
         target_ = 0;
         waits_ &= ~(level | (level - 1));
     }
 
     Memory& memory_;
-    // A bit a level, the highest the first below the root.
+    // The bits of the words stand for levels, the highest for the first level below the root.
     std::uint64_t waits_ = 0;
     std::uint64_t position_[3] = {0, 0, 0};
     std::uint64_t level_ = 0;   // of the group in hand; 0: it is the root, or below the last
@@ -227,11 +231,12 @@ private:
     std::uint32_t size_ = 0, top_ = 0;
 };
 
-// The same of a tree of up to 8 children a node that are entered by their distances, in 32 levels of inner nodes at
-// most. A ray enters each box at a place of its own, whatever it has hit: a nearer hit takes away the last of a node's
-// children and leaves the order of the others, so that their count finds the one to go on with. The trail has for each
-// level the place in this order of the child that was entered last, and whether others wait. Vaidyanathan, Woop,
-// Benthin, "Wide BVH Traversal with a Short Stack", HPG 2019.
+// A short stack for trees of up to 8 children a node that are entered by their distances, in 32 levels of inner nodes
+// at most; where it has forgotten an entry, the walk restarts at the root and follows its trail. A ray enters each box
+// at a place of its own, whatever it has hit: a nearer hit takes away the last of a node's children and leaves the
+// order of the others, so that their count finds the one to go on with. The trail has for each level the place in this
+// order of the child that was entered last, and whether others wait. Vaidyanathan, Woop, Benthin, "Wide BVH Traversal
+// with a Short Stack", HPG 2019.
 template <class Open, class MemoryT, std::uint32_t entries>
 class ShortOrderStack {
 public:
@@ -307,8 +312,8 @@ private:
     static constexpr std::uint32_t highest_level = 1u << 31;
     static_assert(Open::width <= 8);
 
-    // The place of each child in the order of their entries, of equal ones as FullStack has it; those that are not met
-    // come last. How many are met.
+    // Ranks the children by where the ray enters them, in FullStack's order where two are equal; those that it misses
+    // come last. Returns how many it enters.
     template <class Real, int width>
     PT_HD static std::uint32_t put_in_order(const Real (&entries_of)[width], std::uint32_t (&place)[width]) {
         std::uint32_t met = 0;
@@ -348,7 +353,8 @@ private:
     }
 
     Memory& memory_;
-    // A bit a level, the highest the root's. In memory the last child of a node's has its entry negated.
+    // The bits of the words stand for levels, the highest for the root. In memory the last child of a node has its
+    // entry negated.
     std::uint32_t waits_ = 0;
     std::uint32_t place_[place_bits] = {};
     std::uint32_t level_ = 0;   // of the choice that led to the node at hand; 0: it is the root

@@ -34,10 +34,10 @@ struct OpenLink {
     PT_HD static OpenLink root() { return {Real(0), 0}; }
 };
 
-// Above every inner node's number and below every leaf's link.
+// A link that is above every inner node's number and below every leaf's link.
 inline constexpr std::uint32_t no_link = leaf_flag - 1;
 
-// The steps that trees with links share: where the walk is.
+// The steps of a traversal that trees with links share, and its state: where the walk is.
 template <class Real, int width = 2>
 class LinkWalk {
 public:
@@ -53,7 +53,7 @@ public:
     }
 
 protected:
-    // The next that waits and is entered before the best hit.
+    // Takes the next child that waits and that the ray enters before the best hit.
     template <class Stack>
     PT_HD void take_open(const Real& best_t, Stack& stack) {
         Open open;

@@ -36,7 +36,7 @@ template <int width>
 inline Floats<width> loaded(const float* from) {
     return *reinterpret_cast<const Floats<width>*>(from);
 }
-// One bit a lane.
+// The lanes' truth values as a mask, one bit a lane.
 template <int width>
 inline std::uint32_t bits_of(const Truths<width>& truths) {
 #if defined(__AVX__)
@@ -86,12 +86,12 @@ inline LeafTriangle triangle_in(const TriangleBlock& block, std::uint32_t lane) 
             {corner(2, 0), corner(2, 1), corner(2, 2)}, 0};
 }
 
-// The slots that one block takes: of a leaf's, or of a whole subtree's that has no more than a block holds.
+// The slots of triangles that one block takes: a leaf's, or a whole subtree's if it has no more than a block holds.
 struct BlockSlots {
     std::uint32_t count = 0;  // 0: more than a block's
     std::uint32_t slot[block_width];
 
-    // False if they would be more than a block's.
+    // Adds `slots` slots; false if there would be more than a block holds.
     bool take(std::uint32_t first, std::uint32_t slots) {
         if (count + slots > block_width) {
             return false;
@@ -103,8 +103,8 @@ struct BlockSlots {
     }
 };
 
-// Of each node, where its subtree fits one block: then the block's test costs less than the visit of the node. Never of
-// the root.
+// For each node the slots of its subtree where they fit one block: then the block's test costs less than the visit of
+// the node. The root is never taken so.
 template <int width>
 std::vector<BlockSlots> subtrees_of_a_block(std::span<const WideNode<width>> nodes) {
     std::vector<BlockSlots> fits(nodes.size());
@@ -134,7 +134,8 @@ std::vector<BlockSlots> subtrees_of_a_block(std::span<const WideNode<width>> nod
     return fits;
 }
 
-// From the tree that the device gets: leaves as blocks, and small subtrees as leaves.
+// Builds the host's tree from the one that the device gets: leaves become blocks of triangles, and small subtrees
+// become leaves.
 template <int width>
 class MeshBuilder {
 public:
@@ -194,7 +195,7 @@ NativeMesh prepare(const EncodedTree& tree, std::span<const LeafTriangle> leaves
     return {mesh, bytes};
 }
 
-// The boxes' side of a ray, as BoxRay has it.
+// What the box tests of a ray need, one lane a child; the numbers are BoxRay's.
 template <int width>
 struct BoxLanes {
     Floats<width> near_origin[3], far_origin[3], inverse[3];
@@ -226,7 +227,7 @@ struct BoxLanes {
     }
 };
 
-// The triangles' side of a ray.
+// What the triangle tests of a ray need, one lane a triangle.
 struct TriangleLanes {
     using Lane = Floats<block_width>;
     Lane origin[3], shear_x, shear_y;  // the origin along kx, ky, kz
@@ -347,7 +348,7 @@ void meet_mesh(Hit<float>& best, const MeshInstance<float>& instance, std::uint3
     }
 }
 
-// `Traversal`: for rays in double, and through a tree over all objects.
+// The hooks of an accelerator of the host. `Traversal` is used for rays in double, and through a tree over all objects.
 template <int width, class Traversal>
 AcceleratorHook accelerator_hook(EncodedTree (*encode)(const BinaryTree& tree)) {
     return {encode,

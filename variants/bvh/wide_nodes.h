@@ -33,10 +33,11 @@ struct alignas(16) WideNode {
     }
 };
 
-// The first slot: a tree of any nodes has one, and a triangle more changes no hit.
+// The link of a child that does not exist: a leaf of the first slot, which every tree has, since a triangle more
+// changes no hit.
 inline constexpr std::uint32_t no_child_link = leaf_link(0, 1);
 
-// Of a tree of max_tree_depth levels in any shape: see collapse.h.
+// Stack entries that suffice for a tree of max_tree_depth levels in any shape (collapse.h).
 template <int width>
 inline constexpr std::uint32_t wide_stack_size = width == 4 ? 1 + 3 * 32 : 1 + 7 * 22;
 
@@ -62,7 +63,7 @@ EncodedTree encode_wide(const BinaryTree& tree) {
 }
 #endif
 
-// Where the ray enters each child; BoxRay::no_entry where it does not.
+// The ray parameters at which the ray enters each child; BoxRay::no_entry where it misses it.
 template <class Real, int width>
 PT_HD inline void child_entries(const WideNode<width>& node, const BoxRay<Real>& ray, const Real& best_t,
                                 Real (&entries)[width]) {
@@ -80,7 +81,8 @@ PT_HD inline void child_entries(const WideNode<width>& node, const BoxRay<Real>&
     }
 }
 
-// leaf(first_slot, count) may lower the variable that best_t refers to; to below 0: nothing more is visited.
+// Calls leaf(first_slot, count) for the leaves that the ray enters before best_t, nearest first. The call may lower the
+// variable that best_t refers to; below 0 nothing more is visited.
 template <int width, class Real, class Leaf, class Counter>
 PT_HD void traverse_wide(const TreeView& tree, const Vec3<Real>& origin, const Vec3<Real>& direction,
                          const Real& best_t, Leaf&& leaf, Counter& counter) {
@@ -126,7 +128,7 @@ PT_HD void traverse_wide(const TreeView& tree, const Vec3<Real>& origin, const V
     }
 }
 
-// The same in steps.
+// traverse_wide as a traversal in steps (walk.h).
 template <int width, class Real>
 class WideWalk : public LinkWalk<Real, width> {
 public:

@@ -13,7 +13,8 @@ struct CountLiveParameters {
     std::uint32_t* live;
 };
 
-// As many gaps below *live as there are live paths above it.
+// Parameters of find_gaps, which lists the gaps (ended paths) below *live and the live paths above it, of which there
+// are as many.
 struct FindGapsParameters {
     static constexpr const char* kernel = "find_gaps";
     PathStore store;
@@ -45,7 +46,7 @@ PT_KERNEL(count_live, pt::cuda::CountLiveParameters,
     (void)pt::cuda::append_by_block(live, i < *count && Paths(store).alive(i));
 }
 
-// As many gaps below *live as there are live paths above it.
+// Lists the gaps (ended paths) below *live and the live paths above it, of which there are as many.
 PT_KERNEL(find_gaps, pt::cuda::FindGapsParameters,
           (PathStore store, const std::uint32_t* count, const std::uint32_t* live, std::uint32_t* gaps,
            std::uint32_t* gap_count, std::uint32_t* movers, std::uint32_t* mover_count)) {
@@ -97,7 +98,7 @@ public:
         launch(queue.bound, CountLiveParameters{queue.paths, queue.count, queue.count_spare});
         launch(queue.bound,
                FindGapsParameters{queue.paths, queue.count, queue.count_spare, gaps_, counts_, movers_, counts_ + 1});
-        // There are at most as many gaps below n as live paths above it, so no more than half of all.
+        // At most half of all paths are moved: there are at most as many gaps below n as live paths above it.
         launch(queue.bound / 2 + 1, FillGapsParameters{queue.paths, gaps_, movers_, counts_ + 1});
         queue.swap_count();
         queue.indirect = false;

@@ -6,7 +6,7 @@
 
 namespace pt {
 
-// On the CPU; on_device (variants/cuda/thrust_policy.h) makes of it what the choice is on CUDA.
+// The descriptor on the CPU; on_device (variants/cuda/thrust_policy.h) derives the one on CUDA from it.
 inline constexpr Descriptor thrust_copy_if_index{
     .axis = "compaction",
     .name = "thrust_copy_if_index",

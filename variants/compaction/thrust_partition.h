@@ -1,4 +1,4 @@
-// Brings the live paths to the front and the ended ones to the back, in any order; the payload is moved (seed B).
+// Brings the live paths to the front and the ended ones to the back, in any order, by moving the payload.
 #pragma once
 
 #include "variants/descriptor.h"
@@ -6,12 +6,12 @@
 
 namespace pt {
 
-// On the CPU; on_device (variants/cuda/thrust_policy.h) makes of it what the choice is on CUDA.
+// The descriptor on the CPU; on_device (variants/cuda/thrust_policy.h) derives the one on CUDA from it.
 inline constexpr Descriptor thrust_partition{
     .axis = "compaction",
     .name = "thrust_partition",
     .summary = "thrust::partition on the payload; order not promised",
-    .origin = "seed B (2022)",
+    .origin = "a student's CIS565-Fall-2022/Project3-CUDA-Path-Tracer",
     .check_counters = compacted_every_bounce,
 };
 

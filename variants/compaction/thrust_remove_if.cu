@@ -1,4 +1,4 @@
-// Removes the ended paths, keeping the order of the others; the whole payload is moved (seed A).
+// Removes the ended paths by moving the whole payload, and keeps the order of the others.
 #include <thrust/remove.h>
 
 #include "variants/compaction/thrust_remove_if.h"

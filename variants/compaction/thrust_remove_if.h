@@ -1,4 +1,4 @@
-// Removes the ended paths, keeping the order of the others; the whole payload is moved (seed A).
+// Removes the ended paths by moving the whole payload, and keeps the order of the others.
 #pragma once
 
 #include "variants/descriptor.h"
@@ -6,12 +6,12 @@
 
 namespace pt {
 
-// On the CPU; on_device (variants/cuda/thrust_policy.h) makes of it what the choice is on CUDA.
+// The descriptor on the CPU; on_device (variants/cuda/thrust_policy.h) derives the one on CUDA from it.
 inline constexpr Descriptor thrust_remove_if{
     .axis = "compaction",
     .name = "thrust_remove_if",
     .summary = "thrust::remove_if on the payload; order kept",
-    .origin = "seed A (2023)",
+    .origin = "a student's CIS565-Fall-2023/Project3-CUDA-Path-Tracer",
     .check_counters = compacted_every_bounce,
 };
 

@@ -1,4 +1,4 @@
-// Like thrust_partition, but both groups keep their order.
+// Brings the live paths to the front and the ended ones to the back; both groups keep their order.
 #pragma once
 
 #include "variants/descriptor.h"
@@ -6,7 +6,7 @@
 
 namespace pt {
 
-// On the CPU; on_device (variants/cuda/thrust_policy.h) makes of it what the choice is on CUDA.
+// The descriptor on the CPU; on_device (variants/cuda/thrust_policy.h) derives the one on CUDA from it.
 inline constexpr Descriptor thrust_stable_partition{
     .axis = "compaction",
     .name = "thrust_stable_partition",

@@ -9,11 +9,11 @@
 
 namespace pt::lanes {
 
-// A multiple of the widest vector's 16 floats. On a Zen 4 core 64 lanes trace 1.5 (open box) and 1.8 times (closed box)
-// the rays of 16, and 128 no more.
+// Lanes of a packet: paths that are traced together, a number a SIMD lane. It is a multiple of the widest vector's 16
+// floats. On a Zen 4 core 64 lanes trace 1.5 (open box) and 1.8 times (closed box) the rays of 16, and 128 no more.
 inline constexpr std::uint32_t width = 64;
 
-// Indices are as wide as an address: one that may wrap round is in the way of vectors.
+// The type of lane numbers is as wide as an address: an index that may wrap round is in the way of vectors.
 template <class T>
 struct alignas(64) Lanes {
     T of[width];
@@ -22,7 +22,7 @@ struct alignas(64) Lanes {
     const T& operator[](std::size_t lane) const { return of[lane]; }
 };
 
-// 1 or 0: a truth value as wide as a number.
+// A truth value of a lane, 1 or 0, as wide as a number.
 using Flags = Lanes<std::uint32_t>;
 
 inline bool any(const Flags& flags) {
@@ -33,7 +33,8 @@ inline bool any(const Flags& flags) {
     return found != 0;
 }
 
-// The lanes whose flags are set, in order. Found without a branch on a flag, which would be mispredicted.
+// The numbers of the lanes whose flags are set, in order. They are found without a branch on a flag, which would be
+// mispredicted.
 class LaneList {
 public:
     explicit LaneList(const Flags& flags) {

@@ -12,7 +12,7 @@
 
 namespace pt::lanes {
 
-// What the rays hit.
+// The surfaces that a packet's rays hit, one a lane, as shading needs them.
 template <class Real>
 struct Surfaces {
     Vectors<Real> colour, position, normal;  // the normal on the ray's side
@@ -21,10 +21,11 @@ struct Surfaces {
 };
 
 inline bool is_type(std::uint32_t type, MaterialType asked) { return type == static_cast<std::uint32_t>(asked); }
-// The side alone of a hit that may name a face.
+// The side of a hit (object, and inside or outside) without the face that it may name.
 inline std::uint32_t without_face(std::uint32_t side) { return side & ((SurfaceId::most_objects << 1) - 1u); }
 
-// Where a packet's connections are worked out: zeros at first, so that lanes that nobody reads are numbers too.
+// Work space for a packet's next-event estimation. It starts as zeros, so that lanes that nobody reads hold numbers
+// too.
 template <class Real>
 struct Connections {
     BoxObservers<Real> observers;
@@ -37,7 +38,7 @@ struct Connections {
     Hits<Real> hits;
 };
 
-// Kernels that draw points on boxes and quads, which shadow rays then are sent to.
+// Whether a kernel draws points on boxes and quads, to which shadow rays are then sent.
 template <class Config>
 inline constexpr bool draws_points = face_sampling<Config> != LightSampling::solid_angle&& has_lines_of_sight<Config>;
 
@@ -47,7 +48,7 @@ inline std::uint32_t box_of(const SceneView<Real>& scene, std::uint32_t object) 
     return object - first_of<ShapeKind::axis_box>(scene);
 }
 
-// Adds the lane to the observers of box lights. False: the light is none, or shows no face.
+// Adds the lane to the observers of box lights. False: the light is no box, or shows no face.
 template <class Config>
 inline bool observes_box(BoxObservers<typename Config::Real>& observers, std::uint32_t l,
                          const SceneView<typename Config::Real>& scene, const LightTable<typename Config::Real>& lights,
@@ -101,7 +102,7 @@ inline void weigh_encounters(Connections<typename Config::Real>& work, const Sce
     }
 }
 
-// The objects of the lights that were chosen, and what they send.
+// Looks up the objects of the lights that were chosen, and what they emit.
 template <bool one_light, class Real>
 inline void look_up_lights(Connections<Real>& work, const LightTable<Real>& lights) {
     const std::uint32_t* const object = lights.object.data();
@@ -116,7 +117,7 @@ inline void look_up_lights(Connections<Real>& work, const LightTable<Real>& ligh
     }
 }
 
-// Chooses lights.
+// Chooses a light for every lane that connects.
 template <class Config>
 inline void choose_lights(Connections<typename Config::Real>& work, const SceneView<typename Config::Real>& scene,
                           const LightTable<typename Config::Real>& lights, const Paths<typename Config::Real>& paths) {
@@ -135,7 +136,7 @@ inline void choose_lights(Connections<typename Config::Real>& work, const SceneV
     lights.object.size() == 1 ? look_up_lights<true>(work, lights) : look_up_lights<false>(work, lights);
 }
 
-// Draws the directions of the lanes that connect.
+// Draws the directions to lights of the lanes that connect.
 template <class Config>
 inline void draw_directions(Connections<typename Config::Real>& work, const SceneView<typename Config::Real>& scene,
                             const LightTable<typename Config::Real>& lights, const Paths<typename Config::Real>& paths,
@@ -162,8 +163,8 @@ inline void draw_directions(Connections<typename Config::Real>& work, const Scen
     }
 }
 
-// The shadow rays; in lanes that send none the path's last ray, which is as good as any. `work.sees`: the lanes whose
-// light nothing hides.
+// Traces the shadow rays. Lanes that send none trace their path's last ray, which is as good as any. On return
+// `work.sees` marks the lanes whose light nothing hides.
 template <class Config>
 inline void trace_shadows(Connections<typename Config::Real>& work, const SceneView<typename Config::Real>& scene,
                           const Paths<typename Config::Real>& paths, const Surfaces<typename Config::Real>& surfaces,
@@ -197,7 +198,7 @@ inline void trace_shadows(Connections<typename Config::Real>& work, const SceneV
     }
 }
 
-// From the ratios of the densities in `work.weight` to what connections count.
+// Turns the ratios of densities in `work.weight` into the weights of the connections by multiple importance sampling.
 template <std::uint32_t exponent, class Real>
 inline void weigh_connections(Connections<Real>& work) {
 #pragma GCC ivdep
@@ -206,7 +207,7 @@ inline void weigh_connections(Connections<Real>& work) {
     }
 }
 
-// connect_next_event of the lanes whose flag `work.connects` is set, at their diffuse vertices.
+// connect_next_event (kernels/next_event.h) for the lanes whose flag `work.connects` is set, at their diffuse vertices.
 template <class Config>
 inline void connect(Connections<typename Config::Real>& work, const SceneView<typename Config::Real>& scene,
                     const LightTable<typename Config::Real>& lights, Paths<typename Config::Real>& paths,

@@ -35,7 +35,7 @@ inline void keep_nearer(Hits<Real>& hits, std::uint32_t l, const Interval<Real>&
     hits.side[l] = leaves ? origin_surface.code : meets ? side : hits.side[l];
 }
 
-// What has no loop over lanes: find(hit, ray) for each of them.
+// Intersects shapes for which there is no loop over lanes: calls find(hit, ray) for each lane.
 template <class Real, class Find>
 inline void closest_by_lane(Hits<Real>& hits, const Paths<Real>& paths, const Find& find) {
     for (std::uint32_t l = 0; l < width; ++l) {
@@ -61,7 +61,7 @@ inline void closest_sphere(Hits<typename Config::Real>& hits, const SceneView<ty
         for (std::uint32_t l = 0; l < width; ++l) {
             const SurfaceId origin_surface{paths.origin_surface[l]};
             const Vec3<Real> origin = at_rest<Config>(scene, object, paths.origin[l], paths.time[l]);
-            // `nowhere` holds the number of no object.
+            // A ray that starts on no surface departs from no object: `nowhere` holds the number of none.
             keep_nearer(hits, l, lanes::interval(sphere, origin, paths.direction[l]),
                         chord(sphere, origin, paths.direction[l]), object, origin_surface.object() == object,
                         origin_surface);
@@ -69,7 +69,7 @@ inline void closest_sphere(Hits<typename Config::Real>& hits, const SceneView<ty
     }
 }
 
-// Where the rays leave the enclosure.
+// The places where the lanes' rays leave the enclosure.
 template <class Real>
 struct EnclosureExits {
     Lanes<Real> t;
@@ -160,7 +160,7 @@ inline void leave_enclosure(EnclosureExits<typename Config::Real>& exits, const 
     }
 }
 
-// Axis boxes by their slabs; with an enclosure all but its walls.
+// Intersects the axis boxes by their slabs; with an enclosure all but its walls.
 template <class Config>
 inline void closest_by_slabs(Hits<typename Config::Real>& hits, const SceneView<typename Config::Real>& scene,
                              const Paths<typename Config::Real>& paths,
@@ -221,7 +221,7 @@ inline void closest_axis_box(Hits<typename Config::Real>& hits, const SceneView<
     }
 }
 
-// All objects of one kind. Special, for speed: spheres and axis boxes, which g++ makes vectors of.
+// Intersects all objects of one kind. Spheres and axis boxes have loops of their own, which g++ makes vectors of.
 template <class Config, ShapeKind kind, class Shapes>
 inline void closest_of(Hits<typename Config::Real>& hits, const SceneView<typename Config::Real>& scene,
                        const Shapes& shapes, const Paths<typename Config::Real>& paths) {

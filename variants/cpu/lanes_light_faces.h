@@ -7,11 +7,11 @@
 
 namespace pt::lanes {
 
-// How a kernel draws points on boxes, if in one way; else solid_angle.
+// The way in which a kernel draws points on boxes, if it has one alone; else solid_angle.
 template <class Config>
 inline constexpr LightSampling face_sampling = light_sampling_in(Config::features& light_samplings);
 
-// SeenFaces::onto.
+// SeenFaces::onto (kernels/light_sampling.h) for lanes.
 template <class Real>
 inline Real onto_face(Real observer, Real height) {
     return observer > Real(0) ? -height : height;

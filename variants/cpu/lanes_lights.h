@@ -9,7 +9,7 @@
 
 namespace pt::lanes {
 
-// What SeenBox makes of an axis box, whoever observes it.
+// What SeenBox (kernels/solid_angle.h) makes of an axis box, whoever observes it.
 template <class Real>
 struct BoxLight {
     Vec3<Real> centre;
@@ -30,7 +30,7 @@ struct LightTable {
     std::vector<BoxLight<Real>> boxes;
     std::vector<std::uint32_t> object, is_box;
     std::vector<Real> centre[3], half[3], emission[3], diagonal, inverse_diagonal;
-    // As SeenFaces has them: half extents in its units, units a scene unit, and the reverse.
+    // Numbers of SeenFaces: half extents in its units, units a scene unit, and scene units a unit.
     std::vector<Real> face_half[3], scale, unit;
 
     LightTable() = default;
@@ -50,7 +50,7 @@ private:
     void add(const SceneView<Real>& scene, std::uint32_t number) {
         const std::uint32_t box = number - first_of<ShapeKind::axis_box>(scene);
         const bool is_one = box < scene.axis_boxes.size;
-        // What another light has for a box is of no account.
+        // A light that is no axis box gets the unit box here, whose numbers nobody uses.
         const AxisBox<Real> unit_box{Vec3<Real>(Real(-1)), Vec3<Real>(Real(1))};
         const BoxLight<Real> light = is_one ? boxes[box] : BoxLight<Real>(unit_box);
         object.push_back(number);
@@ -68,7 +68,7 @@ private:
     }
 };
 
-// Loops over a packed list run over whole groups of this many; what lies past its end is of no account.
+// Number of list entries that loops over a packed list take at a time; what lies past its end is of no account.
 inline constexpr std::uint32_t group = 16;
 static_assert(width % group == 0);
 
@@ -81,25 +81,26 @@ struct BoxViews {
     Lanes<Real> diagonal;
     Vectors<Real> share, skew;  // by axis: of SeenBox, and of its SphericalRectangle
     Lanes<Real> total;
-    // Of directions to the box.
+    // Directions drawn to the box: the random numbers that they take, and the results.
     Lanes<Real> u, v, w, axis;
     Vectors<Real> direction;
     Lanes<Real> inverse_pdf;
 
-    // Without a branch: what is not to be added is written past the end. To be called once a lane.
+    // Adds the lane if the flag is set, without a branch: what is not to be added is written past the end. To be called
+    // once a lane.
     void add_if(std::uint32_t flag, std::uint32_t l) {
         lane[size] = l;
         size += flag;
     }
 };
 
-// From where the lanes see their boxes: near, far, or within it or on it, where SeenBox itself is asked.
+// How the lanes see their box lights: from near, from far, or from within or on the box, where SeenBox itself is asked.
 template <class Real>
 struct BoxObservers {
     BoxViews<Real> near, far;
 
     void clear() { near.size = far.size = 0; }
-    // One by one. Returns whether the lane is one of them.
+    // Adds a lane to the near or far observers. Returns whether it sees a face of the box and so was added.
     bool add(std::uint32_t l, const BoxLight<Real>& light, const Vec3<Real>& position) {
         const Vec3<Real> from = (position - light.centre) * light.inverse_diagonal;
         const bool sees = sees_faces(from, light.half);
@@ -124,7 +125,7 @@ inline Real arc_tangent(Real x) {
     const Real size = absolute(x);
     const bool is_large = size > Real(2.41421356237309504880);
     const bool is_middle = size > least_for_quarter;
-    // Of a small one the quotient is the number itself.
+    // A small number is itself the quotient to take the arc tangent of.
     const Real dividend = is_large ? Real(-1) : is_middle ? size - Real(1) : size;
     const Real divisor = is_large ? size : is_middle ? size + Real(1) : Real(1);
     const Real base = is_large ? pi<Real> / Real(2) : is_middle ? pi<Real> / Real(4) : Real(0);
@@ -138,13 +139,13 @@ inline Real corner(Real x, Real y, Real height) {
     return lanes::arc_tangent(x * y / (height * square_root(x * x + y * y + height * height)));
 }
 
-// The entries of vectors for one axis.
+// The entries of vectors along one axis, one a lane.
 template <int axis, class Real>
 inline Lanes<Real>& along_axis(Vectors<Real>& v) {
     return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
 }
 
-// Solid angles of the faces across one axis. `views`: near ones.
+// Computes the solid angles of the faces across one axis for near observers.
 template <int axis, class Real>
 inline void measure_faces(BoxViews<Real>& views) {
     constexpr int b = (axis + 1) % 3;
@@ -169,7 +170,7 @@ inline void measure_faces(BoxViews<Real>& views) {
     }
 }
 
-// SeenBox::share and total.
+// Computes SeenBox::share and SeenBox::total for lanes.
 template <class Real>
 inline void measure_near(BoxViews<Real>& views) {
     measure_faces<0>(views);
@@ -217,7 +218,7 @@ inline SinCos<Real> sin_cos(Real x) {
     return {x < Real(0) ? -sine : sine, is_left ? -across : across};
 }
 
-// SphericalRectangle::point.
+// SphericalRectangle::point (kernels/solid_angle.h) for lanes.
 template <class Real>
 inline Vec2<Real> point_in_rectangle(Real x0, Real x1, Real y0, Real y1, Real height, Real skew, Real solid_angle,
                                      Real u, Real v) {
@@ -240,7 +241,8 @@ inline Vec2<Real> point_in_rectangle(Real x0, Real x1, Real y0, Real y1, Real he
     return {x, rest > Real(0) ? inner : edge};
 }
 
-// One of three axes, as a number of the lanes' kind: g++ 12 makes no vectors of selections by others.
+// One of the three axes for each lane, kept as a number of the lanes' kind: g++ 12 makes no vectors of selections by
+// others.
 template <class Real>
 struct PickedAxis {
     Real number;
@@ -249,7 +251,7 @@ struct PickedAxis {
         const Real other = number == Real(1) ? of_y : of_z;
         return number == Real(0) ? of_x : other;
     }
-    // From entries by the axis, the one after it and the one after that to a vector.
+    // Turns entries along the axis, the one after it and the one after that into a vector in x, y, z.
     Vec3<Real> in_order(Real a, Real b, Real c) const { return {of(a, c, b), of(b, a, c), of(c, b, a)}; }
 };
 
@@ -265,19 +267,20 @@ struct LightDirections {
     Lanes<Real> distance;  // to the point that was drawn; 0: it is not known
 };
 
-// A gathering load's index is a signed number.
+// Loads a number at a lane's own index. The index is signed, as a gathering load wants it.
 template <class T>
 inline T gathered(const T* from, std::uint32_t index) {
     return from[static_cast<std::int32_t>(index)];
 }
 
-// Of a table of one light, the number itself: a gathering load of 16 lanes costs as much as 16 loads.
+// A light's entry in a table. A table of one light is read without its index: a gathering load of 16 lanes costs as
+// much as 16 loads.
 template <bool one_light, class T>
 inline T of_light(const T* from, std::uint32_t light) {
     return one_light ? *from : gathered(from, light);
 }
 
-// How the lanes that are to draw a direction see their lights.
+// Prepares the lights as the lanes see them that are to draw a direction.
 template <class Real>
 inline void look_at_lights(LightDirections<Real>& drawn, const LightTable<Real>& table, const Vectors<Real>& positions,
                            const Flags& draws) {
@@ -301,7 +304,7 @@ inline void look_at_lights(LightDirections<Real>& drawn, const LightTable<Real>&
     }
 }
 
-// Takes the lanes of the flags into the list, with all that a direction is drawn by.
+// Adds the lanes whose flags are set to the list, with all that a direction is drawn by.
 template <class Real>
 inline void pack(BoxViews<Real>& views, const LightDirections<Real>& drawn, const LightTable<Real>& table,
                  const Flags& flags) {
@@ -338,7 +341,7 @@ inline void unpack(const BoxViews<Real>& views, LightDirections<Real>& drawn) {
     }
 }
 
-// The faces that fall to `w`, as SeenBox::sample picks them.
+// Picks the faces that fall to `w`, as SeenBox::sample does.
 template <class Real>
 inline void pick_axes(BoxViews<Real>& views) {
     for (std::size_t first = 0; first < views.size; first += group) {
@@ -405,7 +408,7 @@ inline void sample_far(BoxViews<Real>& views) {
     }
 }
 
-// SeenBox::sample of the lanes that look at a box.
+// SeenBox::sample (kernels/solid_angle.h) for the lanes that look at a box.
 template <class Real>
 inline void sample_boxes(BoxObservers<Real>& observers, LightDirections<Real>& drawn, const LightTable<Real>& table) {
     pack(observers.near, drawn, table, drawn.is_near);

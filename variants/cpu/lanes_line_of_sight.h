@@ -8,7 +8,7 @@
 
 namespace pt::lanes {
 
-// The rays as far as the points: Segment of kernels/line_of_sight.h.
+// The shadow rays of a packet as far as their points on lights: lanes of Segment (kernels/line_of_sight.h).
 template <class Real>
 struct Sights {
     Lanes<Real> before, about;   // of the point's distance
@@ -18,14 +18,15 @@ struct Sights {
     Flags by_lane;  // walls may lie between: asked lane by lane, whatever is in the flags before
 };
 
-// Segment::is_hidden_by of one lane.
+// Takes note of an object that one lane's ray meets at t, as Segment::is_hidden_by does.
 template <class Real>
 inline void note_crossing(Sights<Real>& sights, std::uint32_t l, bool meets, Real t) {
     sights.unsure[l] |= meets & (t < sights.about[l]) ? 1u : 0u;
     sights.blocked[l] |= meets & (t < sights.before[l]) ? 1u : 0u;
 }
 
-// Of a convex body, entered or left, or, if the ray starts on it (`is_departed`), left at the end of the chord.
+// Takes note of a convex body that one lane's ray enters or leaves or, if the ray starts on it (`is_departed`), leaves
+// at the end of the chord.
 template <class Real>
 inline void note_body(Sights<Real>& sights, std::uint32_t l, const Interval<Real>& crossing, Real chord,
                       std::uint32_t object, bool is_departed, SurfaceId origin_surface) {
@@ -36,7 +37,8 @@ inline void note_body(Sights<Real>& sights, std::uint32_t l, const Interval<Real
     note_crossing(sights, l, is_other & (leaves | meets), leaves ? chord : entered);
 }
 
-// Which rays cross no wall of the enclosure (walls_between). The rest is `by_lane`.
+// Marks the rays that may cross a wall of the enclosure as `by_lane`; the others need not be tested against walls
+// (walls_between).
 template <class Config>
 inline void leave_out_walls(Sights<typename Config::Real>& sights, const SceneView<typename Config::Real>& scene,
                             const Paths<typename Config::Real>& shadow, const Lanes<typename Config::Real>& distance) {
@@ -45,7 +47,8 @@ inline void leave_out_walls(Sights<typename Config::Real>& sights, const SceneVi
     const AxisAlignedEnclosure<Real> enclosure = scene.enclosure;
     const Vec3<Real> low = enclosure.low, high = enclosure.high;
     const auto is_open = [&](std::uint32_t side) { return ((enclosure.open_sides >> side) & 1u) != 0; };
-    // Of the open sides alone, and of the walls alone: the others are infinitely far.
+    // These are the planes of the open sides alone, and of the walls alone; planes of the other kind are infinitely
+    // far.
     const Vec3<Real> open_low{is_open(0) ? low.x : -infinity, is_open(2) ? low.y : -infinity,
                               is_open(4) ? low.z : -infinity};
     const Vec3<Real> open_high{is_open(1) ? high.x : infinity, is_open(3) ? high.y : infinity,
@@ -115,7 +118,7 @@ inline void note_axis_boxes(Sights<typename Config::Real>& sights, const SceneVi
     }
 }
 
-// All objects of one kind, in the lanes that are not blocked yet.
+// Tests all objects of one kind, in the lanes that are not blocked yet.
 template <class Config, ShapeKind kind, class Shapes>
 inline void note_kind(Sights<typename Config::Real>& sights, const SceneView<typename Config::Real>& scene,
                       const Shapes& shapes, const Paths<typename Config::Real>& shadow,

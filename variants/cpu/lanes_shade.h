@@ -7,13 +7,13 @@
 
 namespace pt::lanes {
 
-// Kernels in which lights are drawn in one way, not one that is chosen at run time.
+// Whether a kernel draws lights in one way, not one that is chosen at run time.
 template <class Config>
 inline constexpr bool has_one_light_sampling = ((Config::features & light_samplings) &
                                                 ((Config::features & light_samplings) - 1u)) == 0;
 
-// Kernels whose shading has no more to it than that. Kinds of objects and materials may be there: they only send a lane
-// through shade.
+// Whether a kernel's shading is done in SIMD lanes: only a kernel without the features below. Its other kinds of
+// objects and materials send a single lane through shade().
 template <class Config>
 inline constexpr bool shades_in_lanes = has_one_light_sampling<Config> &&
                                         (Config::features &
@@ -23,7 +23,8 @@ inline constexpr bool shades_in_lanes = has_one_light_sampling<Config> &&
                                           Feature::matrix | Feature::textures | Feature::shading_normals | samplers)) ==
                                             0;
 
-// Loads at addresses that depend on the lane: no vectors. A lane that hit nothing reads object 0.
+// Looks up what the lanes' hits are shaded with. Addresses depend on the lane, so there are no vectors here; a lane
+// that hit nothing reads object 0.
 template <class Real>
 inline void look_up(Surfaces<Real>& surfaces, const SceneView<Real>& scene, const Hits<Real>& hits) {
     for (std::uint32_t l = 0; l < width; ++l) {
@@ -57,7 +58,7 @@ inline void meet(Paths<typename Config::Real>& paths, Flags& goes_on, const Surf
     }
 }
 
-// Places the hits on the sides of the enclosure, and says how the other lanes go on.
+// Places the hits on the sides of the enclosure, and tells how the lanes whose hits lie elsewhere are placed.
 template <class Config>
 inline void place_on_enclosure(Surfaces<typename Config::Real>& surfaces, const SceneView<typename Config::Real>& scene,
                                const Paths<typename Config::Real>& paths, const Hits<typename Config::Real>& hits,
@@ -96,7 +97,7 @@ inline void place_others(Surfaces<typename Config::Real>& surfaces, const SceneV
     }
 }
 
-// `is_connected`: the diffuse vertices were.
+// Scatters the paths at diffuse vertices. `is_connected`: these were connected to lights.
 template <class Config>
 inline void scatter(Paths<typename Config::Real>& paths, const Surfaces<typename Config::Real>& surfaces,
                     const RandomSeed& seed, const Hits<typename Config::Real>& hits, bool is_connected) {
@@ -112,7 +113,7 @@ inline void scatter(Paths<typename Config::Real>& paths, const Surfaces<typename
         const bool is_diffuse = is_type(surfaces.type[l], MaterialType::diffuse);
         const bool is_here = surfaces.by_shade[l] == 0;
         if constexpr (has<Config>(Feature::next_event)) {
-            // Never 0, which says that there was no connection.
+            // The density kept is never 0, which says that there was no connection.
             constexpr Real least = Real(0x1p-60);
             const Real pdf = max(dot(spread, normal), least) * (Real(1) / pi<Real>);
             paths.bsdf_pdf[l] = is_here ? (is_diffuse & is_connected ? pdf : Real(0)) : paths.bsdf_pdf[l];
@@ -127,8 +128,9 @@ inline void scatter(Paths<typename Config::Real>& paths, const Surfaces<typename
     }
 }
 
-// On return each path that `goes_on` at first has its next ray, or is over. The scene has an object. `work`, `lights`:
-// for kernels with connections; the lights are the scene's.
+// Shades the hits of a packet: on return each path whose flag `goes_on` was set has its next ray, or is over and its
+// flag cleared. The scene has at least one object. `work` and `lights` are for kernels with connections; the lights are
+// the scene's.
 template <class Config>
 inline void shade(Paths<typename Config::Real>& paths, Flags& goes_on, const SceneView<typename Config::Real>& scene,
                   const Hits<typename Config::Real>& hits, Connections<typename Config::Real>& work,

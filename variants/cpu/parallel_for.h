@@ -23,10 +23,10 @@ void parallel_for(std::size_t count, std::size_t chunk, Body&& body) {
         const_cast<void*>(static_cast<const void*>(&body)));
 }
 
-// Threads that parallel_for uses.
+// The number of threads that parallel_for uses.
 int parallel_threads();
 
-// Idle threads go to sleep. This wakes them, so that a measured time does not contain their waking up.
+// Wakes threads that sleep because they were idle, so that a measured time does not contain their waking up.
 void wake_threads();
 
 }  // namespace pt

@@ -20,23 +20,25 @@ public:
 
     void reserve(Arena& arena);
     void clear();
-    // Before the clock starts: captures a full batch, where the launch is captured.
+    // Captures a full batch before the clock starts, if the variant's launches are captured.
     void prepare(const Enqueue& enqueue);
     // Enqueues all samples of the job, samples_in_flight at a time. A last batch that is not full, and so every part of
     // a render with fewer samples than that, takes the places of the first paths of the queue only. Full batches run as
     // a graph where one was captured, others by stream.
     void run(const Enqueue& enqueue);
 
-    // Where the graph loops and a batch is being captured: captures `enqueue_round`, which enqueues segments 1 and 2
-    // and returns where the paths then alive are counted, as a loop that ends with the last path. Returns the number of
-    // segments that the loop may take: none of them is the last possible one, which ends differently.
+    // Captures the body of a loop over segments, where the graph loops and a batch is being captured: `enqueue_round`
+    // enqueues segments 1 and 2 and returns where the paths then alive are counted, and the loop ends with the last
+    // path. Returns the number of segments that the loop may take: none of them is the last possible one, which ends
+    // differently.
     std::uint32_t enqueue_loop(const std::function<LiveCounts()>& enqueue_round);
     SegmentNumber segment(std::uint32_t number) const { return {number, is_in_loop_ ? offset_ : nullptr}; }
-    // Where a batch that is being captured finds its first sample; null: in the parameter.
+    // The device address of a batch's first sample while the batch is being captured; null: the sample is in the
+    // parameter.
     const std::uint32_t* cursor() const { return is_capturing_ ? next_sample_ : nullptr; }
     bool is_capturing() const { return is_capturing_; }
     std::uint32_t samples_in_flight() const { return samples_in_flight_; }
-    // What the loops' rounds have counted. Waits for the device.
+    // The work that the rounds of loops have counted. Waits for the device.
     WorkCounters loop_work() const;
 
 private:

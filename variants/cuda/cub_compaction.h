@@ -108,13 +108,13 @@ inline constexpr Tunable payload_tunables[] = {
      .summary = "1: the paths are moved, into a second store; 0: slot numbers are"},
 };
 
-// The unsupported_reason of a choice with that tunable.
+// Why a CUB compaction with the tunable `payload` cannot run; empty: it can.
 inline Reason payload_needs_single_precision(FeatureSet features, const VariantTraits& variant) {
     const auto tuned = variant.tuning.find("payload");
     return tuned != variant.tuning.end() && tuned->second != 0 ? needs_single_precision(features, variant) : Reason{};
 }
 
-// A hook: by the tunable.
+// Makes the CUB compaction that the tunable `payload` asks for, of paths or of slot numbers.
 template <class Algorithm>
 std::unique_ptr<Compaction> make_cub_compaction(const CellContext& cell) {
     if (cell.tunable("payload") != 0) {

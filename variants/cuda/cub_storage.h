@@ -8,7 +8,8 @@ namespace pt::cuda {
 
 class CubStorage {
 public:
-    // `call(void* memory, std::size_t& bytes)` calls CUB and returns its error; with null memory it only measures.
+    // Reserves storage for a CUB call: `call(void* memory, std::size_t& bytes)` calls CUB and returns its error; with
+    // null memory it only measures.
     template <class Call>
     void reserve(Arena& arena, Call&& call) {
         bytes_ = 0;

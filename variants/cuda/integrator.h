@@ -12,7 +12,7 @@
 
 namespace pt::cuda {
 
-// Of a path in a queue.
+// Bytes of device memory that one path in a queue takes.
 struct PathBytes {
     std::size_t state = 0;       // one copy of the path itself
     std::size_t everything = 0;  // with all that compacts and sorts it
@@ -25,15 +25,15 @@ public:
     Integrator(const Integrator&) = delete;
     Integrator& operator=(const Integrator&) = delete;
 
-    // Memory on the device; called with a measuring arena first, then with one that has it.
+    // Takes memory on the device; called with a measuring arena first, then with one that has the memory.
     virtual void reserve(Arena&) {}
-    // Brings what it has reserved into the state in which a render begins. May wait for the device.
+    // Brings the memory that reserve() took into the state in which a render begins. May wait for the device.
     virtual void upload() {}
-    // Before the clock starts: captures what can be replayed.
+    // Captures what can be replayed, before the clock starts.
     virtual void prepare() {}
     // Enqueues the job's samples on its stream.
     virtual void render() = 0;
-    // What only the device has counted. Waits for it.
+    // Counts that only the device knows, for which it waits.
     virtual WorkCounters device_work() const { return {}; }
     virtual PathBytes path_bytes() const { return {}; }
 };
@@ -44,7 +44,7 @@ struct IntegratorNeeds {
     VariantTraits traits;
     FeatureSet features = no_features;  // of the kernels
     KeyBounds key_bounds;               // of the scene
-    // For integrators with a queue.
+    // The queue's memory layout and the choices that work on the queue; only integrators with a queue use them.
     Layout layout = {};
     std::vector<unsigned char> object_class = {};      // as in Queue
     std::unique_ptr<Compaction> compaction = nullptr;  // null: none

@@ -36,7 +36,7 @@ struct Job {
     StageEvents* stages = nullptr;  // null: not instrumented
     WorkCounters work;
 
-    // Where integrators without a queue count paths by number of segments; null where nobody asked.
+    // Counters of paths by their number of segments, for integrators without a queue; null where nobody asked.
     std::uint64_t* lengths() const { return stages != nullptr ? segments.live : nullptr; }
 
     template <class Parameters>
@@ -66,7 +66,7 @@ inline std::uint32_t take_missing_rays(Job& job) {
     return missing;
 }
 
-// Fills the first-bounce cache, if there is one, with those.
+// Traces the rays that the first-bounce cache, if there is one, still misses.
 template <class Real>
 void fill_cache(JobOf<Real>& job) {
     const std::uint32_t missing = take_missing_rays(job);

@@ -45,7 +45,7 @@ inline IsAlive is_alive(const Queue& queue, const CellContext& cell) {
     return {cell.layout->segment(queue.paths, cell.real_bytes)};
 }
 
-// function(0), function(1), ... as an iterator.
+// An iterator over function(0), function(1), and so on.
 template <class Function>
 auto by_position(const Function& function) {
     return thrust::make_transform_iterator(thrust::counting_iterator<std::uint32_t>(0), function);

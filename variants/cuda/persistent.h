@@ -5,14 +5,14 @@
 
 namespace pt::cuda {
 
-// Of a pixel, in one launch. Persistent threads add up what they have counted after a piece: so many that the pieces'
-// numbers fit in 32 bits.
+// Most samples of a pixel in one launch. Persistent threads add up what they have counted after a piece: so many
+// samples that the pieces' numbers fit in 32 bits.
 inline std::uint32_t samples_per_persistent_launch(const Job& job) {
     const std::uint64_t by_pieces = 0xffffffffull / ((job.pixels + warp_size - 1) / warp_size) - 1;
     return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(by_pieces, 1, job.samples));
 }
 
-// Of the strip of pixels, one a lane, that is a piece: samples_per_piece, or fewer, so that a thread that happens to
+// Samples in a piece, a strip of pixels with one a lane: samples_per_piece, or fewer, so that a thread that happens to
 // trace them all, and the paths of the piece before that wait or live, can count them.
 inline std::uint32_t samples_per_strip(const Job& job, std::uint32_t samples_per_piece) {
     const std::uint64_t rays_per_sample = std::uint64_t{warp_size} * 2 * job.longest_path * job.most_branches;

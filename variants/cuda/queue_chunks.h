@@ -8,12 +8,13 @@
 
 namespace pt::cuda {
 
-// The last one may be shorter.
+// Number of chunks in a queue; the last one may be shorter.
 constexpr std::uint32_t chunks_of(std::uint32_t capacity, std::uint32_t chunk) {
     return capacity / chunk + (capacity % chunk != 0 ? 1 : 0);
 }
 
-// Keys of paths that are alive, and so the key of all others: for each chunk one a material and one for "missed".
+// Number of keys of live paths, which is also the key of all others: each chunk has one for every material and one for
+// "missed".
 constexpr std::uint32_t keys_of_chunks(std::uint32_t capacity, std::uint32_t materials, std::uint32_t chunk) {
     return chunks_of(capacity, chunk) * (materials + 1);
 }

@@ -8,10 +8,11 @@
 
 namespace pt::cuda {
 
-// *target = value. The value travels as a kernel's parameter: a copy from pageable memory would wait for the device.
+// Sets *target = value on the device. The value travels as a kernel's parameter: a copy from pageable memory would wait
+// for the device.
 void set_value(std::uint32_t* target, std::uint32_t value, cudaStream_t stream);
 
-// order[i] = i for i below `count`, which is greater than 0.
+// Sets order[i] = i for i below `count`, which is greater than 0.
 void write_identity(std::uint32_t* order, std::uint32_t count, cudaStream_t stream);
 
 // Ends a round of a graph's loop: counts it, and has another one follow if paths live and `taken` segments are not

@@ -58,7 +58,8 @@ cudaError_t sort_bits(void* memory, std::size_t& bytes, Words& keys, Words& valu
 
 }  // namespace
 
-// With all bits there are most passes, and so the most storage.
+// Reserves storage for both numbers of bits that may be sorted by: all bits need the most passes, and mostly the most
+// storage.
 void RadixSort::reserve(Arena& arena, const Queue& queue) {
     storage_.reserve(arena, [&](void* memory, std::size_t& bytes) {
         Words keys, slots;

@@ -6,10 +6,10 @@
 
 namespace pt::cuda {
 
-// Which bits of a key are looked at.
+// The bits of a key that a sort looks at.
 enum class KeyBits { needed, all };
 
-// An order for every position up to the bound comes out; the keys are used up.
+// Sorts slot numbers by key. An order for every position up to the bound comes out; the keys are used up.
 class RadixSort final : public Sorting {
 public:
     bool moves_paths() const override { return false; }

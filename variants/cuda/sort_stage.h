@@ -9,25 +9,25 @@ namespace pt::cuda {
 
 class SortStage {
 public:
-    // Both outlive it.
+    // Precondition: `job` and `needs` outlive the stage.
     SortStage(Job& job, const IntegratorNeeds& needs)
         : job_(job), needs_(needs), asked_chunk_(key().by_chunk ? needs.tunable("chunk") : 0) {}
 
     bool exists() const { return needs_.sorting != nullptr; }
     const SortKeyTraits& key() const { return needs_.traits.sort_key; }
 
-    // Slots, the same as long as the queue has its capacity; 0: keys are not by chunk.
+    // Slots in a chunk, the same as long as the queue has its capacity; 0: keys are not by chunk.
     std::uint32_t chunk(const Queue& queue) const {
         return key().by_chunk ? slots_of_chunk(queue.capacity, job_.materials, asked_chunk_) : 0;
     }
-    // That of positions where no path is alive. One material more than the scene has: "missed".
+    // The key of positions where no path is alive. There is one material more than the scene has, for "missed".
     std::uint32_t last_key(const Queue& queue) const {
         if (key().by_chunk) {
             return keys_of_chunks(queue.capacity, job_.materials, chunk(queue));
         }
         return (key().has_material ? job_.materials + 1 : 1) << key().bits;
     }
-    // By queue.keys.
+    // Sorts the queue by queue.keys.
     void sort(Queue& queue) {
         needs_.sorting->sort(queue, last_key(queue) + 1);
         job_.work.sorts += 1;

@@ -33,11 +33,11 @@ struct Queue {
     void swap_count() { std::swap(count, count_spare); }
 };
 
-// Threads a block of the kernels that NVRTC compiles of compactions and sorts.
+// Threads a block in the kernels of compactions and sorts that NVRTC compiles.
 inline constexpr std::uint32_t stage_block = 256;
 constexpr std::uint32_t blocks_for(std::uint32_t threads) { return (threads + stage_block - 1) / stage_block; }
 
-// What a choice knows when it is made.
+// The cell that a compaction or sort is made for: layout, precision, scene, stream and tunables.
 struct CellContext {
     const Layout* layout = nullptr;
     std::string_view layout_name;
@@ -55,37 +55,38 @@ struct CellContext {
     std::uint64_t* host_waits = nullptr;
 };
 
-// Takes the ended paths out of play, between two bounces.
+// A compaction on the device: takes the ended paths out of play, between two bounces.
 class Compaction {
 public:
     virtual ~Compaction() = default;
-    // Memory beyond the queue's; called with a measuring arena first, then with one that has it. Every pointer of the
-    // queue but its counts is null in the first call.
+    // Takes memory beyond the queue's; called with a measuring arena first, then with one that has it. Every pointer of
+    // the queue but its counts is null in the first call.
     virtual void reserve(Arena&, const Queue&) {}
     // Enqueues the work. Afterwards *queue.count paths are in play (device) and queue.bound is not less.
     virtual void compact(Queue& queue) = 0;
     virtual bool needs_spare_paths() const { return false; }
-    // Copies whole paths, so that a store must have room for every field, whatever the scene needs.
+    // Whether it copies whole paths, so that a store must have room for every field, whatever the scene needs.
     virtual bool moves_paths() const { return true; }
 };
 
-// A stretch of shading: the paths in slots order[0..*count-1]. Null order: the queue's own.
+// A part of the queue that one launch shades: the paths in slots order[0..*count-1]. Null order: the queue's own.
 struct ShadeRange {
     const std::uint32_t* order = nullptr;
     const std::uint32_t* count = nullptr;
 };
 
-// Brings paths of equal key together before they are shaded (or, with a ray key, before they are traced).
+// A sort on the device: brings paths of equal key together before they are shaded (or, with a ray key, before they are
+// traced).
 class Sorting {
 public:
     virtual ~Sorting() = default;
     virtual void reserve(Arena&, const Queue&) {}
-    // queue.keys holds a key below key_count for the positions in play, and key_count - 1 for all others up to
-    // queue.bound. Enqueues the work.
+    // Enqueues a sort by queue.keys, which holds a key below key_count for the positions in play, and key_count - 1 for
+    // all others up to queue.bound.
     virtual void sort(Queue& queue, std::uint32_t key_count) = 0;
-    // Empty: one launch over the queue. Otherwise one launch a range.
+    // The ranges to shade, one launch each; empty: one launch over the queue.
     virtual std::vector<ShadeRange> shade_ranges() const { return {}; }
-    // As of a compaction.
+    // Whether it copies whole paths, so that a store must have room for every field, whatever the scene needs.
     virtual bool moves_paths() const { return true; }
 };
 

@@ -25,7 +25,7 @@ inline constexpr Tunable thrust_tunables[] = {
      .summary = "1: thrust::cuda::par_nosync, which waits for the device only where a result needs it"},
 };
 
-// What a Thrust compaction is on CUDA, of what it is on the CPU: the host waits for its count.
+// The descriptor of a Thrust compaction on CUDA, made from the one on the CPU: the host waits for its count.
 inline Descriptor on_device(Descriptor descriptor,
                             Reason (*unsupported_reason)(FeatureSet, const VariantTraits&) = nullptr) {
     CompactionTraits traits = traits_in<CompactionTraits>(descriptor);
@@ -37,7 +37,8 @@ inline Descriptor on_device(Descriptor descriptor,
     return descriptor;
 }
 
-// The allocator that Thrust takes temporaries from. One type for both kinds, so that each algorithm is compiled once.
+// The allocator that Thrust takes temporaries from. It is one type for both kinds, so that each algorithm is compiled
+// once.
 class TemporaryMemory {
 public:
     using value_type = char;
@@ -51,8 +52,8 @@ public:
     TemporaryMemory(const TemporaryMemory&) = delete;
     TemporaryMemory& operator=(const TemporaryMemory&) = delete;
 
-    // Throws OutOfMemory. With keeps_blocks, the smallest free block that is large enough: its last use and the next
-    // are on one stream, so they do not overlap.
+    // Allocates, or, with keeps_blocks, reuses the smallest free block that is large enough: its last use and the next
+    // are on one stream, so they do not overlap. Throws OutOfMemory.
     char* allocate(std::ptrdiff_t count) {
         const auto bytes = static_cast<std::size_t>(count);
         if (const auto block = free_.lower_bound(bytes); block != free_.end()) {
@@ -75,7 +76,7 @@ public:
         }
         return static_cast<char*>(memory);
     }
-    // Called from destructors: does not throw.
+    // Frees a block; called from destructors, so it does not throw.
     void deallocate(char* memory, std::size_t) noexcept {
         if (keeps_blocks_) {
             free_.insert({used_.at(memory), memory});
@@ -102,14 +103,15 @@ public:
           nosync_(cell.tunable("par_nosync") != 0),
           memory_(caches_) {}
 
-    // call(policy), which returns a count: Thrust waits for it under either policy. The call counts as one launch.
+    // Calls call(policy), which returns a count: Thrust waits for it under either policy. The call counts as one
+    // launch.
     template <class Call>
     auto for_count(Call&& call) {
         *launches_ += 1;
         *host_waits_ += 1;
         return with_policy(call);
     }
-    // call(policy), which returns nothing: what waits for the device is par, or the cudaFree of a temporary.
+    // Calls call(policy), which returns nothing: what waits for the device is par, or the cudaFree of a temporary.
     template <class Call>
     void for_effect(Call&& call) {
         *launches_ += 1;

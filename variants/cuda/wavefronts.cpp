@@ -85,7 +85,7 @@ void Wavefront::start_queue(std::uint32_t paths) {
     queue_.bound = paths;
 }
 
-// One batch: every path of it from its camera ray to its end.
+// Enqueues one batch: every path of it from its camera ray to its end.
 void Wavefront::enqueue(std::uint32_t first_sample, std::uint32_t samples) {
     start_queue(job_.pixels * samples);
     begin(first_sample);
@@ -121,7 +121,7 @@ void Wavefront::end_segment(std::uint32_t segment) {
     }
 }
 
-// The host learns the count if it reads back.
+// Compacts the queue; the host learns the count if the compaction reads it back.
 void Wavefront::compact() {
     const Stage stage(job_.stages, "compact", job_.stream);
     const std::uint32_t before = queue_.bound;
@@ -159,7 +159,7 @@ std::uint32_t Wavefront::capacity() const {
     if (!appends_) {
         return static_cast<std::uint32_t>(pool);
     }
-    // Each part has room for its share of the blocks.
+    // Each part of the queue has room for its share of the blocks.
     const std::uint64_t blocks = (pool + job_.block - 1) / job_.block;
     const std::uint64_t blocks_per_part = (blocks + parts() - 1) / parts();
     return static_cast<std::uint32_t>(blocks_per_part * parts() * job_.block);
@@ -180,7 +180,7 @@ void Wavefront::reserve(Arena& arena) {
     batches_.reserve(arena);
     const std::size_t before = arena.used();
     start_.capacity = capacity();
-    // What the kernels write, unless somebody copies whole paths.
+    // A store holds the fields that the kernels write, or all fields if somebody copies whole paths.
     const PathFields carried = copies_whole_paths() ? every_path_field : PathFields::of(needs_.features);
     const std::size_t store_bytes = needs_.layout.bytes(start_.capacity, real_bytes_, carried);
     path_bytes_.state = store_bytes / start_.capacity;
@@ -209,12 +209,13 @@ void Wavefront::reserve(Arena& arena) {
 
 void Wavefront::upload() {
     batches_.clear();
-    // Positions beyond the count are carried along by sorts though nobody looks at what they hold.
+    // Index arrays are cleared, for sorts carry along the positions beyond the count, though nobody looks at what they
+    // hold.
     for (std::uint32_t* const index : {start_.order, start_.order_spare, start_.keys, start_.keys_spare}) {
         clear(index, std::size_t{start_.capacity} * sizeof(std::uint32_t), job_.stream);
     }
     if (copies_whole_paths()) {
-        // What the scene's kernels never write is copied along.
+        // The whole store is cleared, for fields that the scene's kernels never write are copied too.
         clear(start_.paths.base, needs_.layout.bytes(start_.capacity, real_bytes_, every_path_field), job_.stream);
     }
     clear(start_.count, sizeof(std::uint32_t), job_.stream);

@@ -46,25 +46,26 @@ public:
     PathBytes path_bytes() const final { return path_bytes_; }
 
 protected:
-    // hit_bytes: of a hit that is stored between two kernels; 0: none is.
+    // Constructs a wavefront. hit_bytes: size of a hit that is stored between two kernels; 0: none is.
     Wavefront(Job& job, IntegratorNeeds&& needs, std::size_t real_bytes, std::size_t hit_bytes);
 
-    // Enqueues what begins the paths of queue_, queue_.bound of them. They may have done their first segment.
+    // Enqueues the start of the first queue_.bound paths of queue_. They may have done their first segment.
     virtual void begin(std::uint32_t first_sample) = 0;
     // Enqueues a segment of the paths in queue_, but for the compaction after it.
     virtual void trace(std::uint32_t segment) = 0;
     virtual void fill_first_hits() = 0;
 
-    // Where an integrator's own kernel appends the paths that live (appends_): parts of the queue, each with a counter.
+    // Number of parts of the queue, each with a counter, to which an integrator's own kernel appends the paths that
+    // live (appends_).
     virtual std::uint32_t parts() const { return 1; }
     virtual void reserve_counts(Arena&) {}
-    // After the two segments of a round: where the paths that live are counted. Leaves queue_.count as a round finds
-    // it.
+    // Ends the two segments of a loop's round and returns where the paths that live are counted. Leaves queue_.count as
+    // a round finds it.
     virtual LiveCounts end_round(const Queue& before);
 
-    // queue_ as a render finds it, with so many paths in play.
+    // Sets queue_ up as a render finds it, with so many paths in play.
     void start_queue(std::uint32_t paths);
-    // After a segment: counts it, and compacts where the kernel did not.
+    // Counts a segment that was enqueued, and compacts where the kernel did not.
     void end_segment(std::uint32_t segment);
     bool is_last(std::uint32_t segment) const { return segment + 1 == job_.longest_path; }
     const std::uint32_t* order() const { return queue_.indirect ? queue_.order : nullptr; }
@@ -94,8 +95,8 @@ private:
     PathBytes path_bytes_;
 };
 
-// Without a read-back nobody tells the host that all paths of a batch have ended. Where they may be long enough for
-// that to cost more than asking, it asks now and then. A batch that is captured cannot ask.
+// Whether the host asks now and then if all paths of a batch have ended. It asks where no read-back tells it and paths
+// may be long enough that going on costs more than asking. A batch that is captured cannot ask.
 inline bool asks_for_the_end(const Job& job, bool is_told, bool is_capturing, std::uint32_t segment) {
     constexpr std::uint32_t segments_between = 512;
     return !is_told && !is_capturing && job.longest_path > few_segments && segment % segments_between == 0;

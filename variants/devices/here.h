@@ -13,13 +13,14 @@ struct DevicesHere {
     std::string missing = {};  // what several of them need and the machine lacks
 };
 
-// Asked once it matters. Who looks is set by the CUDA backend; in a build without one nothing is known.
+// The function that counts the devices, called once it matters. The CUDA backend sets it; in a build without that
+// nothing is known.
 using LookForDevices = DevicesHere (*)();
-// Returns who looked until now.
+// Sets the function that counts the devices, and returns the one until now.
 LookForDevices set_look_for_devices(LookForDevices look);
 DevicesHere devices_here();
 
-// Why so many cannot render together there; empty: they can, or it is not known.
+// Why `count` devices cannot render together here; empty: they can, or it is not known.
 Reason why_not_on(const DevicesHere& here, std::uint32_t count);
 
 }  // namespace pt

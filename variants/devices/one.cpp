@@ -1,4 +1,4 @@
-// One GPU, the first one (on the CPU backend: the host).
+// Renders on one GPU, the first one (on the CPU backend: on the host).
 #include "variants/registry.h"
 
 namespace pt::devices::one {

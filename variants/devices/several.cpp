@@ -34,7 +34,7 @@ Descriptor descriptor_of(std::string_view name, std::uint32_t count) {
     };
 }
 
-// As many as the largest hosts that are sold have.
+// The numbers of devices go up to those of the largest hosts that are sold.
 const std::array registrations{Registration(descriptor_of("2", 2), {}), Registration(descriptor_of("3", 3), {}),
                                Registration(descriptor_of("4", 4), {}), Registration(descriptor_of("5", 5), {}),
                                Registration(descriptor_of("6", 6), {}), Registration(descriptor_of("7", 7), {}),

@@ -1,7 +1,7 @@
-// Seed B's idea done right: the last vertex of an exhausted path is connected to a random light point, weighted by
-// BSDF, both cosines, distance, area and visibility (kernels/light.h). It sees one segment more than plain path tracing
-// of the same depth, so its expectation is that of depth + 1. A last vertex on a specular surface takes that segment by
-// its BSDF.
+// The last vertex of an exhausted path is connected to a random light point, weighted by BSDF, both cosines, distance,
+// area and visibility (kernels/light.h): a student's idea (CIS565-Fall-2022) with the weights that it lacked. It sees
+// one segment more than plain path tracing of the same depth, so its expectation is that of depth + 1. A last vertex on
+// a specular surface takes that segment by its BSDF.
 #include "variants/registry.h"
 
 namespace pt::direct_light::final_bounce {
@@ -12,7 +12,7 @@ const Registration registration(
         .axis = "direct_light",
         .name = "final_bounce",
         .summary = "the last diffuse vertex is connected to a random point on a random light",
-        .origin = "seed B (2022), with the weights that it lacked",
+        .origin = "a student's CIS565-Fall-2022/Project3-CUDA-Path-Tracer, with the weights that it lacked",
         .claim = Claim::statistical,
         .claim_note = "same expectation as direct_light=off at depth + 1",
         .mean_of = "off",

@@ -19,7 +19,7 @@ inline Reason next_event_unsupported_reason(FeatureSet scene, const VariantTrait
     return {};
 }
 
-// Of a choice that says how connections are made: why there are none to make.
+// Why a choice that says how connections are made does not apply: there are none to make. Empty: it applies.
 inline Reason needs_connections_reason(const VariantTraits& variant) {
     if (!variant.direct_light.connects_every_vertex) {
         return {"needs_connections",

@@ -1,4 +1,4 @@
-// Every sample traces its camera ray.
+// No first-bounce cache: every sample traces its camera ray.
 #include "variants/registry.h"
 
 namespace pt::first_bounce::off {

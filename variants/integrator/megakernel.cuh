@@ -26,7 +26,7 @@ struct MegakernelParameters {
 
 #include "variants/cuda/device/branches.cuh"
 
-// Thread t takes the samples t / pixels, t / pixels + stride, ... of pixel t mod pixels.
+// One kernel for whole paths: thread t takes the samples t / pixels, t / pixels + stride, ... of pixel t mod pixels.
 // `ended`: paths by their number of segments, or null.
 PT_KERNEL(megakernel, pt::cuda::MegakernelParameters<Real>,
           (const __grid_constant__ Scene parameter, FilmView film, std::uint32_t first_sample, std::uint32_t samples,

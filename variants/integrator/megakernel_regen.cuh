@@ -28,7 +28,7 @@ struct MegakernelRegenParameters {
 
 #include "variants/cuda/device/warp_items.cuh"
 
-// Every so many-th sample of a strip.
+// The samples of a strip that one warp takes: every `stride`-th.
 struct Strided {
     pt::PixelPlace first;
     std::uint32_t sample, stride, left;
@@ -44,7 +44,8 @@ struct Strided {
     }
 };
 
-// Warp w takes strip w mod strips, and of its samples w / strips, w / strips + stride, ...
+// One kernel with path regeneration: warp w takes strip w mod strips, and of its samples w / strips, w / strips +
+// stride, ...
 PT_KERNEL(megakernel_regen, pt::cuda::MegakernelRegenParameters<Real>,
           (const __grid_constant__ Scene parameter, FilmView film, std::uint32_t first_sample, std::uint32_t samples,
            std::uint32_t stride, HitCache cache, Totals* totals, std::uint64_t* ended)) {

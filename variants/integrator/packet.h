@@ -62,7 +62,7 @@ private:
     PixelPlace place_;
 };
 
-// Camera rays, made a packet at a time.
+// Camera rays of a range of paths, made a packet at a time.
 template <class Config>
 class CameraRays {
 public:
@@ -71,7 +71,7 @@ public:
     CameraRays(const SceneView<Real>& scene, const PathRange& range) : scene_(scene), range_(range) {}
 
     bool is_empty() const { return next_ == size_ && range_.is_empty(); }
-    // Starts the next path in lane `l`. There is one: not is_empty().
+    // Starts the next path in lane `l`. Precondition: not is_empty().
     void start(lanes::Paths<Real>& paths, std::uint32_t l) {
         if (next_ == size_) {
             generate();
@@ -161,7 +161,7 @@ private:
         }
     }
 
-    // Those that were live `before` and are no longer; their lanes take the next paths.
+    // Ends the paths that were live `before` and are no longer; their lanes take the next paths.
     void end_paths(const lanes::Flags& before, PathCounters& counters) {
         lanes::Flags ended;
         for (std::uint32_t l = 0; l < lanes::width; ++l) {
@@ -178,7 +178,7 @@ private:
         }
     }
 
-    // Without an atomic addition: a pixel's samples are all in one packet.
+    // Adds a lane's path to the film, without an atomic addition: a pixel's samples are all in one packet.
     void add_to_film(std::uint32_t l) {
         const FilmSum sum = film_.quanta(paths_.radiance[l]);
         std::int64_t* const target = film_.sums + 3 * static_cast<std::size_t>(paths_.pixel[l]);

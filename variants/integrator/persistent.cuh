@@ -1,5 +1,5 @@
-// As many threads as the GPU holds at once; each warp takes piece after piece of the image, a few samples of a strip of
-// pixels, from a global counter. Persistent threads: Aila and Laine 2009.
+// Persistent threads: as many as the GPU holds at once. Each warp takes piece after piece of the image, a few samples
+// of a strip of pixels, from a global counter. Aila and Laine 2009.
 #pragma once
 
 #include "kernels/film.h"

@@ -30,7 +30,7 @@ struct RegroupParameters {
 #include "variants/cuda/device/block_items.cuh"
 #include "variants/cuda/device/path_pool.cuh"
 
-// Of a lane whose path is over: the film has it, and the lane's counters.
+// Adds a path that is over to the film and to its lane's counters.
 __device__ inline void end_path(const FilmView& film, Path& path, ThreadCounters& counters, std::uint64_t* ended) {
     pt::accumulate(film, path);
     counters.rays += path.segment - (kernel_config.keeps_first_hits ? 1 : 0);

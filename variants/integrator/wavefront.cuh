@@ -9,7 +9,8 @@
 
 namespace pt::cuda {
 
-// Path i: pixel i mod pixels, sample first_sample + i / pixels; with a cursor the first sample is there.
+// Parameters of the kernel that starts path i in slot i: pixel i mod pixels, sample first_sample + i / pixels; with a
+// cursor the first sample is read from there.
 template <class Real>
 struct GeneratePathsParameters {
     static constexpr const char* kernel = "generate_paths";
@@ -22,8 +23,8 @@ struct GeneratePathsParameters {
     HitCache<Real> cache;
 };
 
-// With `keys`, also writes the sort key of every position below `bound`: ended paths and positions beyond the count
-// have the last one.
+// Parameters of the intersection kernel. With `keys`, it also writes the sort key of every position below `bound`:
+// ended paths and positions beyond the count have the last one.
 template <class Real>
 struct IntersectPathsParameters {
     static constexpr const char* kernel = "intersect_paths";
@@ -43,7 +44,8 @@ struct IntersectPathsParameters {
     KeyBounds bounds;
 };
 
-// The key of a ray that is yet to be traced, by the same rules.
+// Parameters of the kernel that writes the sort keys of rays that are yet to be traced: ended paths and positions
+// beyond the count have the last one.
 struct WriteRayKeysParameters {
     static constexpr const char* kernel = "write_ray_keys";
     PathStore store;
@@ -77,7 +79,7 @@ struct ShadePathsParameters {
 #include "variants/cuda/device/sort_keys.cuh"
 #include "variants/integrator/wavefront_fetching.cuh"
 
-// Path i into slot i; with a cursor the first sample is there.
+// Starts path i in slot i; with a cursor the first sample is read from there.
 PT_KERNEL(generate_paths, pt::cuda::GeneratePathsParameters<Real>,
           (const __grid_constant__ Scene parameter, PathStore store, std::uint32_t* count, std::uint32_t pool,
            std::uint32_t first_sample, const std::uint32_t* cursor, HitCache cache)) {
@@ -92,8 +94,8 @@ PT_KERNEL(generate_paths, pt::cuda::GeneratePathsParameters<Real>,
     }
 }
 
-// With `keys`, also writes the sort key of every position below `bound`: ended paths and positions beyond the count
-// have the last one. A thread a position, but with traversal=persistent.
+// Traces the queue's rays, one position a thread unless traversal=persistent. With `keys`, also writes the sort key of
+// every position below `bound`: ended paths and positions beyond the count have the last one.
 PT_KERNEL(intersect_paths, pt::cuda::IntersectPathsParameters<Real>,
           (const __grid_constant__ Scene parameter, PathStore store, const std::uint32_t* order,
            const std::uint32_t* count, std::uint32_t bound, StoredHit* hits, HitCache cache, SegmentNumber segment,
@@ -139,7 +141,7 @@ PT_KERNEL(intersect_paths, pt::cuda::IntersectPathsParameters<Real>,
     pt::cuda::add_segment_counts(segments, segment, live, *count);
 }
 
-// The key of a ray that is yet to be traced, by the same rules.
+// Writes the sort key of rays that are yet to be traced: ended paths and positions beyond the count have the last one.
 PT_KERNEL(write_ray_keys, pt::cuda::WriteRayKeysParameters,
           (PathStore store, const std::uint32_t* order, const std::uint32_t* count, std::uint32_t bound,
            std::uint32_t* keys, std::uint32_t last_key, pt::cuda::KeyBounds bounds)) {
@@ -269,7 +271,7 @@ private:
         shade(sorts && by_hit);
     }
 
-    // One a path, or as many as fit at once.
+    // Threads of the intersection kernel: one a path or, with persistent threads, as many as fit at once.
     std::uint32_t intersecting_threads() const { return std::min(queue_.bound, most_intersecting_threads_); }
 
     StoredHit<Real>* hits() const { return static_cast<StoredHit<Real>*>(queue_.hits); }

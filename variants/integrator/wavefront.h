@@ -1,6 +1,6 @@
-// All paths of a sample advance together: generate once, then intersect, (sort,) shade, (compact) for every bounce,
-// each stage over the whole queue. The last possible segment is neither sorted nor compacted: every path ends there.
-// Laine, Karras and Aila, "Megakernels Considered Harmful", HPG 2013; the shape of cis565.
+// The wavefront: all paths of a sample advance together: generate once, then intersect, (sort,) shade, (compact) for
+// every bounce, each stage over the whole queue. The last possible segment is neither sorted nor compacted: every path
+// ends there. Laine, Karras and Aila, "Megakernels Considered Harmful", HPG 2013; the shape of cis565.
 #pragma once
 
 #include <atomic>
@@ -73,7 +73,7 @@ private:
         });
     }
 
-    // Returns how many paths were alive; each traced a ray or took its hit from the cache.
+    // Traces the queue's rays. Returns how many paths were alive; each traced a ray or took its hit from the cache.
     std::uint64_t intersect_all(bool first, std::uint32_t sample) {
         const StageClock clock(job_.stages, "intersect");
         std::atomic<std::uint64_t> live = 0;
@@ -108,7 +108,7 @@ private:
         return live;
     }
 
-    // Keys: the hit's material; then paths that left the scene; then ended paths.
+    // Sorts the queue by the hit's material; paths that left the scene come next, ended paths last.
     void sort(std::uint64_t live) {
         const StageClock clock(job_.stages, "sort");
         const std::uint32_t missed = job_.scene.materials.size;

@@ -15,7 +15,7 @@ inline constexpr bool fetches_paths = requires {
     Traversal::fetches_paths;
 };
 
-// What the stage is about: its parameters (IntersectPathsParameters), in views.
+// The parameters of the intersection stage (IntersectPathsParameters), as views.
 struct IntersectStage {
     const SceneViews& scene;
     const Paths& paths;
@@ -29,7 +29,7 @@ struct IntersectStage {
     std::uint32_t bits, chunk, last_key;
     const KeyBounds& bounds;
 
-    // Positions that somebody has to look at.
+    // Number of positions that a lane has to look at.
     __device__ std::uint32_t positions() const { return keys != nullptr ? bound : *count; }
     __device__ Ray<Real> ray(std::uint32_t slot) const {
         Ray<Real> ray = paths.ray(slot);
@@ -40,7 +40,7 @@ struct IntersectStage {
     }
 };
 
-// One lane's path. A State of traversal::work_off.
+// The path that one lane traces at the moment; a State of traversal::work_off.
 template <class Traversal>
 class FetchedPath {
 public:
@@ -69,7 +69,7 @@ public:
         }
     }
 
-    // With triangles put off a lane goes on to the next node while others test theirs.
+    // Visits the next node. Triangles that were found wait, so a lane goes on to nodes while others test theirs.
     __device__ void visit_node() {
         NoTraversalCounter counter;
         walk_.visit_node(best_.t, stack_, counter);
@@ -96,7 +96,7 @@ private:
         mesh_ = 0;
         start_meshes(ray);
     }
-    // From mesh_ on, the first that has a tree.
+    // Starts on the first mesh from mesh_ on that has a tree.
     __device__ void start_meshes(const Ray<Real>& ray) {
         const Scene& scene = stage_.scene.trace;
         while (mesh_ < scene.meshes.size && scene.meshes[mesh_].geometry.tree.node_count == 0) {
@@ -145,8 +145,8 @@ private:
     std::uint32_t live_paths_ = 0;
 };
 
-// The positions that are fetched are counted in the module; who is last makes the count ready for the next launch.
-// Every thread of the grid must call it.
+// Traces the paths of a queue by persistent warps. The positions fetched are counted in the module; who is last makes
+// the count ready for the next launch. Every thread of the grid must call it.
 template <class Traversal>
 __device__ inline void intersect_fetched(const IntersectStage& stage, const SegmentCounts& segments) {
     static __device__ std::uint32_t next, finished_blocks;

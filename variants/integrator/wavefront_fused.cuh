@@ -9,7 +9,8 @@
 
 namespace pt::cuda {
 
-// Path i: pixel i mod pixels, sample first_sample + i / pixels; with a cursor the first sample is there.
+// Parameters of the kernel that starts path i (pixel i mod pixels, sample first_sample + i / pixels) and traces its
+// first bounce; with a cursor the first sample is read from there.
 template <class Real>
 struct FirstBounceParameters {
     static constexpr const char* kernel = "first_bounce";
@@ -25,8 +26,8 @@ struct FirstBounceParameters {
     SegmentCounts segments;
 };
 
-// One bounce of the paths at order[0..*in_count-1] of `in` (no order: at 0..*in_count-1; where the kernel appends: as
-// located).
+// Parameters of the kernel for one bounce of the paths at order[0..*in_count-1] of `in` (no order: at 0..*in_count-1;
+// where the kernel appends: as located).
 template <class Real>
 struct NextBounceParameters {
     static constexpr const char* kernel = "next_bounce";
@@ -51,11 +52,10 @@ struct NextBounceParameters {
 #include "variants/cuda/device/append_in_kernel.h"
 #include "variants/cuda/device/queue_slots.cuh"
 
-// Where no kernel appends, paths stay in their slots.
-//
-// An append to one counter waits for all others: a GPU does a few hundred million atomic operations a second on one
-// address. So the queue is in tuned::append_counters parts, each with a counter of its own; block b appends to part
-// b mod append_counters, which therefore never holds more than its share of the blocks.
+// Paths stay in their slots unless the kernel appends.
+// The queue is in tuned::append_counters parts, each with a counter of its own, since an append to one counter waits
+// for all others: a GPU does a few hundred million atomic operations a second on one address. Block b appends to part b
+// mod append_counters, which therefore never holds more than its share of the blocks.
 using pt::cuda::counter_stride;
 constexpr auto append_in_kernel = static_cast<pt::AppendInKernel>(tuned::append_in_kernel);
 constexpr bool appends = append_in_kernel != pt::AppendInKernel::no;
@@ -64,8 +64,8 @@ __device__ inline std::uint32_t part_capacity(const PathStore& store) {
     return store.capacity / tuned::append_counters;
 }
 
-// Where the queue's paths lie: the total and, for the position of the calling thread, the slot. Every thread of the
-// block must call it.
+// The number of paths in the queue and, for the position of the calling thread, its slot. Every thread of the block
+// must call locate().
 struct Located {
     std::uint32_t total, slot;
 };
@@ -128,7 +128,7 @@ __device__ inline bool bounce(const SceneViews& scene, const FilmView& film, Pat
     return false;
 }
 
-// The first bounce of path i (path_of_number); with a cursor the first sample is there.
+// Starts path i (path_of_number) and traces its first bounce; with a cursor the first sample is read from there.
 PT_KERNEL(first_bounce, pt::cuda::FirstBounceParameters<Real>,
           (const __grid_constant__ Scene parameter, FilmView film, PathStore out, std::uint32_t* out_count,
            std::uint32_t pool, std::uint32_t first_sample, const std::uint32_t* cursor, HitCache cache, Totals* totals,
@@ -154,8 +154,8 @@ PT_KERNEL(first_bounce, pt::cuda::FirstBounceParameters<Real>,
     pt::cuda::add_shade_counters(totals, counters);
 }
 
-// One bounce of the paths at order[0..*in_count-1] of `in` (no order: at 0..*in_count-1; where the kernel appends: as
-// located).
+// Traces one bounce of the paths at order[0..*in_count-1] of `in` (no order: at 0..*in_count-1; where the kernel
+// appends: as located).
 PT_KERNEL(next_bounce, pt::cuda::NextBounceParameters<Real>,
           (const __grid_constant__ Scene parameter, FilmView film, PathStore in, const std::uint32_t* order,
            const std::uint32_t* in_count, PathStore out, std::uint32_t* out_count, SegmentNumber segment,
@@ -290,7 +290,7 @@ private:
     }
 
     std::size_t words_per_segment() const { return std::size_t{counters_} * counter_stride; }
-    // Where the paths that live after a segment are counted.
+    // The device's counters of the paths that live after a segment.
     std::uint32_t* counts_after(std::uint32_t segment) const { return counts_ + segment * words_per_segment(); }
 
     JobOf<Real>& job_;

@@ -27,7 +27,7 @@ struct ProgressReport {
     std::uint32_t round;
 };
 
-// Path n into slot n, for every slot.
+// Parameters of the kernel that starts path n in slot n, for every slot.
 template <class Real>
 struct FillQueueParameters {
     static constexpr const char* kernel = "fill_queue";
@@ -39,7 +39,8 @@ struct FillQueueParameters {
     HitCache<Real> cache;  // none: first_path takes one
 };
 
-// With `keys`, also writes the sort key of every position; ended paths have the last one.
+// Parameters of the intersection kernel. With `keys`, it also writes the sort key of every position; ended paths have
+// the last one.
 template <class Real>
 struct IntersectQueueParameters {
     static constexpr const char* kernel = "intersect_queue";
@@ -75,7 +76,7 @@ struct ShadeAndRefillParameters {
     std::uint64_t* ended;  // paths by their number of segments; null: not counted
 };
 
-// The next path into every slot whose path has ended.
+// Parameters of the kernel that starts the next path in every slot whose path has ended.
 template <class Real>
 struct RefillQueueParameters {
     static constexpr const char* kernel = "refill_queue";
@@ -96,8 +97,8 @@ struct RefillQueueParameters {
 
 namespace pt::cuda {
 
-// Every thread of the block calls it; the paths in `slot` of those that have `ended` are replaced, or marked as ended
-// where none is left.
+// Replaces the paths in `slot` of the threads whose path has `ended`, or marks them as ended where none is left. Every
+// thread of the block must call it.
 __device__ inline void refill(const ::Scene& scene, const ::Paths& paths, const PathSupply& supply, bool ended,
                               std::uint32_t slot, const ::HitCache& cache) {
     const Gathered free_slots = gather_by_block(supply.next, ended, slot);
@@ -263,12 +264,13 @@ constexpr Descriptor descriptor{
     .check_counters = wavefront_work_missing,
 };
 
-// What the kernels write into the host's memory (ProgressReport). Reading it costs the device nothing.
+// The device's progress, which its kernels write into the host's memory (ProgressReport). Reading it costs the device
+// nothing.
 class Progress {
 public:
     Progress() : word_(make_pinned_words(2)) {}
 
-    // Before a go, with nothing in flight that writes it.
+    // Sets the progress to 0 before a go, with nothing in flight that writes it.
     void start() { value().store(0, std::memory_order_relaxed); }
     std::uint64_t* word() const { return reinterpret_cast<std::uint64_t*>(word_.get()); }
     std::uint32_t rounds() const { return static_cast<std::uint32_t>(read() >> 32); }
@@ -296,7 +298,7 @@ public:
                 kernel_of<ShadeAndRefillParameters<Real>>(), kernel_of<RefillQueueParameters<Real>>()};
     }
 
-    // Go after go, each of so many samples of every pixel that its paths and its rounds can be numbered.
+    // Renders in goes, each of so many samples of every pixel that its paths and its rounds can be numbered.
     void render() override {
         const std::uint32_t most = std::max(1u, std::min(most_paths / job_.pixels, samples_within(most_rounds)));
         for (std::uint32_t done = 0; done < job_.samples;) {
@@ -309,9 +311,9 @@ public:
 private:
     static constexpr std::uint32_t most_paths = 1u << 30;
     static constexpr std::uint32_t most_rounds = 1u << 31;
-    // Enqueued beyond what the device has begun: enough that it never waits for the host.
+    // Rounds enqueued beyond what the device has begun: enough that it never waits for the host.
     static constexpr std::uint32_t rounds_ahead = 4;
-    // Once all paths have begun, between two looks at how many have ended. A look waits for the device.
+    // Rounds between two looks at how many paths have ended, once all have begun. A look waits for the device.
     static constexpr std::uint32_t rounds_between_looks = 64;
 
     // A path has its slot for at most longest_path rounds and leaves it empty for fewer than refill_every_. The rounds
@@ -386,7 +388,7 @@ private:
 
     StoredHit<Real>* hits() const { return static_cast<StoredHit<Real>*>(queue_.hits); }
 
-    // Until the device has begun a round not long before this one.
+    // Waits until the device has begun a round not long before this one.
     void wait_for(std::uint32_t round) {
         if (progress_.rounds() + rounds_ahead >= round) {
             return;
@@ -402,7 +404,7 @@ private:
         }
     }
 
-    // Long before the longest path that there could be, all may have ended.
+    // Whether all paths have ended, which may be long before the longest path that there could be.
     bool is_over(std::uint32_t round, std::uint32_t rounds) {
         if (rounds == ~0u || (rounds - round) % rounds_between_looks != 0) {
             return false;

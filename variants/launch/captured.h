@@ -5,7 +5,7 @@
 
 namespace pt {
 
-// A launch choice's unsupported_reason.
+// Why a variant's launches cannot be captured in a CUDA graph; empty: they can.
 inline Reason why_not_captured(FeatureSet, const VariantTraits& variant) {
     const auto cannot_hold = [](const std::string& what) -> Reason {
         return {"waits_for_device", "cannot hold " + what + ", which waits for the device"};

@@ -6,7 +6,7 @@
 namespace pt::launch::graph_while {
 namespace {
 
-// The segments 0 to depth that need no loop: the first one, a round, and the last one.
+// Segments of the shortest path that has a loop: the first one, a round of two, and the last one.
 constexpr std::uint64_t shortest_loop = 4;
 
 Reason why_not_looped(FeatureSet features, const VariantTraits& variant) {
@@ -20,7 +20,8 @@ Reason why_not_looped(FeatureSet features, const VariantTraits& variant) {
     return why_not_captured(features, variant);
 }
 
-// A batch of paths too short for a loop is unrolled.
+// What is missing of a loop in a render's work; empty: nothing, or the paths are too short for a loop and the batch is
+// unrolled.
 std::string loop_missing(const WorkCounters& work, std::uint64_t) {
     if (work.graph_nodes == 0) {
         return "launched no graph";

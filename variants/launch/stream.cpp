@@ -1,4 +1,4 @@
-// Each stage is launched by the host as its turn comes (on the CPU backend: called).
+// Launches by stream: the host launches each stage as its turn comes (on the CPU backend: calls it).
 #include "variants/registry.h"
 
 namespace pt::launch::stream {

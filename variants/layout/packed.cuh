@@ -16,8 +16,9 @@ struct alignas(8) Key {
     std::uint32_t pixel, sample;
 };
 
-// Where a field lies: the time beside the origin, the surface beside the direction, the segment beside the throughput,
-// then the pixel and the sample, then the medium beside the radiance. Each further field has a column of its own.
+// The column in which a field lies: the time beside the origin, the surface beside the direction, the segment beside
+// the throughput, then the pixel and the sample, then the medium beside the radiance. Each further field has a column
+// of its own.
 enum class Place { base, optional, own };
 constexpr Place place_of(PathField field) {
     switch (field) {
@@ -38,7 +39,7 @@ constexpr Place place_of(PathField field) {
     }
 }
 
-// Bytes of a path in the columns of their own that lie before this field's.
+// Bytes a path of the fields with own columns that lie before this field's.
 constexpr std::size_t own_bytes_before(std::size_t field) {
     std::size_t bytes = 0;
     for (std::size_t i = 0; i < field; ++i) {
@@ -75,14 +76,14 @@ struct DevicePaths {
         return path;
     }
     PT_HD void store(std::uint32_t slot, const Path<Real>& path) const { put<every_path_field>(slot, path); }
-    // A path that is new in its slot. The time comes with the origin.
+    // Writes a path that is new in its slot. The time comes with the origin.
     template <PathFields carried>
     PT_HD void put(std::uint32_t slot, const Path<Real>& path) const {
         update<carried>(slot, path);
         keys()[slot] = {path.pixel, path.sample};
         store_own<FieldChange::never, carried>(slot, path);
     }
-    // What a bounce changes.
+    // Writes the fields that a bounce changes.
     template <PathFields carried>
     PT_HD void update(std::uint32_t slot, const Path<Real>& path) const {
         column(0)[slot] = {path.origin.x, path.origin.y, path.origin.z, word_of(path.time)};
@@ -105,8 +106,8 @@ struct DevicePaths {
         return {{a.x, a.y, a.z}, {b.x, b.y, b.z}, bits_to_float(a.w), SurfaceId{b.w}};
     }
 
-    // Radiance and medium, and then the columns of their own, come last; what lies behind the last one carried is not
-    // there.
+    // Bytes of a store. Radiance and medium, and then the columns of single fields, come last; what lies behind the
+    // last column carried is not there.
     static constexpr std::size_t bytes(std::uint32_t capacity, const PathFields& fields) {
         std::size_t bytes_per_slot = 3 * sizeof(Column) + sizeof(Key);
         const std::size_t begin_of_own = bytes_per_slot + sizeof(Column);

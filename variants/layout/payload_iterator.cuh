@@ -29,7 +29,7 @@ public:
         slots_.store(slot_, value);
         return *this;
     }
-    // Copies the value, not the place.
+    // Assigns the value that the other slot holds, not the reference to that slot.
     PT_HD const SlotReference& operator=(const SlotReference& other) const { return *this = static_cast<Value>(other); }
 
 private:
@@ -80,7 +80,7 @@ auto visit_layout(std::string_view name, Visit&& visit) {
     throw std::logic_error("no layout=" + std::string(name));
 }
 
-// A choice's unsupported_reason: the iterators are for Path<float> alone.
+// Why a choice that moves payloads cannot run: the iterators are for Path<float> alone. Empty: it can.
 inline Reason needs_single_precision(FeatureSet, const VariantTraits& variant) {
     if (variant.precision.is_single()) {
         return {};

@@ -41,7 +41,7 @@ constexpr bool is_word(std::size_t column) {
     return false;
 }
 
-// Where the columns of one type begin that this one is among.
+// The first column of a run of columns of one type that this column is in.
 constexpr std::size_t first_of_type(std::size_t column) {
     while (column > 0 && is_word(column - 1) == is_word(column)) {
         column -= 1;
@@ -62,13 +62,13 @@ struct DevicePaths {
         return path;
     }
     PT_HD void store(std::uint32_t slot, const Path<Real>& path) const { put<every_path_field>(slot, path); }
-    // A path that is new in its slot.
+    // Writes a path that is new in its slot.
     template <PathFields carried>
     PT_HD void put(std::uint32_t slot, const Path<Real>& path) const {
         store_fields<FieldChange::by_bounce, carried>(slot, path);
         store_fields<FieldChange::never, carried>(slot, path);
     }
-    // What a bounce changes.
+    // Writes the fields that a bounce changes.
     template <PathFields carried>
     PT_HD void update(std::uint32_t slot, const Path<Real>& path) const {
         store_fields<FieldChange::by_bounce, carried>(slot, path);
@@ -103,12 +103,13 @@ struct DevicePaths {
     cuda::FieldView origin_surface() const { return view<PathField::origin_surface>(); }
 
 private:
-    // Columns start on 256-byte borders.
+    // Length of a column in numbers: columns start on 256-byte borders.
     PT_HD static constexpr std::uint32_t padded(std::uint32_t capacity) { return (capacity + 63u) / 64u * 64u; }
     template <std::size_t column>
     using Element = std::conditional_t<is_word(column), std::uint32_t, Real>;
 
-    // In steps of whole columns of one type: counted in bytes from the store's begin, addresses take more registers.
+    // The address of a column, in steps of whole columns of one type: counted in bytes from the store's begin,
+    // addresses take more registers.
     template <std::size_t column>
     PT_HD Element<column>* at() const {
         constexpr std::size_t first = first_of_type(column);
@@ -135,8 +136,8 @@ private:
     template <PathField field>
     PT_HD void load_vector(std::uint32_t slot, Vec3<Real>& value) const {
         constexpr std::size_t x = first_column(field);
-        // From the first of the three columns, and the second one stored by an index of 32 bits: with other forms of
-        // the same addresses the kernels that carry these fields have other registers.
+        // Addresses are formed from the first of the three columns, and the second one is stored by an index of 32
+        // bits: with other forms of the same addresses the kernels that carry these fields have other registers.
         if constexpr (info(field).is_optional) {
             const std::size_t step = padded(store_.capacity);
             value = {at<x>()[slot], at<x>()[step + slot], at<x>()[2 * step + slot]};

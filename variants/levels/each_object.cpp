@@ -1,4 +1,5 @@
-// Every object that shows a mesh in turn, each through its own tree: what the other choices are held against.
+// No tree over objects: every object that shows a mesh is met in turn, through its own tree. The other choices are held
+// against this one.
 #include "variants/registry.h"
 
 namespace pt::levels::each_object {

@@ -1,4 +1,4 @@
-// Points on the faces of boxes that are seen, and on quads, uniformly by area (kernels/light_sampling.h).
+// Points on the faces of boxes that are seen, and on quads, drawn uniformly by area (kernels/light_sampling.h).
 #include "variants/light_sampling/light_sampling.h"
 
 namespace pt::light_sampling::area {

@@ -1,5 +1,5 @@
-// As projected where a light is far, and to one of its faces with weights that are bounded where it is near
-// (kernels/light_sampling.h, kernels/near_rectangle.h).
+// Light sampling that adapts to distance: a far light is sampled as by `projected`, and a near one by one of its faces
+// with weights that are bounded (kernels/light_sampling.h, kernels/near_rectangle.h).
 #include "variants/light_sampling/light_sampling.h"
 
 namespace pt::light_sampling::automatic {

@@ -1,4 +1,4 @@
-// What the choices other than by solid angle have in common.
+// What the choices of light_sampling other than solid_angle have in common.
 #pragma once
 
 #include "variants/direct_light/next_event.h"

@@ -1,5 +1,5 @@
-// The same, a face in proportion to its projected area times distance: the density does not depend on the face
-// (kernels/light_sampling.h).
+// Points on the faces of boxes that are seen, and on quads, a face in proportion to its projected area times distance:
+// the density does not depend on the face (kernels/light_sampling.h).
 #include "variants/light_sampling/light_sampling.h"
 
 namespace pt::light_sampling::projected {

@@ -1,4 +1,5 @@
-// By the solid angle that a light fills: weights are bounded however near it is (kernels/solid_angle.h).
+// Directions drawn uniformly by the solid angle that a light fills: weights are bounded however near it is
+// (kernels/solid_angle.h).
 #include "variants/registry.h"
 
 namespace pt::light_sampling::solid_angle {

@@ -1,4 +1,5 @@
-// A light in proportion to its area times its mean radiance, by an alias table (kernels/light_selection.h).
+// Lights are selected in proportion to their area times their mean radiance, by an alias table
+// (kernels/light_selection.h).
 #include "variants/light_selection/light_selection.h"
 
 namespace pt::light_selection::power {

@@ -1,4 +1,4 @@
-// Each light as often as every other (kernels/light_selection.h).
+// Lights are selected uniformly, each as often as every other (kernels/light_selection.h).
 #include "variants/registry.h"
 
 namespace pt::light_selection::uniform {

@@ -1,4 +1,5 @@
-// Each device takes its contiguous share of every pixel's samples, as the ranks of MPI do (harness/ranks).
+// Splits samples between devices: each takes its contiguous share of every pixel's samples, as the ranks of MPI do
+// (harness/ranks).
 #include "variants/registry.h"
 
 namespace pt::partition::samples {

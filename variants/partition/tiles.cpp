@@ -1,4 +1,5 @@
-// Each device takes every sample of its own rows of pixels: of N devices device d has the rows d, d + N, d + 2 N, ...
+// Splits rows between devices: each takes every sample of its own rows of pixels. Of N devices device d has the rows d,
+// d + N, d + 2 N, ...
 #include "variants/partition/reasons.h"
 
 namespace pt::partition::tiles {

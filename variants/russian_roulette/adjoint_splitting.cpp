@@ -1,4 +1,5 @@
-// The same, and a path that is expected to bring much of its pixel scatters several times (kernels/path_tree.h).
+// A path that is expected to bring little of its pixel is likely to be ended before it scatters (kernels/adjoint.h),
+// and one that is expected to bring much of it scatters several times (kernels/path_tree.h).
 #include "variants/russian_roulette/adjoint.h"
 
 namespace pt::russian_roulette::adjoint_splitting {

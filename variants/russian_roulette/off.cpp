@@ -1,4 +1,4 @@
-// Paths go on until they leave the scene, meet a light or have their full length.
+// No Russian roulette: paths go on until they leave the scene, meet a light or have their full length.
 #include "variants/registry.h"
 
 namespace pt::russian_roulette::off {

@@ -6,7 +6,8 @@
 namespace pt::sampler::minstd_by_position {
 namespace {
 
-// Only where positions are what they are in every run: not where threads race for them.
+// Why the sampler cannot run: positions in the queue must be the same in every run, and are not where threads race for
+// them. Empty: it can.
 Reason unsupported_reason(FeatureSet, const VariantTraits& variant) {
     if (!variant.integrator.seeds_by_position) {
         return {"needs_queue", "is seeded by positions in a queue: needs integrator=wavefront"};

@@ -1,4 +1,4 @@
-// One hash of pixel, sample, bounce and dimension a four numbers: cheap, and good enough for every test here.
+// One hash of pixel, sample, bounce and dimension for every four numbers: cheap, and good enough for every test here.
 #include "variants/registry.h"
 
 namespace pt::sampler::pcg4d {

@@ -15,7 +15,8 @@ struct SortKeyTraits {
     bool by_chunk = false;     // it has the tunable `chunk`
 
     constexpr bool is_material_alone() const { return has_material && bits == 0 && !by_chunk; }
-    // As many keys as materials, or as many a chunk: few enough to be counted.
+    // Whether a counting sort can take the keys: there are as many as materials (or as many a chunk), few enough to be
+    // counted.
     constexpr bool is_countable() const { return has_material && bits == 0; }
 };
 

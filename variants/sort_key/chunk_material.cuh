@@ -11,7 +11,7 @@ namespace pt::sort_key::chunk_material {
 inline constexpr bool has_material = true;
 inline constexpr bool by_chunk = true;
 
-// What follows the material in the key: nothing.
+// What follows the material in the sort key, which is nothing.
 __device__ inline std::uint32_t rest(const Ray<Real>&, const pt::Hit<Real>&, const cuda::KeyBounds&) { return 0; }
 
 }  // namespace pt::sort_key::chunk_material

@@ -1,4 +1,4 @@
-// The key that cis565 sorts by: the material of the surface that was hit.
+// The sort key of cis565: the material of the surface that was hit.
 #include "variants/registry.h"
 
 namespace pt::sort_key::material {

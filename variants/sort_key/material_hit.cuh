@@ -1,5 +1,5 @@
-// The material that was hit, then where: a 15-bit Morton code of the hit point, so that lanes that shade together also
-// go on from nearby points.
+// A sort key of the material that was hit, then where: a 15-bit Morton code of the hit point, so that lanes that shade
+// together also go on from nearby points.
 #pragma once
 
 #if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code

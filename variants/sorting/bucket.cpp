@@ -50,7 +50,8 @@ const Registration registration(
         .name = "bucket",
         .summary = "counting sort of slot numbers by material; the payload stays in place",
         .origin = "Cycles' sorted index array",
-        // It is stable here, but not on CUDA: what goes together is to be the same on both.
+        // The order counts as not reproducible, though the sort is stable here, for it is not on CUDA: what goes
+        // together is to be the same on both.
         .traits = SortingTraits{.reproducible_order = false},
         .check_counters = sorted_every_bounce,
     },

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+
 #include "variants/cuda/device/counting_sort.h"
 
 namespace pt::cuda {
@@ -15,7 +16,7 @@ struct CountKeysParameters {
     std::uint32_t* totals;
 };
 
-// One block: totals become where each bucket starts.
+// Parameters of the kernel that scans the totals of the keys, in one block: totals become where each bucket starts.
 struct ScanKeysParameters {
     static constexpr const char* kernel = "scan_keys";
     std::uint32_t* totals;
@@ -61,7 +62,7 @@ PT_KERNEL(count_keys, pt::cuda::CountKeysParameters,
     }
 }
 
-// One block: totals become where each bucket starts.
+// Scans the totals of the keys, in one block: totals become where each bucket starts.
 PT_KERNEL(scan_keys, pt::cuda::ScanKeysParameters, (std::uint32_t * totals, std::uint32_t key_count)) {
     if (threadIdx.x < warp_size) {
         std::uint32_t before = 0;
@@ -81,7 +82,8 @@ PT_KERNEL(scan_keys, pt::cuda::ScanKeysParameters, (std::uint32_t * totals, std:
     }
 }
 
-// `order`: null for slot i at position i. Positions beyond the count keep any slot: nobody reads them.
+// Scatters slot numbers to their buckets. `order`: null for slot i at position i. Positions beyond the count keep any
+// slot: nobody reads them.
 PT_KERNEL(scatter, pt::cuda::ScatterParameters,
           (const std::uint32_t* keys, const std::uint32_t* order, std::uint32_t bound, std::uint32_t key_count,
            std::uint32_t* next, std::uint32_t* sorted)) {

@@ -5,7 +5,7 @@
 
 namespace pt {
 
-// For unsupported_reason: the paths in play must lie in slots 0 to count - 1.
+// Why a choice that needs the paths in play in slots 0 to count - 1 cannot run; empty: it can.
 inline Reason needs_contiguous_payload(const VariantTraits& variant) {
     if (variant.compaction.payload_contiguous) {
         return {};

@@ -6,7 +6,8 @@
 
 namespace pt::cuda {
 
-// Queue k holds `capacity` slots from queues + k * capacity.
+// Parameters of the kernel that appends slot numbers to one queue a material: queue k holds `capacity` slots from
+// queues + k * capacity.
 struct AppendToQueuesParameters {
     static constexpr const char* kernel = "append_to_queues";
     const std::uint32_t* keys;
@@ -24,7 +25,8 @@ struct AppendToQueuesParameters {
 
 #include "variants/cuda/device/device.cuh"
 
-// Queue k holds `capacity` slots from queues + k * capacity. Lanes of one key share one atomic operation.
+// Appends slot numbers to one queue a material: queue k holds `capacity` slots from queues + k * capacity. Lanes of one
+// key share one atomic operation.
 PT_KERNEL(append_to_queues, pt::cuda::AppendToQueuesParameters,
           (const std::uint32_t* keys, const std::uint32_t* order, const std::uint32_t* count, std::uint32_t queue_count,
            std::uint32_t capacity, std::uint32_t* queues, std::uint32_t* counts)) {

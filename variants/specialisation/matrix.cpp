@@ -1,5 +1,5 @@
-// Every object by its 4x4 matrix, one loop over all of them, every branch compiled in: what cis565 does, and the price
-// that classifying objects at load saves.
+// Kernels that meet every object by its 4x4 matrix, in one loop over all of them, with every branch compiled in: what
+// cis565 does, and the price that classifying objects at load saves.
 #include "variants/mesh_reasons.h"
 #include "variants/registry.h"
 

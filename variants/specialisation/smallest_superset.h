@@ -36,7 +36,7 @@ inline bool does_as_asked(FeatureSet candidate, FeatureSet needed, FeatureSet wa
     return std::popcount(compiled) != 1 || compiled == (needed & ways);
 }
 
-// The least surplus counts first, then the most shortcuts.
+// Picks the compiled kernel with the least surplus of features and, among those, the most shortcuts.
 inline FeatureSet smallest_superset(const KernelOffer& offer, const Variant& variant, Backend backend) {
     const FeatureSet allowed = tunable(variant, "room", backend) != 0 ? offer.shortcuts : no_features;
     FeatureSet best = every_feature(offer);

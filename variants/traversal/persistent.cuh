@@ -1,6 +1,7 @@
-// As many warps as fit at once, whose lanes fetch the next path's ray as they fall idle: Aila and Laine, HPG 2009, with
-// the votes of Ylitie, Karras and Laine, HPG 2017. The kernel is its integrator's (`Fetching` is what it is made of);
-// rays to lights and the first-bounce cache, which are traced in other kernels, take the accelerator's own loop.
+// Persistent warps: as many as fit at once, whose lanes fetch the next path's ray as they fall idle: Aila and Laine,
+// HPG 2009, with the votes of Ylitie, Karras and Laine, HPG 2017. The kernel is its integrator's (`Fetching` is what it
+// is made of); rays to lights and the first-bounce cache, which are traced in other kernels, take the accelerator's own
+// loop.
 #pragma once
 
 #if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code

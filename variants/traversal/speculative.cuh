@@ -9,8 +9,8 @@
 
 namespace pt::traversal::speculative {
 
-// Of the lanes that ask together. Lanes may ask in parts, by the compiler's will: that changes when leaves are tested,
-// not which.
+// Whether any of the lanes that ask together says yes. Lanes may ask in parts, by the compiler's will: that changes
+// when leaves are tested, not which.
 PT_HD inline bool any_lane([[maybe_unused]] bool vote) {
 #if defined(__CUDA_ARCH__)
     return __any_sync(__activemask(), vote ? 1 : 0) != 0;

@@ -8,8 +8,9 @@
 
 namespace pt::traversal {
 
-// When a warp does what. refill: idle lanes at which it fetches; 32: when all are. vote: a step through nodes where
-// vote x the lanes that want one >= 4 x those that want to test a triangle; 0: one node, then all triangles it found.
+// When a warp fetches rays and what it does next. refill: the number of idle lanes at which it fetches; 32: when all
+// are. vote: it takes a step through nodes where vote x the lanes that want one >= 4 x those that want to test a
+// triangle; 0: one node, then all triangles it found.
 template <int Refill, int Vote>
 struct WarpPolicy {
     static constexpr int refill = Refill;
@@ -20,7 +21,8 @@ inline constexpr unsigned every_lane = 0xffffffffu;
 
 __device__ inline std::uint32_t lanes_in(unsigned mask) { return static_cast<std::uint32_t>(__popc(mask)); }
 
-// Idle lanes take the next of `count` rays; `next`: the first that no warp has fetched. False where nothing is left.
+// Lets idle lanes take the next of `count` rays; `next`: the first that no warp has fetched. False where nothing is
+// left.
 template <class State>
 __device__ inline bool fetch(State& state, std::uint32_t* next, std::uint32_t count, bool& exhausted) {
     const unsigned idle = __ballot_sync(every_lane, !state.active());
@@ -40,7 +42,7 @@ __device__ inline bool fetch(State& state, std::uint32_t* next, std::uint32_t co
     return !exhausted || __any_sync(every_lane, state.active());
 }
 
-// One step of the warp: of nodes or of triangles, for the lanes that want it.
+// Takes one step of the warp, of nodes or of triangles, for the lanes that want it.
 template <class Policy, class State>
 __device__ inline void step(State& state) {
     if constexpr (Policy::vote == 0) {
@@ -63,7 +65,7 @@ __device__ inline void step(State& state) {
     }
 }
 
-// Every lane of the warp must call it.
+// Traces all rays of a queue. Every lane of the warp must call it.
 template <class Policy, class State>
 __device__ inline void work_off(State& state, std::uint32_t* next, std::uint32_t count) {
     bool exhausted = false;

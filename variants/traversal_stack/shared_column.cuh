@@ -6,8 +6,8 @@
 
 namespace pt::traversal_stack {
 
-// Of a block's shared memory, which has 48 KiB without asking for more. What else a kernel keeps there asks for the
-// macro.
+// Bytes of a block's shared memory for traversal stacks, of the 48 KiB that it has without asking for more. What else a
+// kernel keeps there asks for the macro.
 #define PT_STACK_BYTES 32768
 inline constexpr std::uint32_t most_shared_bytes = PT_STACK_BYTES;
 

@@ -41,7 +41,7 @@ class Advised:
 
 
 def models_of(book: Book) -> dict[str, Model | None]:
-    """Of each decision, by its name."""
+    """The model of each decision, by the decision's name."""
     return {decision.name: model_of(decision, book.points[decision.name]) for decision in DECISIONS}
 
 
@@ -51,7 +51,7 @@ def advise_on(
     barred: frozenset[tuple[str, str]],
     baselines: Mapping[str, str],
 ) -> list[Advised]:
-    """Of each decision that the scene has; what was decided before is what the next ones are asked for."""
+    """Advice on each decision that the scene has; what was decided before is what the next ones are asked for."""
     advised: list[Advised] = []
     usual = {axis: choice for axis, choice in baselines.items() if axis not in _OF_TREES}
     for decision in DECISIONS:

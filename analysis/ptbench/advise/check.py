@@ -15,7 +15,7 @@ from ptbench.stats.estimates import MINIMUM_SAMPLES, Estimate, ratio_estimate
 from ptbench.studies.disturbed import is_contended
 
 GOOD, NOT_GOOD, OPEN = "within", "not within", "undecided"
-# Of the least time: what takes longer cannot be the best, however wide the intervals are.
+# Ratio to the least time: what takes longer cannot be the best, however wide the intervals are.
 _CLOSE = 1.3
 
 
@@ -68,7 +68,7 @@ def closest(cells: Sequence[Cell], variants: Sequence[Mapping[str, str]]) -> tup
     found = [variants[0]]
     for variant in variants[1:]:
         named = [cell for cell in measured if _is(cell, variant)]
-        # Of those that have what it names, itself is the one that has nothing else.
+        # Among cells that have what the variant names, its own is the one that has nothing else.
         own = min(named, key=lambda cell: len(cell.variant.split()), default=None)
         if own is not None and _middle(own) <= _CLOSE * least:
             found.append(variant)

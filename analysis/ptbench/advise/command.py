@@ -100,7 +100,7 @@ def _has(name: str, gpu: str) -> bool:
 
 
 def _backend(folder: Path) -> str:
-    """Of the first result in it; empty where there is none."""
+    """The backend of the first result in a folder; empty where there is none."""
     return next((result.context.get("ptbench.backend", "") for _, result in results_of(folder)), "")
 
 

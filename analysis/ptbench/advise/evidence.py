@@ -82,7 +82,7 @@ class Point:
 
     @property
     def log_ratio(self) -> float:
-        """Of base e."""
+        """The natural logarithm of the ratio."""
         return math.log(self.ratio.value)
 
     @cached_property
@@ -215,7 +215,7 @@ def _points(
 def _chained(
     group: Sequence[Cell], points: Sequence[Point], contents: Mapping[str, Content], file: str
 ) -> Iterator[Point]:
-    """Of a group without the reference: over a choice that was held against it elsewhere, in this scene and depth."""
+    """Points of a group without the reference: over a choice that was held against it in this scene and depth."""
     decision = DECISIONS[0]
     against: dict[Choice, list[float]] = {}
     for point in points:

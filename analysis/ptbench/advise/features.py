@@ -84,7 +84,7 @@ def content_of(path: Path) -> Content:
 
 
 def content_in(root: Node) -> Content:
-    """Of a scene's document."""
+    """The content of a scene, from its document."""
     materials = root.need("materials").fields()
     objects = [node.fields() for node in root.need("objects").items()]
     types = {name: _type(about) for name, about in materials.items()}
@@ -148,7 +148,7 @@ def _json_files(folder: Path) -> Iterator[Path]:
 
 
 def features_of(cell: Cell, content: Content) -> Features | None:
-    """Of a measured cell; None where nobody counted its paths."""
+    """The features of a measured cell; None where nobody counted its paths."""
     if cell.instrumented is None or not cell.instrumented.paths or not cell.instrumented.live_paths:
         return None
     segments = sum(cell.instrumented.live_paths) / cell.instrumented.paths

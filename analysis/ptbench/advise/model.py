@@ -56,7 +56,7 @@ class Forecast:
 
     @property
     def distance(self) -> float:
-        """Of the nearest measurement."""
+        """Distance of the nearest measurement."""
         return self.near[0].distance if self.near else 0.0
 
 
@@ -114,7 +114,7 @@ class Model:
 
 
 def _plainest_first(ordered: Sequence[Forecast]) -> list[Forecast]:
-    """Of those that are foretold about as good as the best, the one with the fewest changes comes first."""
+    """Puts first, among those that are foretold about as good as the best, the one with the fewest changes."""
     if not ordered:
         return []
     alike = [one for one in ordered if one.ratio <= ordered[0].ratio * (1 + ALIKE)]
@@ -146,7 +146,7 @@ def _forecast(
 
 
 def _of_each_scene(points: Sequence[Point], distances: np.ndarray) -> np.ndarray:
-    """Of each scene only what is nearest counts, and together as one: a scene that was measured often is one scene."""
+    """Points that count: only the nearest of each scene, together as one, so a scene measured often is one scene."""
     kept: dict[str, list[int]] = {}
     for index in np.argsort(distances, kind="stable"):
         found = kept.setdefault(points[index].family, [])
@@ -171,7 +171,7 @@ def _by_choice(points: Iterable[Point]) -> dict[Choice, list[Point]]:
 
 
 def _left_out(decision: Decision, points: Sequence[Point], power: float) -> dict[int, float]:
-    """By the number of a point: what is foretold of its logarithm without its scene's; none where no other scene is."""
+    """Forecasts of points' logarithms without their own scene, by the point's number; none without another scene."""
     told = {}
     for indices in _by_choice_indices(points).values():
         for index in indices:
@@ -197,7 +197,7 @@ def _mean_square(errors: Iterable[float]) -> float:
 
 def _trial(decision: Decision, points: Sequence[Point], errors: Mapping[int, float]) -> Trial:
     sizes = np.abs(list(errors.values()))
-    # Of fewer than 20 the largest.
+    # The quantile is the largest of fewer than 20.
     factor = math.exp(float(np.quantile(sizes, CONFIDENCE, method="higher"))) if len(sizes) else None
     settings: dict[tuple, dict[Choice, tuple[float, float]]] = {}
     for index, error in errors.items():

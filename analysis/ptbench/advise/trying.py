@@ -34,7 +34,7 @@ SCHEMA = "ptbench-advice-1"
 MOST_LOAD = 0.5
 CLOSER = 8  # times as many repetitions, where the usual ones do not tell
 DEPTHS = (2, 3, 4, 6, 8, 12, 16, 24, 32)
-# Of each parameter of a rule: the least, the greatest, whether it is an integer.
+# The parameters of each rule: the least, the greatest, whether it is an integer.
 RANGES = {
     "balls": {"materials": (1, 64, True)},
     "openness": {"openness": (0.02, 1.0, False)},

@@ -17,7 +17,7 @@ from ptbench.io.nodes import read_json, shown
 from ptbench.io.validate import complaints
 from ptbench.studies.selection import parsed
 
-# What a prediction is made of: whoever changes one of these predicts anew.
+# The keys of a claim that its predictions are made of: whoever changes one of these predicts anew.
 _PREDICTED = ("claim", "number", "rule", "prediction", "experiment")
 _NO_PREDICTION = ("seconds", "also")
 
@@ -32,19 +32,19 @@ class Span:
     high: float
 
     def holds(self, value: float) -> bool:
-        """Whether the value lies in it."""
+        """Whether the value lies in the span."""
         return self.low <= value <= self.high
 
 
 def span_of(ends: Sequence[float | None]) -> Span:
-    """From [low, high], where null is an open end."""
+    """A span from [low, high], where null is an open end."""
     low, high = ends
     return Span(-math.inf if low is None else low, math.inf if high is None else high)
 
 
 @dataclass(frozen=True)
 class Condition:
-    """One number that the experiment gives."""
+    """A condition of a claim: one number that the experiment gives, and the span in which it must lie."""
 
     name: str
     side: str  # below theirs, theirs, or above, along the experiment's axis
@@ -56,7 +56,7 @@ class Condition:
 
 @dataclass(frozen=True)
 class Experiment:
-    """What is run, and which numbers are taken from it."""
+    """The experiment of a claim: what is run, and which numbers are taken from it."""
 
     suite: str  # of claims/suites; empty: a call of `ptbench rays`
     rays: tuple[str, ...]
@@ -73,7 +73,7 @@ class Experiment:
 
 @dataclass(frozen=True)
 class Claim:
-    """One file."""
+    """A claim of a publication, as its file has it."""
 
     name: str
     document: dict
@@ -88,13 +88,13 @@ class Claim:
 
 @dataclass(frozen=True)
 class Ledger:
-    """Where claims, their suites and pages lie in a checkout."""
+    """The folders in which claims, their suites and pages lie in a checkout."""
 
     root: Path
 
     @property
     def folder(self) -> Path:
-        """Where the claims lie."""
+        """The folder of claims."""
         return self.root / "claims"
 
     @property
@@ -104,12 +104,12 @@ class Ledger:
 
     @property
     def pages(self) -> Path:
-        """Where the pages lie."""
+        """The folder of the claims' pages."""
         return self.root / "docs" / "claims"
 
     @property
     def templates(self) -> Path:
-        """Where the pages' templates lie."""
+        """The folder of the pages' templates."""
         return self.root / "docs" / "templates" / "claims"
 
     def suite(self, name: str) -> Path:
@@ -127,7 +127,7 @@ class Ledger:
 
 
 def read_claim(path: Path, folder: Path) -> Claim:
-    """One file, checked; raises InputError."""
+    """Reads a claim's file and checks it; raises InputError."""
     root = read_json(path)
     if found := list(complaints(root.value, "claim")):
         raise InputError(f"{path}: {found[0]}")

@@ -21,7 +21,7 @@ from ptbench.program import Program
 
 @dataclass(frozen=True)
 class Call:
-    """The options of one call."""
+    """The options of one call of `ptbench claims`."""
 
     root: Path = Path()
     names: tuple[str, ...] = ()
@@ -181,7 +181,7 @@ def _run(call: Call, ledger: Ledger, chosen: Sequence[Claim], results: Path) -> 
         if experiment.rays:
             arguments = ["rays", *experiment.rays]
         else:
-            # As the prediction has it, whatever `autotune` found on this machine.
+            # The run is untuned, as the prediction has it, whatever `autotune` found on this machine.
             arguments = ["run", "--suite", str(ledger.suite(experiment.suite)), "--resume", "--untuned"]
         print(f"{experiment.result}: about {experiment.seconds} s", flush=True)
         program.watched(*arguments, "--backend", experiment.backend, "--out", out, output=sys.stderr)

@@ -83,7 +83,7 @@ def _draw_row(axes: Axes, y: float, one: Judged, low: float, high: float) -> Non
 
 
 def _inside(span: Span, low: float, high: float) -> tuple[float, float]:
-    """The part of a span that the axes show."""
+    """The part of a span that the figure's axes show."""
     return max(span.low, low), max(min(span.high, high), max(span.low, low))
 
 

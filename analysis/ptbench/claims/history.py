@@ -28,7 +28,7 @@ class Measured:
 
 @dataclass(frozen=True)
 class Order:
-    """Which came first, with what shows it."""
+    """Which came first, the data or the prediction, with what shows it."""
 
     grade: str
     predicted: str = ""  # commit
@@ -38,7 +38,7 @@ class Order:
 
     @property
     def said(self) -> str:
-        """In a sentence."""
+        """The order of data and prediction in a sentence."""
         if self.grade == UNCOMMITTED:
             return "the prediction is not committed: whatever is measured now proves nothing"
         if self.grade == UNKNOWN:
@@ -58,7 +58,7 @@ class Order:
         return self.grade in (TEST, BY_DATE)
 
     def document(self) -> dict[str, str]:
-        """As it is kept beside the verdict, for who has no history."""
+        """The history as it is kept beside the verdict, for who has no repository."""
         return asdict(self)
 
 

@@ -79,7 +79,7 @@ def judge(claim: Claim, evidence: Evidence | None) -> Verdict:
 
 
 def word_of(found: Found) -> str:
-    """What one number says."""
+    """The verdict's word that one number allows."""
     estimate, claimed = found.estimate, found.condition.claimed
     if estimate is None or estimate.low is None or estimate.high is None:
         return MISSING

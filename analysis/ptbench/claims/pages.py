@@ -54,12 +54,12 @@ class Told:
 
     @property
     def machine(self) -> str:
-        """The folder of results/; empty where nothing was run."""
+        """The machine's folder in results/; empty where nothing was run."""
         return "" if self.evidence is None else self.evidence.machine
 
     @property
     def device(self) -> str:
-        """GPU or CPU."""
+        """Whether the result is a GPU's or a CPU's, as a word."""
         return "—" if self.evidence is None else self.evidence.device
 
     @property
@@ -75,13 +75,13 @@ class Told:
 
     @property
     def authors(self) -> str:
-        """Of three authors and more the first."""
+        """The publication's authors; of three and more the first, "et al."."""
         authors = self.claim["source"]["authors"]
         return f"{authors.split(',')[0]} et al." if len(_AUTHOR.findall(authors)) > 2 else authors
 
     @property
     def foreseen(self) -> str:
-        """ "5 of 8" predictions were right."""
+        """How many predictions were right, as "5 of 8"."""
         right, of = self.verdict.foreseen
         return f"{right} of {of}" if of else "—"
 
@@ -116,7 +116,7 @@ def _counts(told: Sequence[Told]) -> dict[str, int]:
 
 
 def _foreseen(told: Sequence[Told]) -> tuple[int, int]:
-    """Of the numbers that could have contradicted their prediction: how many lie in it, of how many."""
+    """How many numbers lie in their prediction, and how many could have contradicted it."""
     scores = [one.verdict.foreseen for one in told if one.order is not None and one.order.is_test]
     return sum(right for right, _ in scores), sum(of for _, of in scores)
 
@@ -136,7 +136,7 @@ def _rendered(ledger: Ledger, template: str, **names: object) -> str:
 
 
 def span_text(span: Span) -> str:
-    """ "1.06 to 1.32", "at least 1.36", "at most 1"."""
+    """A span in words: "1.06 to 1.32", "at least 1.36", "at most 1"."""
     if math.isinf(span.low) and math.isinf(span.high):
         return "any"
     if math.isinf(span.high):

@@ -99,7 +99,7 @@ def _judged(matching: Matching, repeats: Sequence[Repeat]) -> Comparison:
 
 
 def _floors(results: Sequence[Result], repeats: Sequence[Repeat], without: Sequence[Result] = ()) -> tuple[Floor, ...]:
-    """Those of the files' machines, each once."""
+    """The noise floors of the files' machines, each once."""
     machines = {machine_of(result): result for result in results}
     found = (floor_of(result, repeats, without) for result in machines.values())
     return tuple(floor for floor in found if floor is not None)

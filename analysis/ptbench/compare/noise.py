@@ -55,7 +55,7 @@ class Repeat:
 
 @dataclass(frozen=True)
 class Floor:
-    """Of one machine: `value` is a part of 1; `chance` that a further ratio lies within it."""
+    """The noise floor of one machine: `value` is a part of 1; `chance` that a further ratio lies within it."""
 
     machine: str
     value: float

@@ -49,7 +49,7 @@ class Ranking:
 
 
 def rankings(matchings: Sequence[Matching], thresholds: Callable[[Result], float]) -> list[Ranking]:
-    """Of the reference and all the other files of `matchings`; groups of one variant are left out.
+    """Rankings of the reference and all the other files of `matchings`; groups of one variant are left out.
 
     `thresholds` says what a file's verdicts count as no difference.
     """

@@ -100,7 +100,7 @@ class Comparison:
         return sum(row.verdict.word == word for row in self.rows)
 
     def count_withheld(self, word: str) -> int:
-        """Of UNSURE verdicts, those that would be `word` by their times alone."""
+        """Number of UNSURE verdicts that would be `word` by their times alone."""
         return sum(row.verdict.withheld == word for row in self.rows)
 
 

@@ -70,7 +70,7 @@ class Verdict:
 
     @property
     def text(self) -> str:
-        """The word, with the plateau where there is one."""
+        """The verdict's word, with the plateau where there is one."""
         if self.plateau is None:
             return self.word
         return f"{self.word} at {'least ' if self.is_bound else ''}{self.plateau:.3g}"
@@ -78,7 +78,7 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Assessment:
-    """All that is said of one cell."""
+    """The assessment of how one cell's error converges."""
 
     curve: Curve
     verdict: Verdict
@@ -95,7 +95,7 @@ class Assessment:
 
     @property
     def ms_alone(self) -> np.ndarray | None:
-        """Milliseconds per spp of the companion; None: it was not run."""
+        """Milliseconds per spp of the companion cell without checkpoints; None: it was not run."""
         return None if self.alone is None else self.alone.ms_per_spp
 
     @property
@@ -114,12 +114,12 @@ class Assessment:
 
     @property
     def plateau_bias2(self) -> float:
-        """bias² where there is a plateau, 0 where none was found."""
+        """The squared bias of a plateau; 0 where none was found."""
         return self.verdict.plateau**2 if self.verdict.plateau is not None else 0.0
 
     @property
     def crossing_spp(self) -> float | None:
-        """From where on more samples gain little: the noise is as large as the bias."""
+        """Samples a pixel from which on more gain little: the noise is as large as the bias."""
         if not self.has_noise or self.verdict.plateau is None or self.verdict.is_bound:
             return None
         return self.fit.sigma2.value / self.plateau_bias2
@@ -172,7 +172,7 @@ def _verdict(curve: Curve, fit: Fit, slope: Slope | None, curves: int) -> tuple[
 
 
 def _percent(share: float) -> str:
-    """In digits that show on which side of the limit it lies."""
+    """A share in per cent, in digits that show on which side of the limit it lies."""
     digits = telling_digits([100 * share], [100 * MOST_HIDDEN], lambda value, count: f"{value:.{count}f}", least=0)
     return f"{100 * share:.{digits}f} %"
 
@@ -228,7 +228,7 @@ def _doubts(curve: Curve, fit: Fit, slope: Slope | None) -> tuple[str, ...]:
 
 
 def convergence_cells(cells: Sequence[Cell]) -> list[Cell]:
-    """Those that have checkpoints."""
+    """The cells that have checkpoints."""
     return [cell for cell in cells if cell.convergence is not None]
 
 

@@ -16,7 +16,7 @@ _BIASED = "biased"
 
 
 def cost_ratio(statistic: str, assessed: Mapping[str, Assessment], cell: Cell, base: Cell) -> Estimate | None:
-    """Below 1 is better, whatever it is of; None where there is no such number."""
+    """A cost over another's, of whatever kind: below 1 is better; None where there is no such number."""
     if statistic == TIME:
         return ratio_estimate(cell.ms_per_spp, base.ms_per_spp)
     if cell.name not in assessed or base.name not in assessed or cell.claim == _BIASED:

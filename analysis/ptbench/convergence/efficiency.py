@@ -24,7 +24,7 @@ from ptbench.studies.questions import usual_baseline
 COMPANION = "_without_checkpoints"
 # A plateau is in reach of no time from here on: e^2 - B^2 of less than this share of e^2 is noise of the fit.
 _NEAR_PLATEAU = 1e-3
-# Whose last squared error is so much of its plateau's has come to it.
+# Share of a plateau's squared error from which on the last error counts as having come to the plateau.
 _MOST_OF_PLATEAU = 0.5
 # A time to an error is told where it is so many times what the first part of a render takes beyond its samples.
 _LEAST_LAUNCHES = 20
@@ -101,7 +101,7 @@ def baseline_among(result: Result, group: Sequence[Assessment]) -> Assessment | 
 
 
 def _changes(base: Cell, cell: Cell) -> dict[str, str]:
-    """In which settings `cell` is not as `base`, and how."""
+    """The settings in which `cell` is not as `base`, and how."""
     usual = _settings(base)
     return {name: value for name, value in _settings(cell).items() if usual.get(name) != value}
 
@@ -146,7 +146,7 @@ def _varied_tunables(cells: Sequence[Cell]) -> set[str]:
 def _settings(cell: Cell) -> dict[str, str]:
     scene = cell.scene
     if cell.convergence is not None and scene.startswith(f"{cell.convergence.reference.scene}_"):
-        # The same name in every scene, so that it is one line's.
+        # The scene has one name in all cells, so that they make one line.
         scene = "…" + scene.removeprefix(cell.convergence.reference.scene)
     return {"scene": scene, **cell.axes, **cell.tuned}
 
@@ -322,12 +322,12 @@ class CheckpointCost:
 
     @property
     def interval(self) -> str:
-        """In digits that show the word; empty with one sample."""
+        """The interval of the efficiency, in digits that show the word; empty with one sample."""
         return interval_of_ratio(self.ratio, 0, THRESHOLD)
 
     @property
     def word(self) -> str:
-        """What the interval allows to say."""
+        """The verdict's word that the interval allows."""
         low, high = self.ratio.low, self.ratio.high
         if low is None or high is None:
             return "one sample: no interval"
@@ -341,7 +341,7 @@ class CheckpointCost:
 
 
 def checkpoint_costs(assessed: Sequence[Assessment]) -> list[CheckpointCost]:
-    """The A/A comparison, where the file has the companion cells."""
+    """What checkpoints cost (an A/A comparison), where the file has the companion cells without them."""
     return [
         CheckpointCost(one.cell, ratio_estimate(one.curve.ms_per_spp, one.ms_alone), doubt_of((one.cell, one.alone)))
         for one in assessed

@@ -47,7 +47,7 @@ class Curve:
 
     @property
     def reference(self) -> Reference:
-        """What the errors are against."""
+        """The reference that the errors are against."""
         return self.cell.convergence.reference
 
     @property

@@ -32,7 +32,7 @@ class LastErrors:
     timed: Cell  # whose times those are: the cell's, or of the same render without checkpoints
 
     def mean(self, metric: str) -> float:
-        """Over seeds; may be below 0."""
+        """The mean error over seeds, which may be below 0."""
         return float(self.errors[metric].mean())
 
     def work(self, metric: str, drawn: np.ndarray) -> np.ndarray:
@@ -55,7 +55,7 @@ class LastErrors:
 
 
 def last_errors(group: Sequence[Assessment]) -> dict[str, LastErrors]:
-    """By cell: errors of two seeds or more, and times, without checkpoints where all of the group have such."""
+    """Last errors by cell, of two seeds or more, and times, without checkpoints where all of the group have such."""
     found = {one.cell.name: errors for one in group if (errors := _errors_of(one)) is not None}
     alone = {one.cell.name: one for one in group if one.ms_alone is not None}
     if all(name in alone and len(alone[name].ms_alone) == len(one.seeds) for name, one in found.items()):

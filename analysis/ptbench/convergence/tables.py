@@ -82,7 +82,7 @@ def _reference_line(group: Sequence[Assessment], place: Place) -> str:
 
 
 def _verdicts(group: Sequence[Assessment], names: dict[str, str], shown: Mapping[str, str]) -> Lines:
-    """`shown`: what every cell of the file is called, by its name in the file."""
+    """The table of verdicts. `shown`: what every cell of the file is called, by its name in the file."""
     head = (
         "Variant",
         "Verdict",
@@ -125,7 +125,7 @@ def _verdict_row(one: Assessment, name: str, shown: Mapping[str, str]) -> list[s
 
 
 def _slopes(group: Sequence[Assessment], names: dict[str, str]) -> Lines:
-    """Overall and by octave; the test's word where it rejects."""
+    """The table of slopes, overall and by octave, with the test's word where it rejects."""
     octaves = sorted({(octave.first, octave.last) for one in group if one.fit for octave in one.fit.octaves})
     head = ("Slope of", "over all", "95 % interval", "p of -1", "", *(f"{first}-{last}" for first, last in octaves))
     rows = []
@@ -264,5 +264,5 @@ def _small(estimate: Estimate) -> str:
 
 
 def _table(head: Sequence[str], rows: Sequence[Sequence[str]], sides: str) -> Lines:
-    """Nothing where there are no rows."""
+    """The lines of a table with its title; none where there are no rows."""
     return [Table(tuple(head), tuple(map(tuple, rows)), tuple(side == "r" for side in sides))] if rows else []

@@ -39,7 +39,7 @@ SCALAR_BLOCK = 32  # pixels of a side of Mitsuba's blocks
 
 
 def crosscheck_command(options: argparse.Namespace) -> int:
-    """The exit code; raises InputError."""
+    """Runs `ptbench crosscheck` and returns the exit code; raises InputError."""
     if options.out is not None:
         check_output_file(options.out, options.scenes)
     settings = _settings(options)
@@ -54,7 +54,7 @@ def crosscheck_command(options: argparse.Namespace) -> int:
     family = family_of(len(scenes))
 
     def kept() -> list[dict]:
-        # After each scene: all of them take long, and what is done is not lost.
+        # The file is written after each scene: all of them take long, and what is done is not lost.
         checked = [done[scene] for scene in scenes if scene in done]
         if options.out is not None and checked:
             whole = as_json(checked, settings, context, options.allow, asked)
@@ -169,7 +169,7 @@ def _check(scene: str, settings: Settings, options: argparse.Namespace, family: 
             return Checked(scene, settings, None, options.aim, reasons=tuple(refusal.reasons))
         checked = _rendered(scene, xml, settings, options, scratch, family)
         while (spp := _wanted(checked, _most(settings, options.most_spp))) > checked.settings.spp:
-            # By other seeds: the last images only said how much noise there is.
+            # The next images have other seeds: the last ones only said how much noise there is.
             more = _more(checked.settings, spp)
             checked = _rendered(scene, xml, more, options, scratch, family)
     print(f"{scene}: {checked.verdict}", file=sys.stderr)
@@ -177,19 +177,19 @@ def _check(scene: str, settings: Settings, options: argparse.Namespace, family: 
 
 
 def _most(settings: Settings, most: int) -> int:
-    """As many samples as the call allows in either renderer."""
+    """The most samples that the call allows in either renderer."""
     here = settings.spp if settings.spp_here is None else settings.spp_here
     return min(most, MOST_SPP * settings.spp // here)
 
 
 def _more(settings: Settings, spp: int) -> Settings:
-    """As many times more samples in both renderers, by other seeds."""
+    """Settings with more samples in both renderers, as many times as asked for, and other seeds."""
     here = None if settings.spp_here is None else math.ceil(settings.spp_here * spp / settings.spp)
     return replace(settings, spp=spp, spp_here=here, first_seed=settings.first_seed + settings.seeds)
 
 
 def _exported(scene: str, settings: Settings, scratch: Path) -> tuple[Settings, Path]:
-    """At the depth where paths have no end, if the scene asks for it and the call for none; raises CannotExport."""
+    """Exports the scene, without an end of paths if it asks for that and the call for no depth; raises CannotExport."""
     try:
         return settings, export(scene, settings, scratch)
     except CannotExport as refusal:

@@ -25,7 +25,7 @@ class Checked:
 
     @property
     def verdict(self) -> str:
-        """One of four words."""
+        """The verdict on a scene, one of four words."""
         if self.comparison is None:
             return REFUSED
         if self.comparison.differs:
@@ -57,7 +57,7 @@ def as_json(scenes: list[dict], settings: Settings, context: dict, allowed: floa
 
 
 def as_scene(checked: Checked) -> dict:
-    """A scene of the file."""
+    """A comparison as a scene of the report file."""
     found = {"scene": checked.scene, "verdict": checked.verdict, "reasons": list(checked.reasons), "aim": checked.aim}
     if checked.comparison is None or checked.here is None or checked.there is None:
         return found
@@ -78,7 +78,7 @@ def as_scene(checked: Checked) -> dict:
 
 
 def spp_of(scene: dict) -> str:
-    """Of a scene of a file, for a table."""
+    """The samples a pixel of a scene in a file, for a table."""
     return f"{scene['spp_here']} here, {scene['spp']} there" if "spp_here" in scene else str(scene["spp"])
 
 
@@ -126,7 +126,7 @@ def row_of(scene: dict) -> tuple[str, ...]:
 
 
 def as_text(scenes: list[dict], settings: Settings, aim: float) -> list[str]:
-    """The table and what its columns mean."""
+    """The report as text: the table and what its columns mean."""
     rows = [_HEAD, *(row_of(one) for one in scenes)]
     widths = [max(len(row[column]) for row in rows) for column in range(len(_HEAD))]
     lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]

@@ -21,7 +21,7 @@ def _variant(mitsuba, wanted: str) -> str:
 
 
 def main() -> int:
-    """Does the job; the exit code."""
+    """Renders what a job file asks for, and returns the exit code."""
     try:
         import mitsuba
     except ImportError as error:

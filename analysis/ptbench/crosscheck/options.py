@@ -12,7 +12,7 @@ MOST_SPP = 100_000_000  # samples a pixel of an image
 
 
 def add_crosscheck(commands: argparse._SubParsersAction) -> None:
-    """The options."""
+    """Adds the subcommand `crosscheck` with its options."""
     parser = commands.add_parser("crosscheck", help="render scenes here and in Mitsuba 3, and hold them to one mean")
     parser.add_argument("scenes", nargs="+", metavar="SCENE", help=f'by name or .json file; "{ALL}": every shipped one')
     parser.add_argument("--binary", type=Path, default=Path("build/ptbench"), metavar="PTBENCH")
@@ -80,7 +80,7 @@ def whole(low: int, high: int):
 
 
 def percent(text: str) -> float:
-    """A share, which the call has in per cent."""
+    """A type of argparse's: a share, which the call has in per cent."""
     try:
         value = float(text)
     except ValueError:
@@ -91,7 +91,7 @@ def percent(text: str) -> float:
 
 
 def blocks(text: str) -> tuple[int, int]:
-    """A size of images that are compared block by block."""
+    """A type of argparse's: a size of images that are compared block by block."""
     sides = text.split("x")
     if len(sides) != 2 or not all(
         side.isascii() and side.isdigit() and int(side) % SIDE == 0 and 0 < int(side) <= 4096 for side in sides

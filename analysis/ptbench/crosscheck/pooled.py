@@ -19,7 +19,7 @@ from ptbench.errors import FindingError
 
 @dataclass(frozen=True)
 class Pooled:
-    """Of the image's mean, by channel, as shares of it."""
+    """The difference between the image's means, by channel, as shares of the mean, pooled over reports."""
 
     bias: tuple[float, ...]
     errors: tuple[float, ...]
@@ -30,15 +30,14 @@ class Pooled:
 
     @property
     def verdict(self) -> str:
-        """One of three words; of the mean alone."""
+        """The verdict on the pooled mean alone, one of three words."""
         if self.worst_p < self.limit_p:
             return DIFFERS
         return AGREES if self.sees <= self.aim else WEAK
 
 
 def pooled(scenes: list[tuple[dict, int]]) -> Pooled:
-    """Of scenes of report files with the seeds of each; raises FindingError unless they are of one scene by different
-    seeds."""
+    """Pools scenes of reports with their numbers of seeds; FindingError unless it is one scene, by other seeds."""
     _check(scenes)
     images = [scene["image"] for scene, _ in scenes]
     bias, errors = (np.array([image[name] for image in images]) for name in ("bias", "errors"))
@@ -49,7 +48,7 @@ def pooled(scenes: list[tuple[dict, int]]) -> Pooled:
     mean = np.where(lit, (weights * bias).sum(axis=0), 0.0)
     meier = 1 + 4 * (weights * (1 - weights) / freedom).sum(axis=0)
     error = np.where(lit, np.sqrt(meier / squares.sum(axis=0)), 0.0)
-    # Of the variance of the mean, w e^2 of each: as large a part as its weight.
+    # Degrees of freedom by Welch and Satterthwaite: a report's part of the mean's variance is as large as its weight.
     together = 1 / (weights**2 / freedom).sum(axis=0)
     limit_p = min(image["limit_p"] for image in images)
     sees = (stdtrit(together, 1 - limit_p / 2) + stdtrit(together, POWER)) * error

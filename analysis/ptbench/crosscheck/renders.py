@@ -42,7 +42,7 @@ class CannotExport(Exception):
 
 @dataclass(frozen=True)
 class Settings:
-    """What every image is rendered with."""
+    """The settings with which every image of a cross-check is rendered."""
 
     binary: Path
     python: Path
@@ -59,25 +59,25 @@ class Settings:
 
     @property
     def program(self) -> Program:
-        """ptbench's."""
+        """The ptbench program that is cross-checked."""
         return Program(self.binary)
 
     @property
     def size(self) -> str:
-        """As the programs take it."""
+        """The size as the programs take it, WxH."""
         return f"{self.resolution[0]}x{self.resolution[1]}"
 
 
 @dataclass(frozen=True)
 class Images:
-    """Of one renderer: seeds, rows, columns, channels; and what its last summary said."""
+    """The images of one renderer (seeds, rows, columns, channels), and what its last summary said."""
 
     images: np.ndarray
     about: dict
 
 
 def shipped_scenes(program: Program) -> list[str]:
-    """By name; those of scenes/stability are cases with expectations of their own, and no pictures to look at."""
+    """Names of the shipped scenes; those of scenes/stability are cases with expectations, and no pictures."""
     names = program.output("list", "--names", "scenes").split()
     binary = program.binary.resolve()
     homes = [Path(os.environ["PTBENCH_HOME"])] if "PTBENCH_HOME" in os.environ else [binary.parent, binary.parents[1]]
@@ -115,7 +115,7 @@ def export(scene: str, settings: Settings, folder: Path) -> Path:
 
 
 def render_here(scene: str, settings: Settings, folder: Path, *, has_meshes: bool) -> Images:
-    """One image a seed by `ptbench render`."""
+    """Renders one image a seed by `ptbench render`."""
     target = folder / "here.pfm"
     call = ["render", "--scene", scene, "--out", target, "--resolution", settings.size]
     call += ["--spp", settings.spp if settings.spp_here is None else settings.spp_here]
@@ -143,7 +143,7 @@ def render_here(scene: str, settings: Settings, folder: Path, *, has_meshes: boo
 
 
 def _finite(image: np.ndarray, whose: str, seed: int) -> np.ndarray:
-    """The image; raises InputError for one with faulty pixels."""
+    """Returns an image; raises InputError for one with faulty pixels."""
     if wrong := faulty_pixels(image):
         raise InputError(f"{whose}, seed {seed}: found {wrong} pixels that are infinite or no number, allowed: none")
     return image
@@ -156,12 +156,12 @@ def meshes_in(xml: Path) -> int:
 
 
 def has_meshes(xml: Path) -> bool:
-    """Whether an exported scene shows any."""
+    """Whether an exported scene shows any mesh."""
     return meshes_in(xml) > 0
 
 
 def render_there(xml: Path, settings: Settings, folder: Path) -> Images:
-    """One image a seed by Mitsuba."""
+    """Renders one image a seed by Mitsuba."""
     targets = [folder / f"there_{seed}.pfm" for seed in range(settings.seeds)]
     jobs = [[settings.first_seed + seed, str(target)] for seed, target in enumerate(targets)]
     about = _worker(settings, {"xml": str(xml), "spp": settings.spp, "images": jobs})

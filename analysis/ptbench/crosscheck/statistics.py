@@ -21,7 +21,7 @@ FAMILY = 0.01
 POWER = 0.9
 # What two programs may round differently where nothing is random, of a value: about 170 units of single precision.
 ROUNDING = 1e-5
-# Of pixels' z, for reading.
+# Edges of the classes in which pixels' z are counted, for reading.
 EDGES = (-4.0, -3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0, 4.0)
 
 
@@ -39,7 +39,7 @@ class MeanTest:
 
     @property
     def differs(self) -> bool:
-        """Whether any channel does."""
+        """Whether any channel of the image's mean differs."""
         return self.worst_p < self.limit_p
 
 
@@ -59,13 +59,13 @@ class BlockTest:
 
     @property
     def differs(self) -> bool:
-        """Whether any block does."""
+        """Whether any block of the images differs."""
         return self.beyond > 0
 
 
 @dataclass(frozen=True)
 class PixelTest:
-    """Single pixels; `sees` is the root mean square of a bias of pixels, as a share of the image's mean."""
+    """The test of single pixels; `sees`: the bias that it would find, a root mean square of pixels / the mean."""
 
     count: int
     still: int  # of them, without noise in either
@@ -79,7 +79,7 @@ class PixelTest:
 
     @property
     def differs(self) -> bool:
-        """Whether they do."""
+        """Whether the images differ pixel by pixel."""
         return self.p < self.limit_p or self.still_beyond > 0
 
 
@@ -94,7 +94,7 @@ class Comparison:
 
     @property
     def differs(self) -> bool:
-        """Whether any of the three tests says so."""
+        """Whether any of the three tests says that the images differ."""
         return self.image.differs or self.blocks.differs or self.pixels.differs
 
 
@@ -120,7 +120,7 @@ class _Welch:
 
 
 def _welch(here: np.ndarray, there: np.ndarray) -> _Welch:
-    """Over axis 0, the seeds."""
+    """Welch's test over axis 0, the seeds."""
     means = here.mean(axis=0), there.mean(axis=0)
     of_mean = here.var(axis=0, ddof=1) / len(here), there.var(axis=0, ddof=1) / len(there)
     variance = of_mean[0] + of_mean[1]
@@ -158,13 +158,13 @@ def _mean_test(here: np.ndarray, there: np.ndarray, allowed: float, family: floa
 
 
 def _largest(sees: np.ndarray, mean: np.ndarray) -> float:
-    """Of what is not black."""
+    """The largest value where the image is not black; 0 where it is black throughout."""
     lit = sees[mean > 0]
     return lit.max() if lit.size else 0.0
 
 
 def block_means(images: np.ndarray) -> np.ndarray:
-    """Of images whose sides are multiples of SIDE: seeds, rows and columns of blocks, channels."""
+    """Block means (seeds, rows and columns of blocks, channels) of images whose sides are multiples of SIDE."""
     seeds, height, width, channels = images.shape
     return images.reshape(seeds, height // SIDE, SIDE, width // SIDE, SIDE, channels).mean(axis=(2, 4))
 

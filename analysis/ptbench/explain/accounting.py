@@ -109,7 +109,7 @@ class Step:
 
     @property
     def is_settled(self) -> bool:
-        """Its sign is the same wherever in its range it lies."""
+        """Whether the term has one sign in all of its range."""
         return self.is_stage and (self.low > 0 or self.high < 0)
 
     @property

@@ -44,5 +44,5 @@ def collect(result: Result, study: Study, default_title: str) -> lines.Data | ro
 
 
 def draw(data: lines.Data | row_figure.Data) -> Figure:
-    """The page of what `collect` gave."""
+    """Draws the data of `collect` as a figure's page."""
     return row_figure.draw(data) if isinstance(data, row_figure.Data) else lines.draw(data)

@@ -22,5 +22,5 @@ class Choices:
         return rows.collect(result, study, f"The choices of {self.axis} against each other")
 
     def draw(self, data: Data) -> Figure:
-        """The page of what `collect` gave."""
+        """The figure of the rows that `collect` gave."""
         return rows.draw(data)

@@ -70,7 +70,7 @@ class CostOfRobustness:
         )
 
     def draw(self, data: bars.Data) -> Figure:
-        """The page of what `collect` gave."""
+        """Draws the data of `collect` as a figure's page."""
         return bars.draw(data)
 
 

@@ -57,7 +57,7 @@ def collect(result: Result, study: Study) -> series.Data:
 
 
 def draw(data: series.Data) -> Figure:
-    """The page of what `collect` gave."""
+    """Draws the data of `collect` as a figure's page."""
     return series.draw(data)
 
 

@@ -19,7 +19,7 @@ LOOKS = {
     FASTER: style.Look(style.COLOURS[1], "s", "-"),
     SAME: style.Look(style.COLOURS[0], "o", "-"),
     UNSURE: style.Look("#6e6e6e", "D", "-"),
-    # Of ratios that are better when high.
+    # The looks of ratios that are better when high.
     "lower": style.Look(style.COLOURS[2], "^", "-"),
     "higher": style.Look(style.COLOURS[1], "s", "-"),
     "not told apart from 1": style.Look("#6e6e6e", "D", "-"),
@@ -79,7 +79,7 @@ def pages(groups: Sequence[Group], most: int) -> list[tuple[Group, ...]]:
 
 
 def draw(data: Data) -> Figure:
-    """The page of what is given."""
+    """Draws the page of a forest plot."""
     texts = [
         [f"{_ratio_text(item.ratio, data.threshold)} {item.word}" for item in group.items] for group in data.groups
     ]
@@ -131,7 +131,7 @@ _NARROW_PLOT = 1.5
 
 
 def draw_narrow(data: Data) -> Figure:
-    """The same for a narrow screen: each label above its row, the ratio beside it."""
+    """Draws the forest plot for a narrow screen: each label above its row, the ratio beside it."""
     inner = _NARROW - 2 * style.MARGIN
     labels = [[style.wrapped(item.label, _NARROW_SIZE, inner) for item in group.items] for group in data.groups]
     titles = [style.wrapped(group.title, style.LABEL_SIZE, inner, "bold") for group in data.groups]
@@ -140,7 +140,7 @@ def draw_narrow(data: Data) -> Figure:
     body = sum(heads) + sum(map(sum, rows)) + 0.5
     page = style.Page(_NARROW, body, data.title, data.caption)
     limits, log = _limits(data)
-    # One axes under all rows: what a row is lies at inches from its bottom.
+    # The page has one axes under all rows: what a row is lies at inches from its bottom.
     height = body - 0.5
     axes = page.axes(style.MARGIN, 0.5, _NARROW_PLOT, height)
     axes.set_ylim(0, height)
@@ -184,7 +184,7 @@ def _limits(data: Data) -> tuple[tuple[float, float], bool]:
 
 
 def _scale(axes: Axes, limits: tuple[float, float], log: bool, most: int = 5) -> None:
-    """`most`: that many ticks, or about it on a log scale."""
+    """Sets the axis' ticks: at most `most`, or about that many on a log scale."""
     if log:
         axes.set_xscale("log")
         axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if limits[1] < 12 * most * limits[0] else (1,)))

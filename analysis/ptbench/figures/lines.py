@@ -70,7 +70,7 @@ class Abscissa:
     log: bool = False  # always, not only where the values are spaced so; a zero stands left of the logarithms
 
     def tick(self, x: float) -> str:
-        """The text at a value."""
+        """The text of a tick at a value."""
         return self.ticks.get(int(x), f"{x:g}")
 
 
@@ -89,7 +89,7 @@ class Data:
 
 
 def panel_of(title: str, points: Sequence[tuple[int, Row]], parts: Parts, with_crossovers: bool = False) -> Panel:
-    """A panel of measured (x, row)."""
+    """A panel of measured pairs (x, row)."""
     drawn = []
     for label in parts.order:
         of_line = sorted((p for p in points if parts.labels[p[1].cell.name] == label), key=lambda point: point[0])
@@ -112,7 +112,7 @@ def panel_of(title: str, points: Sequence[tuple[int, Row]], parts: Parts, with_c
 
 
 def draw(data: Data) -> Figure:
-    """The page of what is given: times above, ratios below."""
+    """Draws the page of lines: times above, ratios below."""
     words = [style.text_width(word, style.LABEL_SIZE) for label in data.order for word in label.split()]
     legend_width = min(max(_LEGEND_WIDTH, *words), _WIDEST_LEGEND) + 0.01
     labels = {label: "\n".join(style.wrapped(label, style.LABEL_SIZE, legend_width)) for label in data.order}
@@ -182,7 +182,7 @@ def draw(data: Data) -> Figure:
             ends,
             [labels[line.label] for line in panel.lines],
             [looks[line.label] for line in panel.lines],
-            # Where the title reaches over them, the names keep below it.
+            # The names of lines keep below the title where that reaches over them.
             above=0.1 if style.text_width(titles[index][-1], style.BASE_SIZE + 0.5, "bold") < plot_width else 0.0,
         )
     return page.figure
@@ -283,7 +283,7 @@ def _scale_ratios(axes: Axes, values: list[float], log: bool) -> None:
         _log_y(axes, [*values, 1.0])
         return
     low, high = min([*values, 1.0]), max([*values, 1.0])
-    # Half a per cent of noise should look like noise, not fill the panel.
+    # The axis is never narrower than this: half a per cent of noise should look like noise, not fill the panel.
     if log:
         margin = max((high / low) ** 0.1, 1.02)
         axes.set_yscale("log")

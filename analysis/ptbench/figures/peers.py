@@ -25,7 +25,7 @@ _EQUAL = "#c8c8c8"
 
 @dataclass(frozen=True)
 class Point:
-    """A peer in a scene."""
+    """A renderer's point in a scene, time against variance."""
 
     label: str
     time: Estimate
@@ -66,7 +66,7 @@ def _points(scene: Scene) -> tuple[Point, ...]:
 
 
 def draw(data: Data) -> Figure:
-    """The page; each panel has scales of its own."""
+    """Draws the page; each panel has scales of its own."""
     looks = {label: style.look(index) for index, label in enumerate(data.order)}
     labels = {label: "\n".join(style.wrapped(label, style.LABEL_SIZE, _LEGEND_WIDTH)) for label in data.order}
     label_width = max(style.text_width(part, style.LABEL_SIZE) for text in labels.values() for part in text.split("\n"))
@@ -118,7 +118,7 @@ def _scale(axes: Axes, points: Sequence[Point]) -> None:
         axis.set_minor_locator(NullLocator())
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.set_xlabel("Time of a sample a pixel, ms (log scale)")
-    # Each halves the work-normalised variance of the one above.
+    # These are guide lines, each of half the work-normalised variance of the one above.
     line = np.array(x_ends)
     low, high = (float(np.log2(x * y)) for x, y in zip(x_ends, y_ends, strict=True))
     for power in range(round(low), round(high) + 1):

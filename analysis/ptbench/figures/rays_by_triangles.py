@@ -73,7 +73,7 @@ def collect(files: Sequence[Rays], peers: Sequence[Peer]) -> series.Data:
 
 
 def draw(data: series.Data) -> Figure:
-    """The page of what `collect` gave."""
+    """Draws the data of `collect` as a figure's page."""
     return series.draw(data)
 
 

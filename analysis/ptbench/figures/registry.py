@@ -46,7 +46,7 @@ CONVERGENCE_FIGURES = {
 CONVERGENCE = "convergence"
 # What a study of these figures is drawn as too, where its scenes have meshes.
 MESH_FIGURES = {"builder": {"time_to_image": time_to_image}, "shading_fmas": {"by_integrator": integrator_by_cost}}
-# Photographs keep their colours.
+# Figures with photographs, which keep their colours.
 PICTURES = ("equal_time",)
 
 

@@ -21,7 +21,7 @@ _MOST_COLUMNS = 11
 
 @dataclass(frozen=True)
 class Line:
-    """One scene: entry k is after k bounces, so entry 0 is the camera rays."""
+    """Live paths of one scene: entry k is after k bounces, so entry 0 is the camera rays."""
 
     scene: str
     fractions: tuple[float, ...]
@@ -87,7 +87,7 @@ def collect(result: Result, study: Study) -> Data:
 
 
 def draw(data: Data) -> Figure:
-    """The page of what `collect` gave."""
+    """Draws the data of `collect` as a figure's page."""
     names = [line.scene for line in data.lines]
     looks = [style.look(index) for index in range(len(names))]
     labels = ["\n".join(style.wrapped(name, style.LABEL_SIZE, 1.5)) for name in names]

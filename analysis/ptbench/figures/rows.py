@@ -28,7 +28,7 @@ _TITLE = 3.0  # inches of a group's title that may widen the labels' column; a l
 
 @dataclass(frozen=True)
 class Item:
-    """One row; `time` is None where there is none, and `instead` says why."""
+    """One row of a figure; `time` is None where there is none, and `instead` says why."""
 
     label: str
     is_baseline: bool
@@ -125,7 +125,7 @@ def _is_of(absent: NotApplicable, group_of: dict[str, str]) -> bool:
 
 
 def draw(data: Data) -> Figure:
-    """The page of what `collect` gave."""
+    """Draws the data of `collect` as a figure's page."""
     looks = {label: style.look(index) for index, label in enumerate(data.order)}
     times = [["" if i.time is None else _time_text(i.time) for i in group.items] for group in data.groups]
     ratios = [[_ratio_text(i, data.baseline) for i in group.items] for group in data.groups]
@@ -182,7 +182,7 @@ def draw(data: Data) -> Figure:
         page.text(time_x, head_y, headings[0], **heading)
         page.text(ratio_x, head_y, headings[1], **heading)
         baselines = [item.time.value for item in group.items if item.is_baseline and item.time is not None]
-        # One line among several baselines would be none of most rows'.
+        # There is no common line of the baseline: one among several baselines would be none of most rows'.
         if len(baselines) == 1:
             axes.axvline(baselines[0], color="#888888", linewidth=0.8, linestyle=(0, (4, 2)), zorder=1)
         axes.set_ylim(-0.5, count - 0.5)

@@ -27,7 +27,7 @@ _FONTS = "'DejaVu Sans', Verdana, sans-serif"
 
 
 def save_figure(figure: Figure, folder: Path, name: str) -> list[Path]:
-    """NAME.png and NAME.svg."""
+    """Writes a figure as NAME.png and NAME.svg."""
     return [
         write_whole(
             folder / f"{name}.png", lambda path: path.write_bytes(png_of(figure, DPI, few_colours=True)) and None
@@ -44,7 +44,7 @@ def save_pictures(figure: Figure, target: Path, dpi: float) -> Path:
 
 
 def webp_of(png: bytes) -> bytes:
-    """The same page as WebP, which is lossy: text stays sharp, and the grain of a render is nobody's number."""
+    """A page as WebP, which is lossy: text stays sharp, and the grain of a render is nobody's number."""
     with io.BytesIO() as written, Image.open(io.BytesIO(png)) as image:
         image.convert("RGB").save(written, "WEBP", quality=_WEBP_QUALITY, method=6)
         return written.getvalue()
@@ -80,7 +80,7 @@ def _in_few_colours(image: Image.Image) -> Image.Image:
 
 
 def _palette(by_frequency: np.ndarray, tolerance: int) -> np.ndarray | None:
-    """Colours of which no two are within `tolerance`; None: there are too many."""
+    """A palette of colours of which no two are within `tolerance`; None: there are too many."""
     kept = by_frequency[:1]
     for colour in by_frequency[1:]:
         if np.abs(kept - colour).max(axis=1).min() > tolerance:

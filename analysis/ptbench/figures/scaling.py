@@ -69,7 +69,7 @@ _BY_ORDER = Sweep("", "Scene, by its number in the caption", "", "{}".format)
 
 @dataclass(frozen=True)
 class Scaling:
-    """The figure of one sweep."""
+    """The figure of one sweep, such as over the number of materials."""
 
     figure: str
 
@@ -78,20 +78,20 @@ class Scaling:
         return collect(result, study, SWEEPS[self.figure])
 
     def draw(self, data: lines.Data | row_figure.Data) -> Figure:
-        """The page of what `collect` gave."""
+        """Draws the data of `collect` as a figure's page."""
         return row_figure.draw(data) if isinstance(data, row_figure.Data) else lines.draw(data)
 
 
 @dataclass(frozen=True)
 class Place:
-    """Where a cell stands; no x: it has nothing of what the figure follows."""
+    """The place of a cell in a sweep; no x: it has nothing of what the figure follows."""
 
     panel: str
     x: int | None
 
 
 def numbered_scenes(scenes: Sequence[str]) -> dict[str, Place] | None:
-    """By the number that ends a scene's name: `materials_08` is 8 of `materials`. None: some have no such number."""
+    """Places by the number that ends a scene's name: `materials_08` is 8 of `materials`; None: some have none."""
     places = {}
     for scene in dict.fromkeys(scenes):
         match = re.fullmatch(r"(.*?)[_-]?(\d+)", scene)

@@ -23,7 +23,7 @@ _TICKS = (1.0, 2.0, 5.0)
 
 @dataclass(frozen=True)
 class Series:
-    """One line; `rings` are the points that the caption speaks of."""
+    """One line of a panel; `rings` are the points that the caption speaks of."""
 
     label: str
     xs: tuple[float, ...]
@@ -56,7 +56,7 @@ class Data:
 
 
 def draw(data: Data) -> Figure:
-    """The page; the panels share both scales."""
+    """Draws the page; the panels share both scales."""
     looks = {label: style.look(index) for index, label in enumerate(data.order)}
     words = [style.text_width(word, style.LABEL_SIZE) for label in data.order for word in label.split()]
     width = max(_LEGEND_WIDTH, *words) + 0.01

@@ -95,12 +95,12 @@ def text_width(text: str, size: float, weight: str = "normal") -> float:
 
 @cache
 def _character_width(character: str, size: float, weight: str) -> float:
-    # Between two others: a lone space has no width.
+    # The width is measured between two other characters: a lone space has none.
     return text_width(f"x{character}x", size, weight) - text_width("xx", size, weight)
 
 
 def _may_exceed(text: str, size: float, weight: str, width: float) -> bool:
-    """False where the sum of the characters' widths leaves far more room than kerning and hinting could take."""
+    """Whether a text may be wider, by the sum of its characters' widths and some for kerning and hinting."""
     return 1.1 * sum(_character_width(character, size, weight) for character in text) > width
 
 
@@ -157,12 +157,12 @@ class Page:
         self.text(MARGIN, -0.12, "\n".join(captions), size=CAPTION_SIZE, va="top")
 
     def text(self, x: float, y: float, text: str, **properties) -> None:
-        """Text at inches from the body's lower left corner."""
+        """Draws text at inches from the body's lower left corner."""
         properties.setdefault("linespacing", LINE_SPACING)
         self.figure.text(x / self.width, (y + self.bottom) / self.height, text, **properties)
 
     def axes(self, left: float, bottom: float, width: float, height: float, **options) -> Axes:
-        """Axes whose lower left corner is at inches from the body's."""
+        """Makes axes whose lower left corner is at inches from the body's."""
         return self.figure.add_axes(
             (left / self.width, (bottom + self.bottom) / self.height, width / self.width, height / self.height),
             **options,
@@ -276,7 +276,7 @@ def marker_at(page: Page, x: float, y: float, style: Look) -> Line2D:
 
 
 def draw_line(axes: Axes, xs: Sequence[float], estimates: Sequence[Estimate], style: Look) -> None:
-    """A line of medians with their intervals."""
+    """Draws a line of medians with their intervals."""
     values = [estimate.value for estimate in estimates]
     axes.plot(xs, values, color=style.colour, marker=style.marker, linestyle=style.line, zorder=3, clip_on=False)
     whiskered = [(x, e) for x, e in zip(xs, estimates, strict=True) if e.low is not None and e.high is not None]
@@ -294,12 +294,12 @@ def draw_line(axes: Axes, xs: Sequence[float], estimates: Sequence[Estimate], st
 
 
 def draw_ring(axes: Axes, x: float, y: float, style: Look) -> None:
-    """A ring round a point that the text speaks of."""
+    """Draws a ring round a point that the text speaks of."""
     axes.plot([x], [y], marker="o", markersize=13, markerfacecolor="none", markeredgecolor=style.colour, zorder=5)
 
 
 def draw_row(axes: Axes, y: float, estimate: Estimate, style: Look) -> None:
-    """A median and its interval on a horizontal row."""
+    """Draws a median and its interval on a horizontal row."""
     if estimate.low is not None and estimate.high is not None:
         axes.plot([estimate.low, estimate.high], [y, y], color=style.colour, linewidth=1.4, zorder=3)
         axes.plot([estimate.low, estimate.high], [y, y], color=style.colour, linestyle="", marker="|", zorder=3)

@@ -24,7 +24,7 @@ from ptbench.stats.estimates import Estimate, median_estimate
 from ptbench.studies.notes import notes_of
 from ptbench.studies.rows import measure
 
-# Those of variants/builder that only CUDA has.
+# The choices of variants/builder that only CUDA has.
 GPU_BUILDERS = ("hploc", "lbvh_gpu")
 # The box round the mesh that `ptbench rays` adds: two triangles a side.
 BOX_TRIANGLES = 12
@@ -55,7 +55,7 @@ class Way:
 
 @dataclass(frozen=True)
 class Crossing:
-    """From `spp` samples a pixel on `later` is there first, before it `sooner`."""
+    """A crossing of two ways: from `spp` samples a pixel on `later` is there first, before it `sooner`."""
 
     sooner: Way
     later: Way
@@ -92,7 +92,7 @@ def crossings(of_scene: Sequence[Way]) -> list[Crossing]:
     found: list[Crossing] = []
     first = min(of_scene, key=lambda way: way.before_ms)
     while overtaking := [one for way in of_scene if (one := _overtakes(first, way)) is not None]:
-        # Of two that overtake at once the one with the quicker samples stays in front.
+        # If two overtake at once, the one with the quicker samples stays in front.
         found.append(min(overtaking, key=lambda one: (one.spp, one.later.sample.value)))
         first = found[-1].later
     return found
@@ -181,5 +181,5 @@ def _line(way: Way, base: Way, crossed: Sequence[Crossing]) -> series.Series:
 
 
 def draw(data: series.Data) -> Figure:
-    """The page of what `collect` gave."""
+    """Draws the data of `collect` as a figure's page."""
     return series.draw(data)

@@ -15,7 +15,7 @@ LOST = "lost_commits.json"
 
 
 def lost_commits(results: Path) -> dict[str, dict[str, str]]:
-    """By the whole commit: `within`, the commit that its work is part of, and `why` it is lost."""
+    """Lost commits by their whole hash: the commit that has the work (`within`), and `why` it is lost."""
     file = results / LOST
     return json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
 

@@ -33,11 +33,11 @@ class CpuRays:
 
     @property
     def over_peer(self) -> float:
-        """Its rate over that of Embree with its own triangle test, called ray by ray as ours is."""
+        """The rate of the best tree over that of Embree with its own triangle test, called ray by ray as ours is."""
         return self.rates[self.best] / self.rates[PEER]
 
     def rate(self, name: str) -> str:
-        """Of a contender, in 10^6 rays a second."""
+        """The rate of a contender, in 10^6 rays a second."""
         return figures(self.rates[name], 3)
 
     @property
@@ -55,7 +55,7 @@ class CpuRaysSource:
 
     @property
     def commit(self) -> str:
-        """The program's."""
+        """The commit of ptbench that was measured."""
         return self._value["commit"]
 
     @property

@@ -31,7 +31,7 @@ class CrosscheckSource:
 
     @property
     def commit(self) -> str:
-        """The program's."""
+        """The commit of ptbench that was measured."""
         found = re.search(r"commit ([0-9a-f]{40})", self._context["ptbench.version"])
         return found[1] if found else ""
 
@@ -45,7 +45,7 @@ class CrosscheckSource:
 
     @property
     def agreeing(self) -> int:
-        """Of them, those that agree, at the power that was asked for."""
+        """Number of scenes that agree, at the power that was asked for."""
         return len(self._of("agrees"))
 
     @property
@@ -100,12 +100,12 @@ class CrosscheckSource:
 
     @property
     def mitsuba(self) -> str:
-        """Its version and variant."""
+        """Mitsuba's version and variant."""
         return f"{self._context['mitsuba.version']} (`{self._context['mitsuba.variant']}`)"
 
     @property
     def variant(self) -> str:
-        """Mitsuba's."""
+        """Mitsuba's variant."""
         return self._context["mitsuba.variant"]
 
     @property
@@ -168,7 +168,7 @@ class CrosscheckSource:
 
     @property
     def largest_bias(self) -> str:
-        """Of the means of images that agree."""
+        """The largest bias of the means of images that agree."""
         biases = [bias for scene in self._of("agrees") for bias in scene["image"]["bias"]]
         return _percent(max(map(abs, biases)))
 

@@ -100,12 +100,12 @@ class FleetSource:
 
     @property
     def changed(self) -> int:
-        """Of them, those with another word on the other GPU."""
+        """Number of verdicts that have another word on the other GPU."""
         return sum(pair.is_changed for pair in self._pairs)
 
     @property
     def turned(self) -> int:
-        """Of them, FASTER on one and SLOWER on the other."""
+        """Number of verdicts that are FASTER on one GPU and SLOWER on the other."""
         return sum(pair.is_turned for pair in self._pairs)
 
     def decided_about(self, axis: str) -> int:
@@ -113,11 +113,11 @@ class FleetSource:
         return sum(pair.is_decided and pair.axis == axis for pair in self._pairs)
 
     def changed_about(self, axis: str) -> int:
-        """Of them, those with another word."""
+        """Number of verdicts about one axis or tunable that have another word on the other GPU."""
         return sum(pair.is_changed and pair.axis == axis for pair in self._pairs)
 
     def turned_about(self, axis: str) -> int:
-        """Of them, FASTER on one and SLOWER on the other."""
+        """Number of verdicts about one axis or tunable that are FASTER on one GPU and SLOWER on the other."""
         return sum(pair.is_turned and pair.axis == axis for pair in self._pairs)
 
     @property
@@ -127,7 +127,7 @@ class FleetSource:
 
     @property
     def groups_changed(self) -> int:
-        """Of them, those in which verdicts support another order."""
+        """Number of groups of variants in which verdicts support another order."""
         return sum(bool(group.changes) for group in self._fleet.compared.rankings)
 
     @property

@@ -22,7 +22,7 @@ class ImportsSource:
 
     @property
     def commit(self) -> str:
-        """The program's."""
+        """The commit of the ptbench that imported."""
         found = re.search(r"commit ([0-9a-f]{40})", self._value["context"]["ptbench.version"])
         return found[1] if found else ""
 
@@ -48,7 +48,7 @@ class ImportsSource:
         return self._share(dialect, group)["without_a_warning"]
 
     def share(self, dialect: str = "all", group: str = "all") -> str:
-        """Of those that were tried, as a percentage."""
+        """The share of the files that were tried which came through, as a percentage."""
         files = self.files(dialect, group)
         return f"{figures(100 * self.came_through(dialect, group) / files, 3)} %" if files else "none"
 

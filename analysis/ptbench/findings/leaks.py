@@ -22,12 +22,12 @@ class LeaksSource:
 
     @property
     def commit(self) -> str:
-        """The program's."""
+        """The commit of ptbench that was measured."""
         return self._value["context"]["ptbench.git_sha"]
 
     @property
     def meshes(self) -> list[str]:
-        """Their names."""
+        """The names of the meshes."""
         return [mesh["mesh"] for mesh in self._value["meshes"]]
 
     def _ways(self) -> list[dict]:

@@ -28,7 +28,7 @@ class PeersSource:
 
     @property
     def commit(self) -> str:
-        """The program's."""
+        """The commit of ptbench that was measured."""
         found = re.search(r"commit ([0-9a-f]{40})", self._context["ptbench.version"])
         return found[1] if found else ""
 
@@ -91,7 +91,7 @@ class PeersSource:
 
     @property
     def best_others(self) -> list[str]:
-        """Of each scene the other renderer whose cost is least, beside ptbench's variant whose cost is: a line each."""
+        """A line for each scene: the other renderer whose cost is least, beside ptbench's variant whose cost is."""
         return [
             f"`{scene.name}`: {other.name} at {shown_ratio(other.measured.cost_over(best.measured))} times the cost of "
             f"{best.name}"
@@ -99,7 +99,7 @@ class PeersSource:
         ]
 
     def _leaders(self) -> Iterator[tuple[Scene, Peer, Peer]]:
-        """Of each scene ptbench's variant and the other renderer with the least costs."""
+        """For each scene, ptbench's variant and the other renderer with the least costs."""
         for scene in self.scenes:
             own = [peer for peer in scene.peers if peer.kind == "ptbench" and peer.compares]
             others = [peer for peer in scene.peers if peer.kind != "ptbench" and peer.compares]

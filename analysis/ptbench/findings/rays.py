@@ -101,7 +101,7 @@ class RaysFolder:
         return Quantity(median_estimate(one.batch.giga_rays_per_second), one.text)
 
     def rate_if(self, selection: str) -> str:
-        """The same as text, or a dash where nobody measured it."""
+        """The rate of a selection as text, or a dash where nobody measured it."""
         try:
             return str(self.rate(selection))
         except FindingError:
@@ -116,7 +116,7 @@ class RaysFolder:
         return Quantity(median_estimate(one.batch.giga_rays_per_second), one.text)
 
     def peer_rate(self, mesh: str, ray_class: str) -> Quantity:
-        """The peer's."""
+        """1e9 rays a second of the peer for a class of rays over a mesh."""
         batch = self._peer(mesh, ray_class)
         return Quantity(median_estimate(batch.giga_rays_per_second), f"{batch.kernel} on {mesh}, {ray_class}")
 
@@ -128,7 +128,7 @@ class RaysFolder:
         return _ratio(one.batch, batch, f"{one.text} over {batch.kernel}")
 
     def best_over_peer(self, ray_class: str) -> Ratios:
-        """Of every mesh that the peer traced: our least time over its, in one class of rays."""
+        """Our least time over the peer's for every mesh that the peer traced, in one class of rays."""
         meshes = [mesh for mesh in self.meshes if peer_batch(self.peers, mesh.name, ray_class) is not None]
         return Ratios(tuple(self.over_peer(self.best(f"mesh={mesh.name} class={ray_class}")) for mesh in meshes))
 

@@ -72,7 +72,7 @@ class GpuTestsSource:
 
     @property
     def commit(self) -> str:
-        """Of the programs that ran."""
+        """The commit of the programs that ran."""
         return self._root["context"]["ptbench.git_sha"]
 
     @property
@@ -158,7 +158,7 @@ class StabilitySource:
 
     @property
     def asked(self) -> int:
-        """Of them, those that could be asked in any variant."""
+        """Number of cases that could be asked in any variant."""
         return len({row.case.name for row in self._stability.rows if row.status != NOT_APPLICABLE})
 
     @property

@@ -85,7 +85,7 @@ class Source:
         return _ratio(cell, base)
 
     def ratio_if(self, selection: str, over: str) -> Ratio | None:
-        """The same, or None where one of the two was not measured."""
+        """The ratio of a selection to `over`, or None where one of the two was not measured."""
         for side in (parsed(selection), {**parsed(selection), **parsed(over)}):
             try:
                 cell_of(self.result, {**self._where, **side})
@@ -94,7 +94,7 @@ class Source:
         return self.ratio(selection, over)
 
     def ratios(self, selection: str, over: str) -> Ratios:
-        """The same for every measured cell of a selection with `*`, each over its own baseline."""
+        """Ratios of every measured cell of a selection with `*`, each over its own baseline."""
         chosen = self._chosen(selection)
         open_names = [name for name, value in chosen.items() if value == "*"]
         others = parsed(over)
@@ -118,7 +118,7 @@ class Source:
         return strong(self.result.cells)
 
     def weak(self) -> list[Scaled]:
-        """The same beside as many times fewer samples on one."""
+        """Every cell on several GPUs beside as many times fewer samples of the image on one."""
         return weak(self.result.cells)
 
     def built(self, selection: str) -> list[Built]:
@@ -173,7 +173,7 @@ class Source:
         return self.cell(selection).film_hash == base.film_hash
 
     def films_of(self, older: Source) -> tuple[int, int]:
-        """Of an older program's cells that are here too, by what they render: how many left the same film, and all."""
+        """How many of an older program's cells left the film that they leave here, and how many are here too."""
         theirs = {cell.shown: cell.film_hash for cell in older.result.cells if cell.measured}
         same = [theirs[cell.shown] == cell.film_hash for cell in self.result.cells if cell.shown in theirs]
         if not same:
@@ -206,7 +206,7 @@ class Source:
         return self._fitted(selection, lambda fit: fit.sigma2)
 
     def slope(self, selection: str) -> Quantity:
-        """Of the squared error over spp, both logarithmic: -1 for independent samples without a bias."""
+        """Slope of the squared error over spp, both logarithmic: -1 for independent samples without a bias."""
         return self._fitted(selection, lambda fit: fit.slope.estimate)
 
     def mean_error(self, selection: str) -> Quantity:
@@ -223,7 +223,7 @@ class Source:
         return Quantity(one.ms_per_spp["wall_ms"], one.cell.name)
 
     def wall_alone(self, selection: str) -> Quantity:
-        """The same of the companion cell, without checkpoints."""
+        """Render wall time a sample per pixel, ms, of the companion cell without checkpoints."""
         one = self.assessment(selection)
         if one.ms_alone is None:
             raise FindingError(f"{self.result.path}: not run without checkpoints: {selection}")

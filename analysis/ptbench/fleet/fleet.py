@@ -39,7 +39,7 @@ class Prediction:
         return self.evidence.kind == OWN
 
     def error(self, rule: Rule = USED) -> float:
-        """Of the predicted ratio, relative to the measured one."""
+        """Error of the predicted ratio, relative to the measured one."""
         return self.ratios[rule.name] / self.row.ratio.value - 1
 
 
@@ -55,7 +55,7 @@ class Score:
 
     @property
     def share(self) -> float:
-        """Of the variants, those that are predicted well enough."""
+        """Share of the variants that are predicted well enough."""
         return self.within / self.count
 
 
@@ -69,7 +69,7 @@ class Other:
     unpredicted: tuple[Row, ...]
 
     def scores(self, *, own: bool, without: str = "") -> list[Score]:
-        """Of every rule, over what was itself counted or over all that has any counters; empty where nothing has.
+        """Scores of every rule, over what was itself counted or all that has any counters; empty where nothing has.
 
         `without`: a scene that does not count.
         """

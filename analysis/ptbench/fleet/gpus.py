@@ -14,7 +14,7 @@ from ptbench.io.nodes import Node, read_json
 SHEETS = "gpus.json"
 # Pipes that execute warps' instructions; a multiprocessor issues as many of all together as it has schedulers.
 PIPES = ("fma", "alu", "xu")
-# Of every architecture from Turing on; a scheduler issues one warp's instruction a clock.
+# Schedulers and lanes of every architecture from Turing on; a scheduler issues one warp's instruction a clock.
 _SCHEDULERS = 4
 _LANES = 32
 

@@ -68,7 +68,7 @@ def _split(exposed: float, kernel: KernelTime, one: Gpu, other: Gpu) -> float:
 
 
 def _parts(kernel: KernelTime) -> tuple[float, float]:
-    """Of memory's ceiling and of the nearest other one."""
+    """Shares that are reached of memory's ceiling and of the nearest other one."""
     return min(1.0, kernel.shares[MEMORY]), max(share for name, share in kernel.shares.items() if name != MEMORY)
 
 

@@ -69,7 +69,7 @@ def _over(gpu: Gpu, first: Gpu) -> str:
 
 
 def ratios_section(mark: str, other: Other) -> Section:
-    """By integrator, in few lines: `compare` has every cell."""
+    """The ratios of two GPUs by integrator, in few lines: `compare` has every cell."""
     by_integrator: dict[str, list] = {}
     for row in other.comparison.rows:
         by_integrator.setdefault(row.pair.reference.axes["integrator"], []).append(row)

@@ -52,7 +52,7 @@ class Pair:
 
 
 def verdict_pairs(comparison: Comparison) -> list[Pair]:
-    """Of every study that both files have, the cells that were paired, in the reference's order.
+    """The cells that were paired in every study that both files have, in the reference's order.
 
     Without those whose verdicts are withdrawn.
     """

@@ -106,7 +106,7 @@ class Instrumented:
     unaccounted_ms: float | None
 
     def live_share(self, depth: int) -> float | None:
-        """Of paths times depth, the slots of all rounds where ended paths stay, those alive; None: not counted."""
+        """Share of live paths in the slots of all rounds, paths times depth, if ended paths stay; None: not counted."""
         return sum(self.live_paths) / (self.paths * depth) if self.live_paths and self.paths else None
 
 
@@ -183,7 +183,7 @@ class Cell:
 
     @property
     def shown(self) -> str:
-        """Its name as files since version 1.0 have it, whatever its own file calls it."""
+        """The cell's name as files since version 1.0 have it, whatever its own file calls it."""
         variant = self.variant.replace(" ", "/").replace("=", ":")
         checkpoints = "" if self.convergence is None else "/checkpoints:octaves"
         return (
@@ -242,7 +242,7 @@ class Cell:
         return sum(self.is_disturbed(sample) for sample in self.samples)
 
     def is_disturbed(self, sample: Sample) -> bool:
-        """Whether the sample's time may be wrong for other processes."""
+        """Whether the sample's time may be wrong, because other processes took processors."""
         was_late = sample.host_share > MOST_HOST_SHARE or sample.work.get("host_waits", 0) > 0
         return sample.contended and (self.backend != GPU_BACKEND or was_late)
 
@@ -258,7 +258,7 @@ class Cell:
 
     @property
     def on_gpu(self) -> bool:
-        """Whether it ran on the CUDA backend."""
+        """Whether the cell ran on the CUDA backend."""
         return self.backend == GPU_BACKEND
 
     @property
@@ -294,7 +294,7 @@ class Study:
 
     @property
     def is_convergence(self) -> bool:
-        """Whether it is about error, not time alone."""
+        """Whether the study is about error, not time alone."""
         return self.type == "convergence"
 
 
@@ -323,7 +323,7 @@ class NotApplicable:
 
     @property
     def has_nothing_to_tune(self) -> bool:
-        """Left out because its choices lack a tunable of the study."""
+        """Whether the variant was left out because its choices lack a tunable of the study."""
         if self.reason_code:
             return self.reason_code == _NOTHING_TO_TUNE_CODE
         return self.reason.endswith(_NOTHING_TO_TUNE)
@@ -331,7 +331,7 @@ class NotApplicable:
 
 @dataclass(frozen=True)
 class Result:
-    """One result file."""
+    """One result file of `ptbench run`."""
 
     path: Path
     context: dict[str, str]

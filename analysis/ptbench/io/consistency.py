@@ -17,11 +17,11 @@ from ptbench.io.nodes import Node, shown
 _BENCHMARK_SUFFIX = re.compile(
     r"(/(iterations|repeats|min_time|min_warmup_time|threads):[^/]*|/(manual|real|process)_time)+$"
 )
-# Times of a sample: a render takes longer than no time.
+# Fields of a sample that are times: a render takes longer than no time.
 TIMES = ("real_time", "pt_wall_ms", "pt_device_ms", "pt_end_to_end_ms")
 # How far a device's clock may be from the host's: crystals differ by 1e-4 at most.
 _CLOCKS_DIFFER = 1e-3
-# Each of these tells a sample from the others of its cell.
+# Fields each of which tells a sample from the others of its cell.
 _OWN = ("repetition_index", "pt_seed", "pt_order")
 _MOST_NAMED = 3
 
@@ -266,7 +266,7 @@ def _films_of(row: Node) -> Iterator[tuple[tuple[int | None, int | None], Node]]
 
 
 def _first_film(cell: _Cell, first_seed: int | None) -> list[tuple[tuple[int | None, int | None], Node]]:
-    """The instrumented pass's, with the run's first seed."""
+    """The film hash of the instrumented pass, which has the run's first seed."""
     if not cell.node.optional_text("film_hash"):
         return []
     if first_seed is None:
@@ -282,14 +282,14 @@ def _first_film(cell: _Cell, first_seed: int | None) -> list[tuple[tuple[int | N
 
 
 class JournalBook:
-    """What a journal's lines say together; they are entered in their order."""
+    """All that a journal's lines say together; they are entered in their order."""
 
     def __init__(self) -> None:
         self._identity: Node | None = None
         self._seeds: dict[str, dict[int, Node]] = {}
 
     def enter(self, line: Node) -> Iterator[Contradiction]:
-        """What the next line of the journal contradicts."""
+        """The contradictions that the next line of the journal brings."""
         kind = line.need("type").value
         if kind == "run" and self._identity is None:
             self._identity = line.need("identity")
@@ -320,7 +320,7 @@ class JournalBook:
         seeds.setdefault(seed.integer(), sample)
 
     def _retake(self, name: str, sample: Node) -> Iterator[Contradiction]:
-        """A sample again takes an earlier one's place, and has its film."""
+        """Takes a sample that was taken again: it has an earlier one's place, and its film."""
         cell, seed = f'the cell "{name}"', sample.need("pt_seed")
         before = self._seeds.get(name, {}).get(seed.integer())
         if before is None:

@@ -19,7 +19,7 @@ CLOCKS = ("wall_ms", "device_ms", "cpu_ms")
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """One render after `spp` of its samples."""
+    """A checkpoint: the state of one render after `spp` of its samples."""
 
     spp: int
     times: dict[str, float]  # by clock, milliseconds; wall_ms always
@@ -61,7 +61,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class Convergence:
-    """What only a convergence cell has."""
+    """The facts that only a cell with checkpoints has."""
 
     checkpoints: tuple[int, ...]
     reference: Reference

@@ -18,7 +18,7 @@ MEASURED = (
 
 @dataclass(frozen=True)
 class Counters:
-    """Of one kernel; what came after commit 14df631 is None in older files."""
+    """The counters of one kernel; what came after commit 14df631 is None in older files."""
 
     achieved_occupancy: float
     active_lanes: float
@@ -33,7 +33,7 @@ class Counters:
 
 
 def counters_of(node: Node) -> Counters:
-    """The object, checked; raises InputError."""
+    """Reads the counters of a kernel from an object; raises InputError."""
     of_ceiling = ceilings_reached(node)
     return Counters(
         **{name: node.need(name).number() for name in MEASURED},
@@ -44,6 +44,6 @@ def counters_of(node: Node) -> Counters:
 
 
 def ceilings_reached(node: Node) -> dict[str, float]:
-    """By ceiling, the share of it; empty where there is none."""
+    """The share of each ceiling that is reached, by its name; empty where there is none."""
     reached = node.maybe("of_ceiling")
     return {} if reached is None else {key: reached.need(key).number() for key in reached.fields()}

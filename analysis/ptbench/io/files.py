@@ -24,7 +24,7 @@ from ptbench.errors import InputError, MachineError, bad_value
 # about ten times its size in memory.
 LARGEST_RESULT = 1 << 30
 LARGEST_INPUT = 64 << 20
-# 9459x9459 pixels of three floats.
+# Most bytes of a file of floats: 9459x9459 pixels of three.
 LARGEST_IMAGE = 1 << 30
 
 _NO_REGULAR_FILE = "no regular file (a device, a pipe or a socket)"
@@ -38,12 +38,12 @@ _IN_WORDS = {
 }
 
 
-# What a disk answers that is full or broken: no other name would help.
+# The errors of a disk that is full or broken: no other name would help.
 _OF_THE_MACHINE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.ENOMEM, errno.EMFILE, errno.ENFILE)
 
 
 def _write_failure(target: Path, place: str, error: OSError, allowed: str) -> InputError | MachineError:
-    """Whose fault it is that nothing can be written there."""
+    """The error of a file that cannot be written, as the call's fault or the machine's."""
     reason = _reason(target, error)
     if error.errno in _OF_THE_MACHINE:
         return MachineError(f"{target}: cannot be written: {reason}")
@@ -58,9 +58,9 @@ def package_file(*parts: str) -> Path:
 def read_whole(path: Path, largest: int = LARGEST_INPUT) -> bytes:
     """The content of the regular file that `path` names or links to; raises InputError."""
     try:
-        # Before it is opened: opening a device may do something.
+        # The kind of file is checked before it is opened: opening a device may do something.
         _check_kind(path, os.stat(path), largest)
-        # Without waiting for a writer, should a pipe have taken the name since.
+        # The file is opened without waiting for a writer, should a pipe have taken the name since.
         with open(path, "rb", opener=lambda name, flags: os.open(name, flags | os.O_NONBLOCK)) as file:
             status = os.fstat(file.fileno())
             _check_kind(path, status, largest)

@@ -18,7 +18,7 @@ _EXPOSURES = 2
 
 
 def read_pfm(path: Path) -> np.ndarray:
-    """Linear radiance: rows from the top, three channels, single precision."""
+    """Reads a .pfm file: linear radiance, rows from the top, three channels, single precision."""
     data = read_whole(path, LARGEST_IMAGE)
     header = _HEADER.match(data)
     if not header or header[1] != b"PF":
@@ -44,7 +44,7 @@ def exposure_of(reference: np.ndarray) -> float:
 
 
 def displayed(image: np.ndarray, exposure: float) -> np.ndarray:
-    """Exposed, cut to [0, 1] and sRGB encoded."""
+    """An image for display: exposed, cut to [0, 1] and sRGB encoded."""
     linear = np.clip(np.nan_to_num(image * exposure, nan=0.0, posinf=1.0), 0, 1)
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
 

@@ -122,7 +122,7 @@ def _word_of_rates(root: Node) -> str:
 
 
 def _with_rates(root: Node) -> Iterator[Node]:
-    """The objects that have such fields."""
+    """The objects of a file that have fields of rates."""
     for report in root.items():
         kernels = list(report.need("kernels").items())
         yield from kernels
@@ -176,7 +176,7 @@ def _plain(choices: tuple[str, ...]) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class PriceOfARay:
-    """Ratios, B over A; their product is `time`."""
+    """Ratios that the price of a ray is made of, B over A; their product is `time`."""
 
     instructions: float
     lanes: float  # of 1 / active lanes

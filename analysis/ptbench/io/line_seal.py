@@ -28,12 +28,12 @@ class LineSeal:
         self._before = fnv1a(b"")
 
     def seal(self, text: bytes) -> bytes:
-        """The next line, of the text of an object with a member."""
+        """The next line of a journal, made of the text of an object that has a member."""
         self._before = fnv1a(text, self._before)
         return text[:-1] + b',"check":"%016x"}' % self._before
 
     def fault(self, line: bytes) -> str:
-        """What is wrong with `line` as the next one, in words, or "".
+        """The fault of `line` as the next one of a journal, in words, or "".
 
         Lines after a changed one are good if they follow on what it says of itself, so that one change is told once.
         """

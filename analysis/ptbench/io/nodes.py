@@ -186,12 +186,12 @@ def _key_twice(value: object, place: str) -> tuple[str, str, str] | None:
     return next((found for where, item in items if (found := _key_twice(item, where)) is not None), None)
 
 
-# An escape of a character's half; whole characters have two in a row.
+# Matches an escape of half a character; whole characters have two in a row.
 _HALF_ESCAPED = re.compile(r"\\u[dD][89a-fA-F]")
 
 
 def _half_of_a_character(value: object) -> str:
-    """The first one in the value's strings, escaped; empty: there is none."""
+    """The first half of a character in the value's strings, escaped; empty: there is none."""
     try:
         json.dumps(value, ensure_ascii=False).encode("utf-8")
     except UnicodeEncodeError as error:

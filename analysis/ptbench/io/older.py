@@ -1,4 +1,4 @@
-"""What files of a schema version leave unsaid of the axes: the one place that knows it.
+"""What files of a schema version leave unsaid of the axes.
 
 A file names its axes, and all but the oldest their baselines. What is here holds for what a file of that version does
 not name; a file that names it is believed.
@@ -34,7 +34,7 @@ _BASELINES: dict[str, dict[str, str]] = {
 }
 # Axes that the first files of a version lack, by the axis behind which their cells get what every variant was then.
 _FILLED_AFTER: dict[str, dict[str, str]] = {"1": {"russian_roulette": "direct_light", "sampler": "direct_light"}}
-# The same for files of `ptbench stability`, which name no baselines: the plainest formulas, by their schema.
+# The plainest formulas for files of `ptbench stability`, which name no baselines, by their schema.
 _PLAINEST: dict[str, dict[str, str]] = {
     "ptbench-stability-1": {"precision": "float", "arithmetic": "exact", "robustness": "robust"},
 }

@@ -84,7 +84,7 @@ class Rays:
 
     @property
     def suite(self) -> str:
-        """None: such a file belongs to no suite."""
+        """The suite of the file; None, since ray batches belong to no suite."""
         return ""
 
     def about(self, key: str) -> str:

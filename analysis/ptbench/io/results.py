@@ -230,7 +230,7 @@ def _cell(
 def _with_named_reference(
     convergence: Convergence | None, order: Sequence[str], usual: Mapping[str, str]
 ) -> Convergence | None:
-    """With the reference's variant by its name; an older file spells its choices in the order of the cell's axes."""
+    """Convergence with the reference's variant by its name; older files spell its choices in the order of the axes."""
     if convergence is None:
         return None
     axes = axes_spelled_out(convergence.reference.variant, order)

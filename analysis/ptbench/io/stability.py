@@ -30,7 +30,7 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Case:
-    """What is stiff, and where the exact value comes from."""
+    """A case: what is stiff in it, and where the exact value comes from."""
 
     name: str
     catalogue: str
@@ -93,7 +93,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Stability:
-    """One result file."""
+    """One result file of `ptbench stability`."""
 
     path: Path
     context: dict[str, str]

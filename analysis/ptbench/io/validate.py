@@ -73,7 +73,7 @@ def registry() -> Registry:
 @cache
 def validator(kind: str) -> Draft202012Validator:
     """The schema of a kind of file, ready to be asked."""
-    # By its name, so that what it refers to is looked up from there, in its own file too.
+    # The schema is referred to by its name, so that what it refers to is looked up from there, in its own file too.
     return Draft202012Validator({"$ref": f"ptbench-{kind}.schema.json"}, registry=registry())
 
 
@@ -99,12 +99,12 @@ def kind_of(path: Path, value: object) -> str:
 def complaints(value: object, kind: str, place: str = "$") -> Iterator[str]:
     """What is wrong with a value of a kind of file, one line each: "PLACE: found .., allowed: .."."""
     errors = validator(kind).iter_errors(value)
-    # Two rules may ask for one thing.
+    # Complaints are listed once, since two rules may ask for one thing.
     yield from dict.fromkeys(line for error in errors for line in _lines(error, place))
 
 
 def journal_complaints(path: Path) -> Iterator[str]:
-    """The same of a journal, line by line. A last line without its end was cut off by a kill, and is dropped."""
+    """Complaints about a journal, line by line. A last line without its end was cut off by a kill, and is dropped."""
     whole, _, _ = read_whole(path, LARGEST_RESULT).rpartition(b"\n")
     lines = whole.split(b"\n") if whole else []
     book, seal, is_whole = JournalBook(), LineSeal(), True
@@ -220,7 +220,7 @@ def _allowed(error: ValidationError) -> str:
         "minItems": lambda: f"{value} or more",
         "maxItems": lambda: f"at most {value}",
         "uniqueItems": lambda: "each once",
-        # Of keys that something else in the object rules out.
+        # `not` is said of keys that something else in the object rules out.
         "not": lambda: f"none with {' and '.join(value['required'])}" if "required" in value else "no such key here",
         "anyOf": lambda: " or ".join(_allowed(inner) for inner in error.context),
         "oneOf": lambda: " or ".join(_allowed(inner) for inner in error.context),

@@ -70,7 +70,7 @@ class Told:
 
     @property
     def variants(self) -> tuple[str, str]:
-        """Its two choices, as the program takes them."""
+        """The two choices that the map compares, as the program takes them."""
         return words_of(self.definition["choice"]), words_of(self.definition["over"])
 
 

@@ -13,7 +13,7 @@ from ptbench.io.validate import complaints
 from ptbench.maps.refining import Axis, Place
 from ptbench.maps.scenes import RULES
 
-# Of the builds and of so many samples a pixel.
+# The statistic that adds the time of the builds to that of so many samples a pixel.
 TO_IMAGE = "time to an image"
 STATISTICS = (TIME, VARIANCE, TO_IMAGE)
 # What an axis may set besides a parameter of the scene's rule ("scene.NAME") and a tunable of both ("tunable.NAME").

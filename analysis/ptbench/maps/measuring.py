@@ -51,7 +51,7 @@ class Sheet:
 
     @property
     def seconds(self) -> float:
-        """Of wall time that all runs took."""
+        """Seconds of wall time that all runs took."""
         return sum(run["seconds"] for run in self.runs.values())
 
     @property
@@ -60,7 +60,7 @@ class Sheet:
         return {place: self.ratio(place) for place in self.cells}
 
     def ratio(self, place: Place) -> Estimate | None:
-        """Of the choice over the other, with its interval; a disturbed run's has no ends, so it settles nothing."""
+        """Ratio of the choice over the other, with its interval; a disturbed run's has no ends and settles nothing."""
         key = place, self.cells[place]
         if key not in self._ratios:
             self._ratios[key] = self._ratio(place, self.runs[key[1]])
@@ -76,7 +76,7 @@ class Sheet:
         if "ratio" in run:
             ratio = Estimate(**run["ratio"])
         else:
-            # Of a time alone there are no builds, and the number of samples cancels out.
+            # A time alone has no builds, and the number of samples cancels out.
             samples = self.definition.samples(place)
             sides = (run.get(f"{side}_build_ms", 0) + samples * np.array(run[f"{side}_ms"]) for side in SIDES)
             ratio = ratio_estimate(*sides)

@@ -15,7 +15,7 @@ from ptbench.peers.statistics import Measured, by_round
 from ptbench.stats.estimates import Estimate, interval_of_ratio
 
 SCHEMA = "ptbench-peers-1"
-# Of a render's wall time: more that other processes took means that its time may be wrong for it.
+# Share of a render's wall time: if other processes took more, its time may be wrong for it.
 MOST_FOREIGN = 0.1
 
 
@@ -65,7 +65,7 @@ class Peer:
 
     @property
     def disturbed(self) -> int:
-        """Of its renders, those from which other processes took processors; unknown ones count."""
+        """Number of its renders from which other processes took processors; unknown ones count."""
         return sum(_is_disturbed(sample, self.on_gpu) for sample in self.value["samples"])
 
 
@@ -87,7 +87,7 @@ class Scene:
 
     @property
     def name(self) -> str:
-        """Its name or file, as it was asked for."""
+        """The scene's name or file, as it was asked for."""
         return self.value["scene"]
 
     @cached_property

@@ -63,7 +63,7 @@ class Talker:
         return said
 
     def close(self) -> int:
-        """Its exit code."""
+        """Ends the process, and returns its exit code."""
         with contextlib.suppress(OSError):
             self._process.stdin.close()
         try:

@@ -57,7 +57,7 @@ class Measured:
 
 
 def variance_of_seeds(images: np.ndarray, spp: int) -> list[float]:
-    """Of one sample a pixel, a value a seed whose mean is the estimate; images: seeds, rows, columns, channels."""
+    """Variance of one sample a pixel, a value a seed to be averaged; images: seeds, rows, columns, channels."""
     images = images.astype(np.float64)
     seeds = len(images)
     squares = ((images - images.mean(axis=0)) ** 2).mean(axis=(1, 2, 3))

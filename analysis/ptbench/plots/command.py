@@ -77,7 +77,7 @@ def plots(path: Path, out: Path | None) -> int:
         for part in parts_of_study(study):
             try:
                 data = collect_study(result, study, part)
-                # The figures of one study say much the same.
+                # Notes are told once, since the figures of one study say much the same.
                 notes[study.name] = list(dict.fromkeys([*notes.get(study.name, ()), *data.notes]))
             except NotDrawable as reason:
                 what = f"{part}: " if part else ""

@@ -22,7 +22,7 @@ def is_peers(value: object) -> bool:
 
 
 def peers_plots(document: dict, folder: Path) -> int:
-    """Draws and writes into `folder`; the exit code."""
+    """Draws and writes the figures into `folder`; returns the exit code."""
     make_folder(folder)
     reason = ""
     try:

@@ -31,7 +31,7 @@ _COUNTERS = (
 
 
 def rays_plots(files: Sequence[Rays], peers: Sequence[Peer], folder: Path) -> int:
-    """Draws and writes into `folder`; the exit code."""
+    """Draws and writes the figures into `folder`; returns the exit code."""
     make_folder(folder)
     reason = ""
     try:

@@ -17,7 +17,7 @@ _FIGURES = {"heatmap": heatmap, "sweep": sweep}
 
 
 def stability_plots(stability: Stability, folder: Path) -> int:
-    """Draws and writes the figures and summary.md; the exit code."""
+    """Draws and writes the figures and summary.md; returns the exit code."""
     make_folder(folder)
     not_drawn: list[str] = []
     for name, figure in _FIGURES.items():

@@ -22,7 +22,7 @@ _COLUMNS = (
     "Variant", "Scene", "Depth", "Resolution", "Backend", "spp", "n", "ms/spp", "95 % interval", "Mrays/s",
     "Ratio", "Ratio's 95 % interval", "Verdict", "Remarks",
 )  # fmt: skip
-# Before the remarks, where a study ran on a GPU.
+# This stands before the remarks, where a study ran on a GPU.
 _GPU_COLUMNS = ("Device/wall", "Launches/spp", "Host waits/spp", "Hottest kernel's registers")
 _NUMERIC = {
     "Depth", "spp", "n", "ms/spp", "95 % interval", "Mrays/s", "Ratio", "Ratio's 95 % interval",
@@ -174,7 +174,7 @@ def stages(result: Result) -> Lines:
     names = list(dict.fromkeys(name for cell in cells for name in cell.instrumented.stage_ms))
     lines: Lines = ["## Where the time goes", ""]
     lines += ["Shares of the instrumented pass's wall time. Where they miss it by more than 5 %, the row says so.", ""]
-    # Where it says nothing, an older table stays as it was.
+    # A table of an older file stays as it was where the pass says nothing.
     sizes = len({cell.resolution for cell in cells}) > 1
     head = ["Variant", "Scene", "Depth", *(["Resolution"] if sizes else []), *names, "rest", "Remarks"]
     named = table_names(result, cells)

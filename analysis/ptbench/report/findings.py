@@ -201,7 +201,7 @@ class Efficiency:
 
 
 def efficiencies_of(result: Result, study: Study) -> list[Efficiency]:
-    """Those of the study that are defined and have an interval, place by place."""
+    """The verdicts of the study that are defined and have an interval, place by place."""
     assessed = assess(result)
     places = by_place([assessed[cell.name] for cell in result.cells_of(study) if cell.name in assessed])
     found = []

@@ -53,7 +53,7 @@ def find_sources(named: Sequence[Path]) -> Sources:
 
 
 def _is_result(root: Node) -> bool:
-    """By its keys: a broken result file is one, and an error; other JSON beside results is not."""
+    """Whether a JSON file has the keys of a result: a broken result is an error, other JSON beside results is not."""
     value = root.value
     if not isinstance(value, dict):
         return False

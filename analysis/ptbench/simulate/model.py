@@ -38,7 +38,7 @@ class Network:
     source: str = ""
 
     def ms(self, messages: float, size: float) -> float:
-        """Of so many messages in turn, and so many bytes in all."""
+        """Milliseconds of so many messages in turn, and so many bytes in all."""
         return messages * self.alpha_ms + size / self.gb_per_second / 1e6
 
 
@@ -50,7 +50,7 @@ class Cost:
     ms_per_mega: float
 
     def ms(self, samples: float) -> float:
-        """Of that many samples of pixels."""
+        """Milliseconds of that many samples of pixels."""
         return self.fixed_ms + self.ms_per_mega * samples / 1e6
 
 

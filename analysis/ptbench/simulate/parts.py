@@ -30,7 +30,7 @@ class Point:
 
     @property
     def error(self) -> float:
-        """Of what the formula says."""
+        """Error of what the formula says, relative to what was measured."""
         return self.said / self.measured - 1
 
 

@@ -140,7 +140,7 @@ def _checks(parts: Parts) -> tuple[Point, ...]:
 
 
 def device_checks(parts: Parts, cells: tuple[Cell, ...]) -> tuple[Point, ...]:
-    """Of cells with the axes `devices` and `partition`: one GPU's time over N times that of N, at equal work.
+    """Checks by cells with the axes `devices` and `partition`: one GPU's time over N times that of N, at equal work.
 
     The measured efficiency is over one GPU's own time in the same file; the simulated one has the parts' line for both.
     """

@@ -58,7 +58,7 @@ def sections(study: Study) -> list[Section]:
 
 
 def shown_ranks(study: Study) -> list[int]:
-    """Of the simulated numbers of GPUs, those that tables show."""
+    """The simulated numbers of GPUs that tables show."""
     return [count for count in SHOWN_RANKS if count in study.parts.definition["ranks"]]
 
 
@@ -84,7 +84,7 @@ def reduction_table(study: Study) -> Table:
 
 
 def even_table(study: Study) -> Table:
-    """By size of the image; fewer samples: tiles."""
+    """The least spp at which sharing samples is as fast as sharing tiles, by size of the image and number of GPUs."""
     ranks = shown_ranks(study)
     sides = study.parts.definition["sides"]
     rows = [

@@ -25,7 +25,7 @@ def number(value: float) -> str:
 
 
 def short_power(text: str) -> str:
-    """ "1e-6" for "1e-06"."""
+    """A power of ten without a leading zero: "1e-6" for "1e-06"."""
     return text.replace("e-0", "e-").replace("e+0", "e").replace("e+", "e")
 
 
@@ -135,7 +135,7 @@ class HeatCell:
 
 
 def heat_cell(rows: Sequence[Row]) -> HeatCell:
-    """The rows of one place and column; none: it was not run."""
+    """The heat cell of one place and column, from its rows; without rows it was not run."""
     if not rows:
         return HeatCell("missing")
     is_failure = any(row.must_pass and row.is_failure for row in rows)

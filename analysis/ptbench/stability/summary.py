@@ -18,7 +18,7 @@ RULE = (
 
 
 def setting(stability: Stability) -> str:
-    """Machine, commit, date: one line."""
+    """The machine, commit and date of a file in one line."""
     machine = f"Machine {stability.about('machine')}: "
     if stability.about("backend") == "cuda":
         facts = [f"GPU {stability.about('cuda_device')}"]
@@ -133,7 +133,7 @@ def _variant(layout: Layout, row: Row) -> str:
 
 
 def limits(stability: Stability, layout: Layout) -> Lines:
-    """What is out of bounds and known to be, grouped."""
+    """The checks that are out of bounds and known to be, grouped."""
     lines = ["## Known limits", ""]
     rows = [row for row in stability.rows if row.status == KNOWN_LIMIT]
     if not rows:

@@ -22,12 +22,12 @@ def t_quantile(probability: float, freedom: int) -> float:
 
 
 def standard_error(values: np.ndarray) -> float:
-    """Of the mean over seeds."""
+    """Standard error of the mean over seeds."""
     return float(np.std(values, ddof=1) / np.sqrt(len(values)))
 
 
 def half_width(error: float, freedom: int, level: float = LEVEL, common: float = 0.0) -> float:
-    """Of the t-interval of a mean; `common` is the standard error of an offset that all seeds share."""
+    """Half the width of the t-interval of a mean; `common` is the standard error of an offset that all seeds share."""
     return float(np.hypot(t_quantile(1 - level / 2, freedom) * error, float(ndtri(1 - level / 2)) * common))
 
 

@@ -1,4 +1,4 @@
-"""From where on along x a choice is faster than its baseline: a claim, so it is held to the whole interval."""
+"""The place along x from which on a choice is faster: a claim, so it is held to the whole interval of the ratio."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Crossover:
 
 
 def crossover_of(points: Sequence[Point], xs: Sequence[int]) -> Crossover | None:
-    """Of a line's points, among the panel's `xs`; None where the line has no ratio at all."""
+    """The crossover of a line's points, among the panel's `xs`; None where the line has no ratio at all."""
     known = sorted(((x, row) for x, row in points if row.ratio is not None), key=lambda point: point[0])
     if not known:
         return None

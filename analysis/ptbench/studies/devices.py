@@ -18,7 +18,7 @@ DEVICES, PARTITION, WHOLE = "devices", "partition", "samples"
 
 
 def devices_of(cell: Cell) -> int:
-    """How many GPUs rendered it."""
+    """The number of GPUs that rendered the cell."""
     return int(cell.axes.get(DEVICES, "1"))
 
 
@@ -36,17 +36,17 @@ class Scaled:
 
     @property
     def efficiency(self) -> Estimate:
-        """With the reduction."""
+        """Efficiency with the time of the reduction."""
         return self._over(self.cell.ms_per_spp)
 
     @property
     def without_reduction(self) -> Estimate:
-        """As if adding up the films took no time."""
+        """Efficiency as if adding up the films took no time."""
         return self._over(np.array([sample.render_ms / sample.spp for sample in self.cell.samples]))
 
     @property
     def reduce_ms(self) -> Estimate:
-        """What adding up the films takes."""
+        """Milliseconds that adding up the films takes."""
         return median_estimate(np.array([sample.device_reduce_ms or 0.0 for sample in self.cell.samples]))
 
     @property
@@ -73,7 +73,7 @@ def strong(cells: Sequence[Cell]) -> list[Scaled]:
 
 
 def weak(cells: Sequence[Cell]) -> list[Scaled]:
-    """Every one whose like with that part of its samples is."""
+    """Every cell on several GPUs beside the one on a single GPU that takes its part of the samples."""
     return _scaled(cells, lambda cell: cell.spp / devices_of(cell))
 
 

@@ -24,7 +24,7 @@ THROTTLED = "a CPU quota or other processes took CPU time during more than a ten
 
 @dataclass(frozen=True)
 class Disturbance:
-    """Of `samples`, `disturbed` were contended, at a low clock, or both."""
+    """How many of the `samples` were disturbed: contended, at a low clock, or both."""
 
     samples: int
     disturbed: int
@@ -34,7 +34,7 @@ class Disturbance:
 
     @property
     def is_too_much(self) -> bool:
-        """The rule for a cell's verdict and for a noise floor."""
+        """Whether so many samples are disturbed that a cell has no verdict, or a file no noise floor."""
         return self.disturbed > MOST_DISTURBED * self.samples
 
     def __str__(self) -> str:
@@ -63,7 +63,7 @@ def disturbance_in(result: Result) -> str:
 
 
 def disturbance_of(cells: Iterable[Cell]) -> Disturbance:
-    """Over the samples of all these cells."""
+    """The disturbance over the samples of all these cells."""
     cells = list(cells)
     samples = [(cell.is_disturbed(sample), sample.low_clock) for cell in cells for sample in cell.samples]
     return Disturbance(

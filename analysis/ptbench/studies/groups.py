@@ -39,7 +39,7 @@ def parts_of(
     within: Sequence[Row],
     split_grids: bool = False,
 ) -> Parts:
-    """How to show `rows`, of which those of one `place` would stand together.
+    """How to show `rows` in parts, if all rows of one `place` would not fit together.
 
     Where they would be too many, they are split by all that varies besides the choice, but for tunables that some
     choices do not have: each group is a list of choices with its own baseline. So they are with `split_grids` where

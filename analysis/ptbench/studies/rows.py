@@ -24,7 +24,7 @@ from ptbench.studies.withdrawn import between
 
 @dataclass(frozen=True)
 class Row:
-    """One cell of a study and all that is said of it."""
+    """One cell of a study with its ratio and verdict."""
 
     cell: Cell
     label: str

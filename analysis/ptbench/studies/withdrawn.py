@@ -21,7 +21,7 @@ _MARK = "withdrawn: "
 
 @dataclass(frozen=True)
 class Withdrawal:
-    """One entry of withdrawn.json."""
+    """One entry of withdrawn.json, by which verdicts on a choice do not count."""
 
     axis: str
     choices: tuple[str, ...]
@@ -39,17 +39,17 @@ class Withdrawal:
 
     @property
     def named(self) -> str:
-        """ "axis=choice,choice"."""
+        """The choices that are concerned, as "axis=choice,choice"."""
         return f"{self.axis}={','.join(self.choices)}"
 
     @property
     def mark(self) -> str:
-        """For the line of a verdict."""
+        """The withdrawal's text for the line of a verdict."""
         return f"{_MARK}{self.gist}"
 
     @property
     def short(self) -> str:
-        """For a caption."""
+        """The withdrawal's text for a caption."""
         limits = ", ".join(f"{value:.2f} ({choice})" for choice, value in self.bound.items())
         bound = f"; bound: {limits} {self.bound_is}" if limits else ""
         spared = f", except with {self._spared}" if self.spares else ""
@@ -58,7 +58,7 @@ class Withdrawal:
 
     @property
     def full(self) -> str:
-        """For a summary: everything."""
+        """The withdrawal's text for a summary: everything."""
         where = f" ({self.source})" if self.source else ""
         body = self.short.removeprefix("Withdrawn: ").removesuffix(".")
         return f"{body}{where}. What stays valid: {self.stays}. Withdrawn until {self.until}."
@@ -74,7 +74,7 @@ class Withdrawal:
         return is_there and cell.axes.get(self.axis) in self.choices and not is_spared
 
     def is_between(self, one: Cell, other: Cell) -> bool:
-        """Whether it concerns a verdict on these two."""
+        """Whether the withdrawal concerns a verdict on these two cells."""
         if self.scenes:
             differ = one.scene == other.scene and (one.variant, one.tuned) != (other.variant, other.tuned)
         else:
@@ -83,7 +83,7 @@ class Withdrawal:
 
 
 def withdrawals_of(root: Node) -> tuple[Withdrawal, ...]:
-    """The file's entries, checked; raises InputError."""
+    """The entries of a file of withdrawals, checked; raises InputError."""
     return tuple(
         Withdrawal(
             axis=node.need("axis").name(),
@@ -114,17 +114,17 @@ def is_marked(note: str) -> bool:
 
 @cache
 def withdrawals() -> tuple[Withdrawal, ...]:
-    """The package's entries."""
+    """The package's withdrawals."""
     return withdrawals_of(read_json(FILE))
 
 
 def between(one: Cell, other: Cell) -> tuple[Withdrawal, ...]:
-    """Those that concern a verdict on these two."""
+    """The withdrawals that concern a verdict on these two cells."""
     return tuple(entry for entry in withdrawals() if entry.is_between(one, other))
 
 
 def among(cells: Sequence[Cell]) -> tuple[Withdrawal, ...]:
-    """Those that concern a verdict on any two of these."""
+    """The withdrawals that concern a verdict on any two of these cells."""
     return tuple(
         entry
         for entry in withdrawals()
@@ -134,12 +134,12 @@ def among(cells: Sequence[Cell]) -> tuple[Withdrawal, ...]:
 
 
 def _one_a_choice(entry: Withdrawal, cells: Iterable[Cell]) -> list[Cell]:
-    """As many cells as there can be verdicts between, so that not every pair of a large study is asked."""
+    """As few cells as have every verdict between them, so that not every pair of a large study is asked."""
     if entry.scenes:
         return [cell for cell in cells if cell.scene in entry.scenes]
     return list({(cell.backend, cell.axes.get(entry.axis), entry.concerns(cell)): cell for cell in cells}.values())
 
 
 def concerning(cells: Sequence[Cell]) -> tuple[Withdrawal, ...]:
-    """Those of any of these cells, whatever stands beside it."""
+    """The withdrawals that concern any of these cells, whatever stands beside it."""
     return tuple(entry for entry in withdrawals() if any(entry.concerns(cell) for cell in cells))

@@ -34,7 +34,7 @@ class Group:
     twice: list[Path] = field(default_factory=list)  # left out: the same shard is there already
 
     def missing(self, count: int) -> list[int]:
-        """The shards that are not there."""
+        """The numbers of the shards that are not there."""
         return [shard for shard in range(1, count + 1) if shard not in self.shards]
 
 
@@ -57,7 +57,7 @@ def read_shard(file: Path) -> ShardFile | None:
 
 
 def groups_of(submission: Submission, array: Array) -> list[Group]:
-    """By machine, what an array's folder holds; of a shard that is there twice the earlier one counts.
+    """The shards in an array's folder, grouped by machine; of a shard that is there twice the earlier one counts.
 
     Raises InputError where the two do not hold the same cells with the same films.
     """

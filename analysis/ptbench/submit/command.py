@@ -29,7 +29,7 @@ def _asked(options: argparse.Namespace) -> Submission:
 
 
 def _known(asked: Submission) -> Submission:
-    """That of the folder, if it is the same; else what is asked."""
+    """The folder's submission, if it is the one asked for; without one in the folder, what is asked."""
     if not (asked.folder / "submission.json").exists():
         return asked
     known = read_submission(asked.folder)
@@ -40,7 +40,7 @@ def _known(asked: Submission) -> Submission:
 
 
 def submit_command(options: argparse.Namespace) -> int:
-    """Writes the sbatch files and has queued what is neither done nor queued."""
+    """Runs `ptbench submit`: writes the sbatch files and queues what is neither done nor queued."""
     submission = _known(_asked(options))
     for array in submission.arrays:
         (submission.folder / array.name).mkdir(parents=True, exist_ok=True)
@@ -87,7 +87,7 @@ def _states(array: Array) -> dict[int, str]:
 
 
 def collect_command(folder: Path) -> int:
-    """Merges by machine; exit code 1 where an array is not complete."""
+    """Runs `ptbench collect`: merges shards by machine; exit code 1 where an array is not complete."""
     submission = read_submission(folder)
     submission.folder = folder.resolve()
     tally: dict = {"schema": "ptbench-tally-1", "shards": submission.shards, "arrays": {}}

@@ -26,7 +26,7 @@ def _shards(text: str) -> int:
 
 
 def add_submit(commands) -> None:
-    """The subcommands' options."""
+    """Adds the subcommands `submit` and `collect` with their options."""
     parser = commands.add_parser("submit", help="run a suite on a cluster: a Slurm job array of shards")
     parser.add_argument("--suite", required=True, metavar="S", help="by name or .json file")
     parser.add_argument("--slurm", action="store_true", required=True, help="by sbatch files, which may be changed")

@@ -47,7 +47,7 @@ _SECONDS_TO_END = 30
 
 
 def script_of(submission: Submission, array: Array, suite: str, time: str, extra: list[str]) -> str:
-    """The whole text."""
+    """The whole text of an sbatch script."""
     is_cpu = "cpu" in submission.call
     folder = (submission.folder / array.name).resolve()
     resource = "--exclusive" if is_cpu else f"--gres=gpu:{'' if array.name == ANY else array.name + ':'}1"

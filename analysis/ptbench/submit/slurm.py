@@ -17,7 +17,7 @@ def _called(*command: str) -> subprocess.CompletedProcess:
 
 
 def submit(script: Path, shards: list[int]) -> str:
-    """Has the tasks of an array queued; returns the job's number."""
+    """Queues the tasks of an array; returns the job's number."""
     answer = _called("sbatch", "--parsable", f"--array={','.join(map(str, shards))}", str(script))
     if answer.returncode != 0:
         said = answer.stderr.strip().splitlines() or [f"exit code {answer.returncode}"]
@@ -26,7 +26,7 @@ def submit(script: Path, shards: list[int]) -> str:
 
 
 def tasks_of(jobs: list[str]) -> dict[int, str]:
-    """By the tasks of these jobs that are queued or run: in which state. A job that Slurm knows no more has none."""
+    """States of the tasks of these jobs that are queued or run. A job that Slurm knows no more has none."""
     answer = _called("squeue", "--noheader", "--array", "--me", "--format=%F %K %T")
     if answer.returncode != 0:
         raise InputError(f"squeue: {answer.stderr.strip()}")

@@ -24,7 +24,7 @@ class Array:
 
 @dataclass
 class Submission:
-    """A suite on a cluster."""
+    """A suite that is run on a cluster, as its folder keeps it."""
 
     folder: Path
     binary: str
@@ -34,15 +34,15 @@ class Submission:
     arrays: list[Array]
 
     def result(self, array: Array, shard: int) -> Path:
-        """Where a task writes."""
+        """The file that a task writes its result to."""
         return self.folder / array.name / f"shard-{shard}-of-{self.shards}.json"
 
     def script(self, array: Array) -> Path:
-        """The file that sbatch is given."""
+        """The script that sbatch is given."""
         return self.folder / f"{array.name}.sbatch"
 
     def settings(self) -> dict:
-        """What has to be the same when it is submitted again."""
+        """The settings that have to be the same when the suite is submitted again."""
         return {
             "call": self.call,
             "shards": self.shards,
@@ -51,7 +51,7 @@ class Submission:
         }
 
     def write(self) -> None:
-        """Keeps it in its folder."""
+        """Writes the submission into its folder."""
         document = {
             "schema": _SCHEMA,
             "binary": self.binary,
@@ -64,7 +64,7 @@ class Submission:
 
 
 def read_submission(folder: Path) -> Submission:
-    """That of a folder; raises InputError."""
+    """Reads the submission of a folder; raises InputError."""
     file = folder / "submission.json"
     try:
         document = json.loads(read_whole(file))

@@ -85,7 +85,7 @@ CELL = {
     "path_bytes": INTEGER,
     "path_state_bytes": INTEGER,
     "prepare_ms": NUMBER,
-    # Of scenes with meshes; builds and encodings are outside every sample's clock.
+    # These columns are filled for scenes with meshes; builds and encodings are outside every sample's clock.
     "mesh_triangles": INTEGER,
     "mesh_nodes": INTEGER,
     "mesh_node_bytes": INTEGER,
@@ -227,7 +227,7 @@ def types_of(rows: Sequence[Mapping], *groups: Mapping[str, str]) -> dict[str, s
             continue
         prefix = FROM_FILES[name]
         others = tuple(other for other in FROM_FILES.values() if other and other != prefix)
-        # An axis has no prefix: it is what is left.
+        # A column without a prefix is an axis, which is what is left.
         types |= {
             key: kind for key in found if key not in fixed and key.startswith(prefix) and not key.startswith(others)
         }

@@ -9,7 +9,7 @@ import sys
 
 from ptbench.tidy.columns import CATEGORY, FLAG, FROM_FILES, GROUPS, INTEGER, NUMBER, TEXT
 
-# By column. Where tables have a column of one name, it says one thing in all of them.
+# The meaning of each column. Where tables have a column of one name, it says one thing in all of them.
 MEANINGS = {
     # the file
     "file": "path of the result file, as given",
@@ -186,7 +186,7 @@ Parquet.
 
 
 def meaning_of(column: str) -> str:
-    """What a column says, also one that is named by what the files hold."""
+    """The meaning of a column, also one that is named by what the files hold."""
     if column in MEANINGS:
         return MEANINGS[column]
     for stands_for, prefix in FROM_FILES.items():
@@ -196,7 +196,7 @@ def meaning_of(column: str) -> str:
 
 
 def page() -> str:
-    """All tables as Markdown."""
+    """The page of all tables as Markdown."""
     parts = [_HEAD]
     for table, groups in GROUPS.items():
         columns = {name: kind for group in groups for name, kind in group.items()}

@@ -24,7 +24,7 @@ from ptbench.stats.estimates import median_estimate
 from ptbench.studies import rows as studies
 from ptbench.tidy.columns import FLAG, GROUPS, INTEGER, NUMBER, SAMPLE, STATUS, types_of
 
-# Files by their paths, or loaded: one or several.
+# The files to tabulate, by their paths or loaded: one or several.
 Loaded = Result | Stability | Rays
 Files = Path | str | Loaded | Iterable[Path | str | Loaded]
 
@@ -33,13 +33,13 @@ OK, FAILED = "ok", "failed"
 
 @dataclass(frozen=True)
 class Rows:
-    """`rows` as far as they have values; `types` of all columns, in their order."""
+    """Rows of a table: `rows` as far as they have values; `types` of all columns, in their order."""
 
     rows: tuple[dict, ...]
     types: dict[str, str]
 
     def columns(self) -> dict[str, np.ndarray]:
-        """One array a column, as long as there are rows.
+        """The table as one array a column, as long as there are rows.
 
         Numbers are float64 with NaN where one is missing; counts int64, or float64 with NaN if one is missing; truth
         values bool, or objects with None if one is missing; texts are objects with None.
@@ -306,7 +306,7 @@ def _identity(result: Result, cell: Cell) -> dict:
 
 
 def _status(cell: Cell) -> dict:
-    """A failed cell's is "failed", whatever the file says of it otherwise."""
+    """The status of a sample; a failed cell's is "failed", whatever the file says of it otherwise."""
     return {"status": FAILED, "reason": cell.failure} if cell.failed else {"status": cell.status, "reason": cell.reason}
 
 

@@ -54,7 +54,7 @@ class House:
         return read_book(self.root, self.results, "nvidia-h200", backend)
 
     def measured(self, times: dict[str, dict[str, float]], name: str = "schedulers") -> Builder:
-        """By scene and integrator, ms; the number of materials is a scene's last digits."""
+        """A result file of these ms, by scene and integrator; a scene's name ends with its number of materials."""
         builder = Builder(name).on_gpu().study("integrators", "integrator")
         for scene, of in times.items():
             self.scene(scene, int(scene.rpartition("_")[2]))

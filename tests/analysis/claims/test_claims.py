@@ -569,7 +569,7 @@ def test_templates_hold_no_number(name):
 
 
 def test_every_condition_names_cells_of_its_suite():
-    """By the program's own plan; what is not spelled there is at its standard."""
+    """Conditions are held against the program's own plan; an axis that it does not spell is at its standard."""
     binary = ROOT / os.environ.get("PTBENCH_BUILD_DIR", "build") / "ptbench"
     if not binary.is_file():
         pytest.skip("needs build/ptbench")

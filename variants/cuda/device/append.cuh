@@ -6,7 +6,8 @@
 
 namespace pt::cuda {
 
-// One atomic operation a warp. Adinetz 2014, "CUDA Pro Tip: Optimized Filtering with Warp-Aggregated Atomics".
+// Hands every thread that keeps a value its position, by one atomic operation a warp. Adinetz 2014, "CUDA Pro Tip:
+// Optimized Filtering with Warp-Aggregated Atomics".
 __device__ inline std::uint32_t append_by_warp(std::uint32_t* count, bool keep) {
     const unsigned kept = __ballot_sync(0xffffffffu, keep);
     std::uint32_t first = 0;
@@ -17,7 +18,8 @@ __device__ inline std::uint32_t append_by_warp(std::uint32_t* count, bool keep) 
     return first + static_cast<std::uint32_t>(__popc(kept & ((1u << lane()) - 1u)));
 }
 
-// One atomic operation a block: the warps' counts are scanned in shared memory. Within a block the order is kept.
+// Hands every thread that keeps a value its position, by one atomic operation a block: the warps' counts are scanned in
+// shared memory. Within a block the order is kept.
 __device__ inline std::uint32_t append_by_block(std::uint32_t* count, bool keep) {
     constexpr unsigned warps = kernel_config.block / warp_size;
     __shared__ std::uint32_t before[warps];

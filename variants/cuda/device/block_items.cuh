@@ -32,7 +32,7 @@ struct GivenItems {
 
 class BlockItems {
 public:
-    // Every thread of the block must call it, and meet the others before it takes anything.
+    // Begins with no items. Every thread of the block must call it, and meet the others before it takes anything.
     __device__ void begin() {
         if (threadIdx.x == 0) {
             locked_ = next_ = 0;
@@ -40,7 +40,7 @@ public:
         }
     }
 
-    // Every lane of the warp must call it, with the same number.
+    // Takes up to so many items for the warp. Every lane must call it, with the same number.
     __device__ GivenItems take(const Pieces& pieces, std::uint32_t wanted) {
         pt::cuda::acquire(locked_);
         GivenItems given{items_, next_, 0, false};

@@ -18,7 +18,7 @@
     static_assert(sizeof(Parameters) == host_bytes::name, "not of the size that the host knows");          \
     extern "C" __global__ void bounds name __VA_ARGS__
 #define PT_KERNEL(...) PT_KERNEL_WITH(__launch_bounds__(kernel_config.block, kernel_config.min_blocks), __VA_ARGS__)
-// With blocks of any size, and as many registers as that leaves.
+// Declares a kernel that is launched in blocks of any size, and gets as many registers as that leaves.
 #define PT_UNBOUNDED_KERNEL(...) PT_KERNEL_WITH(, __VA_ARGS__)
 
 struct Configuration : pt::Config<Real, kernel_config.features, Accelerator> {
@@ -77,10 +77,10 @@ __device__ inline void add_over_block(const std::uint32_t (&values)[count], std:
     }
 }
 
-// The block's copy of the totals.
+// The block's own copy of the totals: blocks that added to one address would wait for each other.
 __device__ inline Totals* own_copy(Totals* totals) { return totals + blockIdx.x % counter_copies; }
 
-// How many threads of the block say yes, added to a total in global memory. Every thread must call it.
+// Adds to a total in global memory how many threads of the block say yes. Every thread must call it.
 __device__ inline void add_votes(std::uint64_t* total, bool vote) {
     const int votes = __syncthreads_count(vote ? 1 : 0);
     if (threadIdx.x == 0 && votes != 0) {
@@ -88,8 +88,9 @@ __device__ inline void add_votes(std::uint64_t* total, bool vote) {
     }
 }
 
-// Of a kernel that shades one segment a thread: whether the thread's path ended and, where the features know them, rare
-// events. Rays are told from how many paths were traced. Every thread of the block must call it.
+// Adds up the counts of a kernel that shades one segment a thread: whether the thread's path ended and, where the
+// features know them, rare events. Rays are told from how many paths were traced. Every thread of the block must call
+// it.
 __device__ inline void add_shade_counters(Totals* totals, const ThreadCounters& counters) {
     Totals* const mine = own_copy(totals);
     add_votes(&mine->paths.paths, counters.paths != 0);
@@ -100,7 +101,8 @@ __device__ inline void add_shade_counters(Totals* totals, const ThreadCounters& 
     }
 }
 
-// Of a kernel that traces one segment a thread. Every thread of the block must call it.
+// Counts the paths alive, and those in play, of a kernel that traces one segment a thread. Every thread of the block
+// must call it.
 __device__ inline void add_segment_counts(const SegmentCounts& segments, std::uint32_t segment, bool live,
                                           std::uint32_t in_play) {
     const std::size_t copy = static_cast<std::size_t>(segment) * segments.copies + blockIdx.x % segments.copies;
@@ -110,7 +112,7 @@ __device__ inline void add_segment_counts(const SegmentCounts& segments, std::ui
     }
 }
 
-// What a thread has counted, if that is more than a block can add up: added by itself, and counted anew.
+// Adds what a thread has counted to the totals once it is more than a block can add up, and starts its counts anew.
 __device__ inline void add_if_many(Totals* totals, ThreadCounters& counters) {
     if (counters.rays + counters.paths < few_rays) {
         return;
@@ -159,7 +161,8 @@ struct OwnSceneViews {
     }
 
 private:
-    // Of a shape that is alone of its kind all lanes read the same numbers when they shade, too.
+    // Lets shading read a kind of shape with a single object where tracing reads it, since all lanes read the same
+    // numbers then.
     __device__ void share_single_shapes() {
 #define PT_SHARE(name, kind, word)                   \
     if constexpr (kernel_config.counts.name == 1u) { \
@@ -193,7 +196,8 @@ private:
 struct SharedSceneViews {
     const Scene &shade, &trace;
 
-    // Every thread of the block must call it, once in a kernel.
+    // Copies the scene for tracing to the block's shared memory. Every thread of the block must call it, once in a
+    // kernel.
     __device__ explicit SharedSceneViews(const Scene& scene) : shade(scene), trace(traced(scene)) {}
 
 private:
@@ -211,13 +215,14 @@ private:
 
 inline constexpr bool shares_scene = !kernel_config.has_fixed_counts && !pt::cuda::bakes_scene;
 using SceneViews = std::conditional_t<shares_scene, SharedSceneViews, OwnSceneViews>;
-// Of a block's shared memory.
+// Bytes of a block's shared memory that the scene's copy takes.
 inline constexpr std::size_t scene_bytes_shared = shares_scene ? sizeof(Scene) : 0;
 
-// What a path between two bounces has to remember in this variant.
+// The fields that a path carries between two bounces in this variant.
 inline constexpr pt::PathFields carried_fields = pt::PathFields::of(Configuration::features);
 
-// A path as it lies in the queue. What this variant does not carry is not read: it has the value that all paths have.
+// Reads a path from the queue. A field that this variant does not carry is not read: it has the value that all paths
+// have.
 __device__ inline Path load_path(const Paths& paths, std::uint32_t slot, const Scene& scene) {
     using namespace pt;
     ::Path path = paths.load(slot);
@@ -230,7 +235,7 @@ __device__ inline Path load_path(const Paths& paths, std::uint32_t slot, const S
     return path;
 }
 
-// The camera ray of a path: its own, or with a first-bounce cache that of the kept one which the sample uses.
+// The start of a path: its own camera ray or, with a first-bounce cache, the kept one that the sample uses.
 __device__ inline Path first_path(const Scene& scene, const pt::PixelPlace& place, std::uint32_t sample,
                                   const HitCache& cache) {
     return pt::generate<Configuration>(scene, place, sample,
@@ -253,7 +258,7 @@ __device__ inline Hit first_hit(const SceneViews& scene, const Path& path, const
     return trace(scene, path);
 }
 
-// Of the path's first segment or a later one.
+// The hit of the path's current segment: the first from the first-bounce cache if there is one, else traced.
 __device__ inline Hit next_hit(const SceneViews& scene, const Path& path, const HitCache& cache) {
     return kernel_config.keeps_first_hits && path.segment == 0 ? first_hit(scene, path, cache) : trace(scene, path);
 }

@@ -11,7 +11,7 @@ namespace pt::cuda {
 
 namespace members {
 
-// Stands for a value of whatever type.
+// Converts to any type, to count the members of a struct by how many values initialise it.
 struct Any {
     template <class T>
     operator T() const;  // NOLINT: converts; only in expressions that are not evaluated
@@ -112,7 +112,7 @@ constexpr bool is_kernel_of(const char* name) {
     return *name == *expected && std::is_same_v<MemberList<Parameters>, typename ParameterList<Kernel>::type>;
 }
 
-// What the host knows of a kernel that it launches.
+// A kernel that the host launches: its name, the size of its parameters, and whether results report it.
 struct KernelSignature {
     const char* name = nullptr;
     std::size_t parameter_bytes = 0;

@@ -32,7 +32,7 @@ struct SurfaceKinds {
 
 struct Kinds {
     static constexpr bool has_walks = pt::has<Configuration>(pt::Feature::subsurface);
-    // Shading ends it, or the slot has no path: a new one begins.
+    // Kind of a path that shading ends, or of a slot without a path: a new path begins.
     static constexpr std::uint32_t over = 0;
     static constexpr SurfaceKinds surfaces = SurfaceKinds::after(over + 1);
     static constexpr std::uint32_t walking = over + 1 + surfaces.count;       // within a body
@@ -45,7 +45,7 @@ struct Kinds {
     __device__ static std::uint32_t of(pt::MaterialType type) {
         return static_cast<std::uint32_t>(surfaces.table >> (4 * static_cast<std::uint32_t>(type))) & 15u;
     }
-    // Of a path whose segment was traced.
+    // The kind of a path whose segment was traced.
     __device__ static std::uint32_t of(const Scene& scene, const Path& path, const Hit& hit) {
         if (!hit.side.exists() || path.segment + 1 >= scene.longest_path()) {
             return over;
@@ -53,7 +53,7 @@ struct Kinds {
         return of(scene.surfaces[hit.side.object()].type);
     }
     __device__ static bool is_traced(std::uint32_t kind) { return kind < walking; }
-    // All of them are within a body, or enter one if the boundary lets them.
+    // Whether paths of this kind take a walk's step: they are within a body, or enter one if the boundary lets them.
     __device__ static bool may_walk(std::uint32_t kind) {
         return has_walks && (kind == walking || (tuned::by_material != 0 && kind == of(pt::MaterialType::subsurface)));
     }
@@ -68,7 +68,7 @@ __device__ constexpr std::size_t bytes_carried() {
     return bytes;
 }
 
-// What PT_PATH_FIELDS says that paths carry, and what the path met or, on a walk, where that is.
+// A path's carried fields (PT_PATH_FIELDS) and what it met or, on a walk, where that is, in columns of 16 bytes.
 class PackedPath {
     static constexpr std::size_t words = bytes_carried() / 4 + sizeof(Real) / 4 + 1 + (Kinds::has_walks ? 1 : 0);
 
@@ -76,7 +76,7 @@ public:
     static constexpr std::uint32_t columns = (words + 3) / 4;
     uint4 column[columns];
 
-    // Of a mesh, what was met of it lies with the path: path.primitive.
+    // Packs a path with its hit and walk. The triangle of a mesh that was met lies with the path, in path.primitive.
     __device__ void pack(const Path& path, const Hit& hit, const pt::Walk& walk) {
         at_ = 0;
 #define PT_PACK(name, type, change) put(path.name);

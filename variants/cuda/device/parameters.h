@@ -18,7 +18,7 @@ struct FillCacheParameters {
     Totals* totals;
 };
 
-// Moves a graph's first sample on.
+// Parameters of the kernel that moves the number of a CUDA graph's first sample on, for the next launch.
 struct AdvanceParameters {
     static constexpr const char* kernel = "advance";
     std::uint32_t* cursor;

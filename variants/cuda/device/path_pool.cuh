@@ -9,7 +9,7 @@
 #include "variants/cuda/device/packed_path.cuh"
 #include "variants/cuda/device/warp_lock.cuh"
 
-// What a warp takes: lanes below `count` have a slot each, all of one kind.
+// The paths that a warp takes: lanes below `count` have a slot each, all of one kind.
 struct Taken {
     std::uint32_t kind, count, slot;
     bool finished;  // all slots of the block are retired
@@ -27,7 +27,8 @@ struct PoolSize {
         }
         return entries;
     }
-    // As many as wanted, in whole warps, as far as a block's shared memory holds them: 48 KiB without asking for more.
+    // Number of slots: as many as wanted, in whole warps, as far as a block's shared memory holds them (48 KiB without
+    // asking for more).
     __device__ static constexpr std::uint32_t slots() {
         std::uint32_t fit = (wanted + warp_size - 1) / warp_size * warp_size;
         while (16 * PackedPath::columns * fit + 2 * Kinds::lists * ring(fit) > 49152 - 512 - scene_bytes_shared) {
@@ -41,7 +42,7 @@ class PathPool {
 public:
     static constexpr std::uint32_t slots = PoolSize::slots();
 
-    // No slot has a path, and all wait for one. Every thread of the block must call it.
+    // Empties the pool: no slot has a path, and all wait for one. Every thread of the block must call it.
     __device__ void fill() {
         Path none = {};
         none.segment = Path::ended;
@@ -60,8 +61,8 @@ public:
         __syncthreads();
     }
 
-    // Hands back the lane's slot, with the kind of what comes next for it, and takes what most paths wait for. Every
-    // lane of the warp must call it.
+    // Hands back the lane's slot, with the kind of what its path does next, and takes slots of the kind that most paths
+    // wait for. Every lane of the warp must call it.
     __device__ Taken exchange(std::uint32_t slot, std::uint32_t kind) {
         put(slot, kind);
         return take();
@@ -113,7 +114,8 @@ private:
         std::uint32_t first = 0;
         bool has_taken = false;
         do {
-            // The head first: then the tail is not behind it, and what lies between is there until the head moves.
+            // The head is read first: then the tail is not behind it, and what lies between is there until the head
+            // moves.
             const std::uint32_t head = lane <= Kinds::retired ? pt::cuda::load_acquire(heads_[lane]) : 0;
             const std::uint32_t tail = lane <= Kinds::retired ? pt::cuda::load_acquire(tails_[lane]) : 0;
             const std::uint32_t fullest = pt::cuda::warp_max(lane < Kinds::lists ? (tail - head) << 5 | lane : 0);
@@ -150,7 +152,7 @@ private:
     }
 
     uint4 columns_[PackedPath::columns][slots];
-    // Positions of each ring; of the other kinds the tail counts what was handed back.
+    // Head and tail positions of each ring; for kinds without a ring the tail counts what was handed back.
     std::uint32_t heads_[Kinds::nothing + 1], tails_[Kinds::nothing + 1];
     std::uint16_t rings_[Kinds::lists][ring];
 };

@@ -6,7 +6,7 @@
 #include "kernels/camera.h"
 
 extern "C" {
-// First row, step from row to row, number of own pixels. The host sets it for the device.
+// First row, step from row to row, and number of the device's own pixels, which the host sets.
 __constant__ unsigned pt_rows[3];
 }
 

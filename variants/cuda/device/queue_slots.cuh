@@ -5,12 +5,12 @@
 
 namespace pt::cuda {
 
-// The slot of the path at a position; no order: slot i at position i.
+// The slot of the path at a position of the queue; without an order slot i is at position i.
 __device__ inline std::uint32_t slot_at(const std::uint32_t* order, std::uint32_t position) {
     return order != nullptr ? order[position] : position;
 }
 
-// Path n: pixel n mod pixels, sample first_sample + n / pixels.
+// The start of path n of a batch: it is of pixel n mod pixels and sample first_sample + n / pixels.
 __device__ inline ::Path path_of_number(const ::Scene& scene, std::uint32_t number, std::uint32_t first_sample,
                                         const ::HitCache& cache) {
     const std::uint32_t pixels = own_pixels(scene);

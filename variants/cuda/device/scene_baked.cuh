@@ -1,12 +1,12 @@
-// Where a kernel finds the scene: in its own text. The host writes the numbers as constants in front of it (namespace
-// baked); resolution, depth and seed stay parameters.
+// The scene as constants in a kernel's own text, which the host writes in front of it (namespace baked); resolution,
+// depth and seed stay parameters.
 #pragma once
 
 namespace pt::cuda {
 
 inline constexpr bool bakes_scene = true;
 
-// Meshes stay where the parameter says: their arrays have addresses.
+// Points a view at baked words. Meshes stay where the parameter says: their arrays have addresses.
 template <class T>
 __device__ inline void bake_array(View<T>& view, const unsigned* words) {
     view.data = reinterpret_cast<const T*>(words);

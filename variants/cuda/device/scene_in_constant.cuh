@@ -1,6 +1,5 @@
-// Where a kernel finds the scene's arrays: those that every ray walks through side by side in constant memory, the
-// others in global memory. All lanes read one element at a time there, and an instruction takes its operand from it
-// without a load.
+// The scene's arrays in constant memory, if every ray reads them, and the others in global memory. All lanes of a warp
+// read one element of the former at a time, and an instruction takes its operand from constant memory without a load.
 #pragma once
 
 extern "C" {
@@ -14,7 +13,7 @@ inline constexpr bool bakes_scene = false;
 template <class Scene>
 __device__ inline void bake(Scene&) {}
 
-// As the host lays them out (constant_scene): each array on a border of 16 bytes.
+// Places an array where the host laid it out (constant_scene): each array starts on a border of 16 bytes.
 template <class T>
 __device__ inline void place_array(View<T>& view, std::uint32_t& offset) {
     view.data = reinterpret_cast<const T*>(pt_scene + offset);
@@ -24,7 +23,7 @@ __device__ inline void place_array(View<T>& view, std::uint32_t& offset) {
 template <class Scene>
 __device__ inline void place_traced_arrays(Scene& scene) {
     std::uint32_t offset = 0;
-// Statements: with a visitor NVRTC gives some kernels other registers.
+// The list expands to statements: with a visitor NVRTC gives some kernels other registers.
 #define PT_PLACE(name, kind, word)                                                        \
     if constexpr (SceneArray{#name, ArrayKind::kind}.is_traced(kernel_config.features)) { \
         place_array(scene.name, offset);                                                  \

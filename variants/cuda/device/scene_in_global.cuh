@@ -1,4 +1,4 @@
-// Where a kernel finds the scene's arrays: all of them in global memory, as the parameter says.
+// The scene's arrays in global memory, all of them where the parameter says.
 #pragma once
 
 namespace pt::cuda {

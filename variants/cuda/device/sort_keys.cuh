@@ -6,7 +6,8 @@
 
 namespace pt::cuda {
 
-// Five bits an axis, x highest. A position outside the bounds counts as on their border; NaN as on the lower one.
+// The Morton code of a position, five bits an axis, x highest. A position outside the bounds counts as on their border;
+// NaN as on the lower one.
 __device__ inline std::uint32_t morton(const Vec3<Real>& position, const KeyBounds& bounds) {
     std::uint32_t code = 0;
     for (int axis = 0; axis < 3; ++axis) {

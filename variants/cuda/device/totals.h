@@ -10,7 +10,7 @@ namespace pt::cuda {
 // address would wait for each other. The host adds the copies up.
 inline constexpr std::uint32_t counter_copies = 64;
 
-// Words from one counter of a queue's parts to the next: they lie in different cache lines.
+// Words from one counter of a queue's parts to the next, so that they lie in different cache lines.
 inline constexpr std::uint32_t counter_stride = 32;
 
 struct Totals {
@@ -19,7 +19,7 @@ struct Totals {
     std::uint64_t cache_uses = 0;   // paths that took their first hit from it
 };
 
-// Rays and paths that each of the 1024 threads that a block may have can count so that their sum fits in 32 bits.
+// Rays and paths that each of the 1024 threads of the largest block can count so that their sum fits in 32 bits.
 inline constexpr std::uint32_t few_rays = 1u << 22;
 
 // Paths of no more segments than this have their segments counted in several copies.
@@ -42,7 +42,8 @@ struct SegmentNumber {
     PT_HD operator std::uint32_t() const { return number + passed(); }  // NOLINT: it is that number
 };
 
-// Kept first hits: `rays` camera rays a pixel, of which sample s uses number s % rays. Null hits: no cache.
+// The first-bounce cache: the hits of `rays` camera rays a pixel, of which sample s uses number s % rays. Null hits:
+// there is no cache.
 template <class Real>
 struct HitCache {
     StoredHit<Real>* hits = nullptr;

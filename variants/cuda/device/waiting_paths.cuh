@@ -1,4 +1,5 @@
-// Paths of a warp that wait for a lane, in shared memory: column by column, with what this variant's paths carry.
+// A store in shared memory for paths of a warp that wait for a lane: column by column, with what this variant's paths
+// carry.
 #pragma once
 
 #include "variants/cuda/device/device.cuh"
@@ -61,7 +62,7 @@ public:
     }
 
 private:
-    // What guides a walk; templates, so that kernels without it need not compile it.
+    // Keeps what guides a walk. These are templates, so that kernels without guided walks need not compile them.
     template <class WalkHere>
     __device__ void put_guide(std::uint32_t slot, const WalkHere& walk) {
         if constexpr (guides_walks) {

@@ -13,7 +13,7 @@ struct Round {
     pt::PixelPlace first;  // among the device's own pixels
     std::uint32_t sample;
 
-    // Of the lane. One division a strip instead of one a path.
+    // The pixel of the calling lane. The division by the width is made once a strip instead of once a path.
     __device__ pt::PixelPlace place(std::uint32_t width) const {
         const std::uint32_t step = pt::cuda::lane();
         if (width < warp_size) {
@@ -25,8 +25,8 @@ struct Round {
     }
 };
 
-// Of the 48 KiB of shared memory that a block has without asking for more: less what a traversal's stacks take and what
-// a kernel adds up in.
+// Bytes of shared memory for waiting paths, of the 48 KiB that a block has without asking for more: what a traversal's
+// stacks and a kernel's sums take is left out.
 #ifdef PT_STACK_BYTES
 inline constexpr std::size_t most_waiting_bytes = 47 * 1024 - PT_STACK_BYTES - scene_bytes_shared;
 #else
@@ -40,8 +40,8 @@ template <class Rounds>
 __device__ inline void trace_items(const SceneViews& scene, const FilmView& film, Rounds& rounds, std::uint32_t pixels,
                                    const HitCache& cache, ThreadCounters& counters, std::uint64_t* ended) {
     constexpr std::uint32_t warps = (kernel_config.block + warp_size - 1) / warp_size;
-    // Of blocks too large for that, and of paths that split, whose branches stay with their lane, warps begin paths
-    // only once all of theirs have ended.
+    // Paths wait only if their memory fits a block and they do not split: branches stay with their lane. Else warps
+    // begin paths only once all of theirs have ended.
     constexpr bool may_wait =
         !pt::has<Configuration>(pt::Feature::splitting) && warps * sizeof(WaitingPaths) <= most_waiting_bytes;
     __shared__ WaitingPaths waiting_of_warp[may_wait ? warps : 1];
@@ -67,7 +67,7 @@ __device__ inline void trace_items(const SceneViews& scene, const FilmView& film
             const std::uint32_t wanted = __popc(~living);
             Round round;
             if (wanted > waiting_count && rounds.take(round, counters)) {
-                // Fewer than 32 wait and live.
+                // There is room: fewer than 32 paths wait and live.
                 if (may_wait && alive) {
                     waiting.put(waiting_count + __popc(living & before), path, walk);
                 }

@@ -6,11 +6,11 @@
 
 namespace pt::cuda {
 
-// Of `lanes`, those below the calling one.
+// The number of lanes in the mask `lanes` that are below the calling one.
 __device__ inline std::uint32_t rank_in(unsigned lanes) { return __popc(lanes & ((1u << lane()) - 1u)); }
 
-// What a thread has read or written before it releases a word happens before what another reads or writes after it
-// acquired what was released.
+// Loads a word with acquire order: what a thread did before it released the word happens before what this thread does
+// next.
 template <class T>
 __device__ inline T load_acquire(const T& word) {
 #if defined(__CUDA_ARCH__)

@@ -11,15 +11,17 @@ namespace pt::cuda {
 
 class Arena {
 public:
-    // Measures: take() hands out null pointers.
+    // An arena without memory, which measures: take() hands out null pointers and adds up what was asked for.
     Arena() = default;
-    // As many bytes, up to the next multiple of 256. Throws OutOfMemory with the size asked for.
+    // Allocates `bytes` of device memory, rounded up to the next multiple of 256. Throws OutOfMemory with the size
+    // asked for.
     explicit Arena(std::size_t bytes);
     ~Arena();
     Arena(const Arena&) = delete;
     Arena& operator=(const Arena&) = delete;
 
-    // `count` elements, aligned to 256 bytes. Throws std::logic_error if more is taken than was measured.
+    // Hands out memory for `count` elements, aligned to 256 bytes. Throws std::logic_error if more is taken than was
+    // measured.
     template <class T>
     T* take(std::size_t count) {
         return reinterpret_cast<T*>(take_bytes(count * sizeof(T)));

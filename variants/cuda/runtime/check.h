@@ -1,4 +1,5 @@
-// The one check on calls of the CUDA runtime: evaluates its argument once and throws with file, line and expression.
+// The one check on calls of the CUDA runtime, a macro that evaluates its argument once and throws with file, line and
+// expression.
 #pragma once
 
 #include <stdexcept>

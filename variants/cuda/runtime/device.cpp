@@ -35,7 +35,7 @@ int attribute(cudaDeviceAttr which) {
     return value;
 }
 
-// Drivers that do not know the question have an error for an answer.
+// A driver that does not know the question answers with an error, which means no.
 bool has_multi_process_service() {
 #if CUDART_VERSION >= 12080
     int value = 0;

@@ -21,13 +21,13 @@ struct Device {
 // Why no device can be used (no driver, no device); empty: one can.
 std::string device_missing();
 
-// Precondition: device_missing() is empty.
+// The device that the backend uses. Precondition: device_missing() is empty.
 const Device& device();
 
-// How many devices there are from the first on that are like it. Precondition: device_missing() is empty.
+// Number of devices from the first on that are like the first one. Precondition: device_missing() is empty.
 int equal_devices();
 
-// "13.0" of 13000.
+// The text of a version as CUDA numbers it: "13.0" for 13000.
 std::string version_text(int version);
 
 }  // namespace pt::cuda

@@ -23,7 +23,7 @@ cudaError_t add_node(cudaGraphNode_t* node, cudaGraph_t graph, const std::vector
 #endif
 }
 
-// The nodes that whatever comes next on the stream waits for.
+// The graph nodes that whatever is next put on a stream that is being captured waits for.
 std::vector<cudaGraphNode_t> last_nodes(cudaStream_t stream) {
     cudaStreamCaptureStatus status = cudaStreamCaptureStatusNone;
     const cudaGraphNode_t* nodes = nullptr;
@@ -51,7 +51,7 @@ Graph::~Graph() {
 }
 
 void Graph::begin(cudaGraph_t target, const cudaGraphNode_t* after) {
-    // Relaxed: kernels that are launched for the first time may load meanwhile.
+    // Capture is relaxed, since kernels that are launched for the first time may load meanwhile.
     PT_CUDA_CHECK(cudaStreamBeginCaptureToGraph(stream_, target, after, nullptr, after != nullptr ? 1 : 0,
                                                 cudaStreamCaptureModeRelaxed));
 }

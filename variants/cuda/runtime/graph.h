@@ -21,7 +21,8 @@ struct LiveCounts {
     std::uint32_t segment_stride = 0;
 };
 
-// Records what is put on a stream. Its kernels read the first sample from device memory, and its last one moves it on.
+// A CUDA graph of what is put on a stream. Its kernels read the first sample from device memory, and its last one moves
+// it on.
 class Graph {
 public:
     explicit Graph(cudaStream_t stream) : stream_(stream) {}
@@ -31,11 +32,11 @@ public:
 
     // Records what `enqueue` puts on the stream, and makes it ready to be launched.
     void capture(const std::function<void()>& enqueue);
-    // Within capture: records what `enqueue_body` puts on the stream as the body of a loop that runs once, and again
-    // until the body's last kernel, which `enqueue_body` is to put there, sets the condition to 0.
+    // Records, within capture, what `enqueue_body` puts on the stream as the body of a loop. The loop runs once, and
+    // again until the body's last kernel, which `enqueue_body` is to put there, sets the condition to 0.
     void capture_loop(const std::function<void(cudaGraphConditionalHandle condition)>& enqueue_body);
     void launch() const;
-    // Those in the body of a loop count once.
+    // Number of nodes; those in the body of a loop count once.
     std::size_t nodes() const { return nodes_; }
 
 private:

@@ -10,7 +10,7 @@
 namespace pt::cuda {
 
 struct DestroyStream {
-    // Work that is still in flight after a failure must not outlive its memory.
+    // The stream is waited for: work that is still in flight after a failure must not outlive its memory.
     void operator()(cudaStream_t stream) const {
         (void)cudaStreamSynchronize(stream);
         (void)cudaStreamDestroy(stream);
@@ -35,7 +35,7 @@ inline Event make_event() {
     return Event(event);
 }
 
-// Memory of the host that the device can write.
+// Frees pinned memory of the host, which the device can write.
 struct FreePinned {
     void operator()(std::uint32_t* words) const { (void)cudaFreeHost(words); }
 };
@@ -47,7 +47,7 @@ inline PinnedWords make_pinned_words(std::size_t count) {
     return PinnedWords(static_cast<std::uint32_t*>(words));
 }
 
-// Enqueued. Null memory is left out.
+// Sets device memory to 0 in the order of the stream; null memory is left alone.
 inline void clear(void* memory, std::size_t bytes, cudaStream_t stream) {
     if (memory != nullptr && bytes != 0) {
         PT_CUDA_CHECK(cudaMemsetAsync(memory, 0, bytes, stream));

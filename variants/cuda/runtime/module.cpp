@@ -71,7 +71,7 @@ std::string read_whole(const fs::path& path) {
     return stream ? text.str() : std::string();
 }
 
-// To a name of this process, then renamed: two processes cannot meet in one file.
+// Writes a file under a name of this process and renames it then, so that two processes cannot meet in one file.
 bool write_whole(const fs::path& path, std::string_view text) {
     std::error_code error;
     fs::create_directories(path.parent_path(), error);
@@ -125,7 +125,7 @@ std::string from_cache(const fs::path& file) {
     return entry.substr(0, entry.size() - 16);
 }
 
-// What the host has chosen, as constants.
+// The lines of a program that state, as constants, what the host has chosen.
 std::vector<std::string> chosen(const ModuleRequest& request) {
     std::vector<std::string> lines{
         fmt::format("using Real = {};", request.real),
@@ -190,7 +190,7 @@ std::vector<std::string> options_of(const ModuleRequest& request) {
     return options;
 }
 
-// For results and messages.
+// The options and the host's constants of a module, for results and messages.
 std::vector<std::string> described_options(const ModuleRequest& request) {
     std::vector<std::string> described = options_of(request);
     for (std::string& line : chosen(request)) {
@@ -236,14 +236,14 @@ bool is_cached(const ModuleRequest& request) {
 
 namespace {
 
-// Where this process keeps precompiled headers: they are bound to its memory. Empty: nowhere.
+// Folder in which this process keeps precompiled headers, which are bound to its memory. Empty: it keeps none.
 fs::path precompiled_folder;
 
 std::vector<std::string> precompiled_options() {
     if (precompiled_folder.empty()) {
         return {};
     }
-    // 629: other options than those of a file that lies there as well.
+    // Diagnostic 629, which is suppressed, says that options differ from those of a header that lies there as well.
     return {"-pch", "-pch-dir=" + precompiled_folder.string(), "-pch-messages=false", "-diag-suppress=629"};
 }
 
@@ -270,7 +270,7 @@ PrecompiledHeaders::~PrecompiledHeaders() {
 
 namespace {
 
-// With options beside the request's own.
+// Compiles a module with more options than the request's own.
 Compilation compiled(const ModuleRequest& request, const std::vector<std::string>& more_options) {
     if (const std::string missing = nvrtc_missing(); !missing.empty()) {
         throw std::runtime_error(missing);
@@ -305,14 +305,15 @@ ModuleImage image_of(const ModuleRequest& request, Compilation compilation) {
 ModuleImage compile_module(const ModuleRequest& request) { return image_of(request, compiled(request, {})); }
 
 ModuleImage compile_quickly(const ModuleRequest& request) {
-    // Versions before 13 do not all know the option.
+    // NVRTC before version 13 does not always know the option -Ofc.
     const bool knows = std::atoi(nvrtc_version().c_str()) >= 13;
     return image_of(request,
                     compiled(request, knows ? std::vector<std::string>{"-Ofc=max"} : std::vector<std::string>{}));
 }
 
 CompilerReport compiler_report(const ModuleRequest& request) {
-    // What NVRTC takes from a cache of its own comes without the report; versions before 13 do not know the option.
+    // NVRTC's own cache is bypassed, since what comes from it comes without the report; versions before 13 do not know
+    // the option.
     std::vector<std::string> reporting{"--ptxas-options=-v"};
     if (std::atoi(nvrtc_version().c_str()) >= 13) {
         reporting.emplace_back("-no-cache");

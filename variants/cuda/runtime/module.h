@@ -19,7 +19,8 @@ struct ModuleRequest {
     std::string layout = "aos";
     std::string sort_key = "material";
     std::string accelerator = "brute_force";
-    // The loop and the stack that its steps are taken with; empty: its own.
+    // The choices of traversal and traversal_stack by which the accelerator's steps are taken; empty: its own loop and
+    // stack.
     std::string traversal = "";
     std::string traversal_stack = "";
     std::string scene = "in_global";  // where its arrays lie: variants/cuda/device/scene_*.cuh
@@ -54,18 +55,18 @@ public:
 // Compiles or takes from the cache; a cache that cannot be written is done without. Throws CompileError with NVRTC's
 // log if the source does not compile, std::runtime_error if it would have to compile and NVRTC is missing.
 ModuleImage build_module(const ModuleRequest& request);
-// Without looking into the cache or writing it.
+// Compiles a module without looking into the cache or writing it.
 ModuleImage compile_module(const ModuleRequest& request);
 
-// The same as quickly as NVRTC can, almost without optimisation: for tests. What does not compile is refused as by
-// compile_module, up to the assembler's limits of shared and constant memory.
+// Compiles a module as quickly as NVRTC can, almost without optimisation, for tests. What does not compile is refused
+// as by compile_module, up to the assembler's limits of shared and constant memory.
 ModuleImage compile_quickly(const ModuleRequest& request);
 
 std::string module_key(const ModuleRequest& request);
-// A sound image of the program is in the cache on disk.
+// Whether a sound image of the program is in the cache on disk.
 bool is_cached(const ModuleRequest& request);
 
-// `config` as C++, for a program's text.
+// `config` as a C++ expression for a program's text.
 std::string text_of(const KernelConfig& config);
 
 class CompileError : public std::runtime_error {
@@ -73,12 +74,12 @@ public:
     using std::runtime_error::runtime_error;
 };
 
-// FNV-1a over everything embedded and NVRTC's version: 16 hex digits.
+// The hash (FNV-1a, 16 hex digits) over all embedded sources and NVRTC's version.
 std::string kernel_source_hash();
-// $XDG_CACHE_HOME/ptbench, or ~/.cache/ptbench.
+// The folder of compiled kernels: $XDG_CACHE_HOME/ptbench, or ~/.cache/ptbench.
 std::string kernel_cache_folder();
 
-// What the compiler made of a kernel.
+// Resources that the compiler gave a kernel.
 struct KernelFacts {
     int registers = 0;             // a thread
     std::size_t local_bytes = 0;   // a thread: spills and arrays
@@ -93,12 +94,12 @@ public:
     Module(const Module&) = delete;
     Module& operator=(const Module&) = delete;
 
-    // Throws Error if there is no kernel of this name.
+    // Returns a kernel by its name. Throws Error if there is none of this name.
     cudaKernel_t kernel(const char* name) const;
     KernelFacts facts(const char* name) const;
-    // Where a variable of the module lies on the device. Throws Error if there is none of this name.
+    // The device address of a variable of the module. Throws Error if there is none of this name.
     void* global(const char* name) const;
-    // Blocks of `threads` that one multiprocessor holds at once.
+    // Number of blocks of `threads` threads that one multiprocessor holds at once.
     int blocks_per_multiprocessor(const char* name, unsigned threads) const;
     const ModuleImage& image() const { return image_; }
 

@@ -18,7 +18,7 @@ namespace pt::cuda {
 
 namespace {
 
-// As nccl.h has had them since NCCL 2.0.
+// NCCL's types and constants, which nccl.h has had unchanged since NCCL 2.0.
 using NcclResult = int;
 struct NcclCommunicator;
 constexpr NcclResult nccl_success = 0;
@@ -87,13 +87,14 @@ void check_nccl(NcclResult result, const char* call) {
     }
 }
 
-// By number of devices: one a device. What is left is not destroyed: the driver may be gone when the process ends.
+// The communicators by number of devices, one a device. What is left is not destroyed: the driver may be gone when the
+// process ends.
 std::map<std::size_t, std::vector<NcclCommunicator*>>& connections() {
     static auto& made = *new std::map<std::size_t, std::vector<NcclCommunicator*>>;
     return made;
 }
 
-// Of other devices than the first nobody reads what they receive.
+// Adds one device's values to the sum on the first device; nobody reads what the others receive.
 NcclResult enqueue(const Addend& addend, std::int64_t* sum, std::size_t count) {
     const OnDevice on(static_cast<int>(addend.device));
     NcclCommunicator* const own = connections().at(addend.devices).at(addend.device);
@@ -124,7 +125,7 @@ void connect_devices(const std::vector<Addend>& addends, std::int64_t* sum, std:
         check_nccl(nccl().make_all(fresh.data(), static_cast<int>(fresh.size()), numbers.data()), "ncclCommInitAll");
         all = std::move(fresh);
     }
-    // As a group one thread may enqueue all parts.
+    // One thread may enqueue the parts of all devices only within a group.
     check_nccl(nccl().group_start(), "ncclGroupStart");
     NcclResult failed = nccl_success;
     for (std::size_t i = 0; i < addends.size() && failed == nccl_success; ++i) {

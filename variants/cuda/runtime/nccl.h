@@ -12,10 +12,10 @@ namespace pt::cuda {
 
 // Why NCCL cannot be had; empty: it can.
 std::string nccl_missing();
-// "2.28.3"; empty where it is missing.
+// NCCL's version, as "2.28.3"; empty where NCCL is missing.
 std::string nccl_version();
 
-// One of several devices that are connected, with what it adds.
+// One of several connected devices, with the values that it adds.
 struct Addend {
     std::size_t device = 0, devices = 0;
     cudaStream_t stream = nullptr;

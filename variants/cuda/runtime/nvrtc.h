@@ -16,10 +16,10 @@ struct Compilation {
 // Why NVRTC or the CUDA headers cannot be had; empty: they can.
 std::string nvrtc_missing();
 
-// "13.0"; empty if NVRTC is missing.
+// NVRTC's version, as "13.0"; empty if NVRTC is missing.
 std::string nvrtc_version();
 
-// Where the toolkit's headers lie, as include options; empty if they are missing.
+// The include options of the toolkit's headers; empty if these are missing.
 std::vector<std::string> toolkit_include_options();
 
 // Compiles one translation unit for one architecture ("sm_90"). Throws std::runtime_error if NVRTC is missing.

@@ -1,4 +1,4 @@
-// Which device the calls of this thread go to.
+// Switches the device that the calls of this thread go to.
 #pragma once
 
 #include "variants/cuda/runtime/check.h"

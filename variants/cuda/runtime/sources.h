@@ -12,7 +12,7 @@ struct EmbeddedSource {
     std::string_view text;
 };
 
-// Generated at build time (cmake/embed_sources.cmake).
+// Generated at build time by cmake/embed_sources.cmake.
 std::span<const EmbeddedSource> embedded_sources();
 
 }  // namespace pt::cuda

@@ -31,7 +31,7 @@ private:
     std::vector<Span> spans_;
 };
 
-// Times its scope, if there are events.
+// Times the work enqueued in its scope, if the render is instrumented.
 class Stage {
 public:
     Stage(StageEvents* events, std::string_view stage, cudaStream_t stream) : events_(events), stream_(stream) {

@@ -50,7 +50,7 @@ class Pair:
 
     @property
     def relative_change(self) -> float:
-        """Of the measured value, over the larger one."""
+        """Change of the measured value, over the larger one."""
         one, other = self.one.measured.value, self.other.measured.value
         if one == other or self.has_same_value:
             return 0.0

@@ -35,7 +35,7 @@ _EVERY = 10**6  # bars need no splitting
 
 @dataclass(frozen=True)
 class Bar:
-    """`estimate` may be infinite or None; `text` says so."""
+    """A bar of a figure. `estimate` may be infinite or None; `text` says so."""
 
     label: str
     estimate: Estimate | None
@@ -102,7 +102,7 @@ class TimeToError:
         return _data(found, groups, title, caption, result, **fields)
 
     def draw(self, data: Data) -> Figure:
-        """The page of what `collect` gave."""
+        """Draws the data of `collect` as a figure's page."""
         return draw(data)
 
 
@@ -122,7 +122,7 @@ class Efficiency:
         return _data(found, groups, title, caption, result, **fields)
 
     def draw(self, data: Data) -> Figure:
-        """The page of what `collect` gave."""
+        """Draws the data of `collect` as a figure's page."""
         return draw(data)
 
 
@@ -173,7 +173,7 @@ class CheckpointCost:
         return _data(found, groups, title, caption, result, **fields)
 
     def draw(self, data: Data) -> Figure:
-        """The page of what `collect` gave."""
+        """Draws the data of `collect` as a figure's page."""
         return draw(data, zero_based=False)
 
 
@@ -250,7 +250,7 @@ def _bounds(group: Bars, line_at: float | None) -> list[float]:
 
 
 def _scale(axes: Axes, bounds: list[float], log: bool, zero_based: bool) -> float:
-    """Sets the axis; where bars begin."""
+    """Sets the axis, and returns where bars begin."""
     low, high = min(bounds), max(bounds)
     if log:
         axes.set_xscale("log")

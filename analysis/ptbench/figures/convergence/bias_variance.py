@@ -98,7 +98,7 @@ def _point(one: Assessment, label: str) -> Point:
 
 
 def draw(data: Data) -> Figure:
-    """The page of what `collect` gave."""
+    """Draws the data of `collect` as a figure's page."""
     looks = {label: style.look(index) for index, label in enumerate(data.order)}
     wrapped = {label: "\n".join(style.wrapped(label, style.LABEL_SIZE, _LEGEND_WIDTH)) for label in data.order}
     label_width = max(

@@ -36,7 +36,7 @@ _LONGEST_EQUAL = 1.25
 
 @dataclass(frozen=True)
 class Shot:
-    """One variant's image; `error` is its mean signed error over the channels."""
+    """One variant's image at equal time; `error` is its mean signed error over the channels."""
 
     label: str
     facts: str
@@ -186,7 +186,7 @@ def _window(errors: Sequence[np.ndarray]) -> tuple[slice, slice]:
 
 
 def draw(data: Data) -> Figure:
-    """The page of what `collect` gave."""
+    """Draws the data of `collect` as a figure's page."""
     columns = min(_COLUMNS, max(len(sheet.shots) for sheet in data.sheets))
     names = {
         shot.label: style.wrapped(shot.label, _LABEL, _PICTURE, "bold")[:_LINES]

@@ -146,7 +146,7 @@ def _floor_limit(panel: Panel) -> float:
 
 
 def draw(data: Data) -> Figure:
-    """The page of what `collect` gave."""
+    """Draws the data of `collect` as a figure's page."""
     looks = {label: style.look(index) for index, label in enumerate(data.order)}
     names = {
         (panel.title, line.label): "\n".join(style.wrapped(_name(line), style.LABEL_SIZE, _LEGEND_WIDTH))

@@ -36,7 +36,7 @@ _CAPTION = (
 
 @dataclass(frozen=True)
 class HeatRow:
-    """A case at a point: a cell a column."""
+    """A row of the heat map: a case at a point, with a cell a column."""
 
     label: str
     cells: tuple[HeatCell, ...]
@@ -85,7 +85,7 @@ def number(over_allowed: float) -> str:
 
 
 def collect(stability: Stability) -> list[HeatPage]:
-    """One page, or one a family where that would have too many rows."""
+    """Collects one page, or one a family where that would have too many rows."""
     if not stability.rows:
         raise NotDrawable("the file has no rows")
     layout = Layout(stability)
@@ -145,7 +145,7 @@ def _widest(texts: Sequence[str], size: float, weight: str = "normal") -> float:
 
 
 def draw(data: HeatPage) -> Figure:
-    """The page of what `collect` gave."""
+    """Draws the data of `collect` as a figure's page."""
     rows = [row for group in data.groups for row in group.rows]
     label_width = max(
         _widest([row.label for row in rows], style.LABEL_SIZE),

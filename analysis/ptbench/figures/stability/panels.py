@@ -17,7 +17,7 @@ MOST_FIGURES = 4  # one a case; of more cases, one a family
 MOST_PANELS = 10  # a page
 RELATIVE, ABSOLUTE = "error / exact value", "absolute error"
 
-# A line's label, and the formulas that it is of. The arithmetic "fast" is left to be what the file's backend has of it.
+# Each line of a panel: its label, and the axes that its variants have. Fast arithmetic is that of the file's backend.
 LINES = (
     ("robust float", {}),
     ("robust double_intersection", {"precision": "double_intersection"}),
@@ -35,7 +35,7 @@ _CAPTION = (
 
 @dataclass(frozen=True)
 class Line:
-    """`errors` may be 0 or infinite."""
+    """The errors of one formula along a sweep; `errors` may be 0 or infinite."""
 
     label: str
     xs: tuple[float, ...]
@@ -82,7 +82,7 @@ def _alike(one: Line, other: Line) -> bool:
 
 
 def collect(stability: Stability) -> list[SweepPage]:
-    """One page a case, or a family where there are many; raises NotDrawable."""
+    """Collects one page a case, or a family where there are many; raises NotDrawable."""
     layout = Layout(stability)
     swept: dict[Case, list[Place]] = {}
     for place in layout.places:
@@ -105,7 +105,7 @@ _Page = tuple[str, str, Sequence[Case], Sequence[Panel]]
 
 
 def _pages(panels: dict[Case, list[Panel]]) -> Iterable[_Page]:
-    """(file name, title, cases, panels) of each."""
+    """The pages, each as file name, title, cases and panels."""
     if len(panels) <= MOST_FIGURES:
         for case, found in panels.items():
             yield from _split(f"sweep_{case.name}", f"{case.shown}: {case.title}".rstrip(": "), [case], found)
@@ -165,7 +165,7 @@ def _by_value(case: Case, places: Iterable[Place]) -> list[Place]:
 
 
 def _left_out(case: Case, places: Sequence[Place]) -> list[str]:
-    """Points of drawn sweeps that no panel has."""
+    """Labels of the points that no panel shows, though their estimator has one."""
     left = []
     for estimator in dict.fromkeys(place.estimator for place in places):
         of_estimator = [place for place in places if place.estimator == estimator]
@@ -184,7 +184,7 @@ def _rows_at(layout: Layout, place: Place, formula: dict[str, str]) -> list[Row]
 
 
 def _quantities(layout: Layout, places: Sequence[Place]) -> list[str]:
-    """Those that are measured at enough points; where none is, None stands for the worst of each point's."""
+    """The quantities measured at enough points; where none is, the empty one stands for the worst of each point's."""
     seen: dict[str, set[Place]] = {}
     for place in places:
         for row in _rows_at(layout, place, {}) or [r for _, formula in LINES for r in _rows_at(layout, place, formula)]:
@@ -193,7 +193,7 @@ def _quantities(layout: Layout, places: Sequence[Place]) -> list[str]:
 
 
 def _panel(layout: Layout, case: Case, places: Sequence[Place], quantity: str, others: str) -> Panel | None:
-    """None: nothing is off anywhere, or there are too few points."""
+    """A panel; None where nothing is off anywhere, or there are too few points."""
     rows = {
         label: [(place, row) for place in places if (row := _row_of(layout, place, formula, quantity)) is not None]
         for label, formula in LINES

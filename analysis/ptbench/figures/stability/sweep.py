@@ -20,12 +20,12 @@ _BOUND_LINES = {"robust float": (0, (5, 2)), "robust double": (0, (1, 1.6))}
 
 
 def looks() -> dict[str, style.Look]:
-    """One look a formula, whichever of them a panel has."""
+    """The looks of the formulas' lines, one each, whichever of them a panel has."""
     return {label: style.look(index) for index, (label, _) in enumerate(LINES)}
 
 
 def draw(data: SweepPage) -> Figure:
-    """The page of what `collect` gave."""
+    """Draws the data of `collect` as a figure's page."""
     columns = 1 if len(data.panels) == 1 else 2
     rows = math.ceil(len(data.panels) / columns)
     block_width = _LEFT + _PLOT_WIDTH
