@@ -27,6 +27,11 @@ inline constexpr Descriptor descriptor{
     .check_counters = depth_first::check_counters,
 };
 
+inline constexpr KernelSets kernel_sets{
+    .in_double = true,
+    .generic_alone = true,
+};
+
 template <class Config>
 void render(RenderJobIn<typename Config::Real>& job) {
     std::mutex mutex;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "variants/axis.h"
-#include "variants/cuda/device/append_in_kernel.h"
 
 namespace pt {
 
@@ -16,6 +15,15 @@ struct IntegratorTraits {
     bool keeps_branches = false;        // a path may split: its branches wait beside it
     bool refills_queue = false;         // paths of any number of segments are in the queue together
     bool inspects = false;              // looks at every path's state between stages: for health, not for times
+};
+
+// What an integrator of the CPU is compiled for beside the feature sets of every one. The build reads these lines of
+// NAME.h (cmake/variants.cmake): each member that is true is on a line of its own.
+struct KernelSets {
+    bool in_double = false;        // its generic kernels in double precision too, and with the textbook's formulas
+    bool with_path_trees = false;  // for paths that split
+    bool generic_alone = false;    // not for the feature sets of scenes: it is not timed
+    bool without_meshes = false;   // not for scenes with meshes, which it cannot meet
 };
 
 namespace integrator {

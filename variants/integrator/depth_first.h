@@ -30,6 +30,11 @@ inline constexpr Descriptor descriptor{
     .check_counters = check_counters,
 };
 
+inline constexpr KernelSets kernel_sets{
+    .in_double = true,
+    .with_path_trees = true,
+};
+
 inline constexpr std::size_t pixels_per_chunk = 64;
 
 // Traces one path that may split, from its first hit on; returns the number of segments to the end of the longest

@@ -34,6 +34,10 @@ inline constexpr Descriptor descriptor{
     .check_counters = depth_first::check_counters,
 };
 
+inline constexpr KernelSets kernel_sets{
+    .without_meshes = true,
+};
+
 // The paths of a range of pixels, sample by sample.
 class PathRange {
 public:
