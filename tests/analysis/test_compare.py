@@ -432,7 +432,7 @@ def test_two_runs_of_one_program_tell_the_noise_floor(base, compared):
     assert floor.chance == pytest.approx(8 / 9)
     assert sorted(repeat.ratios) == pytest.approx([31 / 32, *[1.0] * 6, 17 / 16], rel=1e-15)
     assert repeat.geometric_mean.value == pytest.approx((31 / 32 * 17 / 16) ** (1 / 8), rel=1e-14)
-    # It does not judge itself.
+    # The repeated run that gives the noise floor is not judged by it.
     assert (one.floors, one.threshold) == ((), 0.01)
     assert one.count("SLOWER") == 1
 

@@ -138,7 +138,7 @@ def test_rows_of_one_file_are_counted_by_case(compared):
     assert alone.rows == (("S1 lamp", "2", "2"), ("S2 plates", "1", "0"))
     assert not facts(found)["changed"]
     assert [(row["of"], row["point"].get("a")) for row in facts(found)["alone"]].count(("other", 0.2)) == 1
-    # It fails at a point that the reference lacks.
+    # A check that fails at a point that the reference lacks counts as newly failed.
     assert facts(found)["newly_failed"] == 1
 
 

@@ -100,7 +100,7 @@ def test_lines_are_the_errors_and_times_of_the_file(tmp_path):
     assert plain.times == pytest.approx([2.0 * n for n in SPPS])
     assert (plain.plateau, panel.floor) == (None, pytest.approx(0.01))
     assert biased.plateau == pytest.approx(0.1)
-    # Where 0.5 / n is 0.01, at 50 spp of 2 ms.
+    # The variance 0.5 / n comes down to the squared bias, 0.01, at 50 spp of 2 ms.
     assert biased.crossing_ms == pytest.approx(100, rel=0.02)
     axes = draw_study(study, data).axes[0]
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")

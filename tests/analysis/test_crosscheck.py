@@ -445,7 +445,7 @@ def test_a_scene_that_fails_does_not_lose_the_others(stand_ins, tmp_path, capsys
     assert capsys.readouterr().err.splitlines()[-1].endswith("ptbench: b: out of memory")
     found = json.loads((tmp_path / "found.json").read_text())
     assert [scene["scene"] for scene in found["scenes"]] == ["a", "c"]
-    # They share the probability with the one that failed, too.
+    # The scenes share the family's probability with the one that failed, too.
     assert found["settings"]["family_scenes"] == 3
 
 

@@ -180,7 +180,7 @@ def test_neighbours_are_timed_on_one_gpu_while_the_other_works(tmp_path):
 
 
 def test_a_neighbour_that_ends_is_an_error(tmp_path):
-    # Where it is still there when the run begins, the run waits for its end.
+    # If the neighbour still runs when the run begins, the run waits for its end.
     ran = neighbours(tmp_path, visible="4,7", life=0)
     assert ran.returncode != 0
     assert "neighbour ended" in ran.stderr

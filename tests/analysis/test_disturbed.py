@@ -41,7 +41,7 @@ def test_the_headline_counts_each_sample_once(base, tmp_path):
 
 
 def test_samples_that_a_quota_held_up_are_told(base, tmp_path):
-    """They are contended, whoever else ran, and named for what they are."""
+    """Samples that a quota held up are contended, whoever else ran, and named as throttled."""
     document = disturbed(base, 2)
     for row in document["benchmarks"]:
         if row.get("pt_contended") == 1:
@@ -72,7 +72,7 @@ def test_a_tenth_is_not_too_much(tmp_path):
 
 @pytest.mark.parametrize(("waits", "expected"), [(0, 0), (1, 72)])
 def test_a_gpu_that_waits_for_a_busy_host_is_disturbed(base, tmp_path, waits, expected):
-    """Its clock goes on while it waits, so its time is no evidence of an undisturbed render."""
+    """A GPU's clock goes on while it waits for the host, so device time is no evidence of an undisturbed render."""
     document = copy.deepcopy(base)
     for row in document["benchmarks"]:
         if "pt_wall_ms" in row:

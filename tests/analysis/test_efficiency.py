@@ -140,7 +140,7 @@ def test_samples_that_depend_on_each_other_count_by_their_last_error(tmp_path):
     )
     last = 0.5 / SPPS[-1] ** 0.5  # times the last spp
     assert compare(sobol, plain).work.value == pytest.approx(last * 4)
-    # Its error is 0.5 / n^1.5: where that is 0.01^2.
+    # The squared error is 0.5 / n^1.5, and is to be 0.01^2.
     assert time_to(sobol, 0.01).value == pytest.approx((0.5 / 1e-4) ** (1 / 1.5) * 4, rel=1e-6)
     assert time_to(sobol, 1e-6).value == math.inf
 

@@ -45,13 +45,13 @@ def test_its_numbers_are_ours(files, tmp_path):
     for row in ours.rows:
         name = row.pair.reference.name
         (measured,) = rows[f"{name}_median|median"]["measurements"]
-        # Their numbers went through two divisions and a subtraction of their own.
+        # Google Benchmark's numbers went through two divisions and a subtraction of their own.
         assert 1 + measured["time"] == pytest.approx(row.ratio.value, rel=1e-13)
         spp = row.pair.reference.spp
         assert measured["real_time"] / spp == pytest.approx(sorted(row.pair.reference.ms_per_spp)[4], rel=1e-15)
         samples = rows[f"{name}|"]
         assert len(samples["measurements"]) == 9
-        # Its U test is of the nine samples that we have.
+        # Google Benchmark's U test is of the nine samples that we have.
         times = [cell.ms_per_spp for cell in (row.pair.reference, row.pair.other)]
         theirs = stats.mannwhitneyu(*times, alternative="two-sided").pvalue
         assert samples["utest"]["time_pvalue"] == pytest.approx(theirs, rel=1e-12)
@@ -59,7 +59,7 @@ def test_its_numbers_are_ours(files, tmp_path):
 
 
 def test_its_geometric_mean_is_ours_where_the_cells_are(files, tmp_path):
-    """It takes every sample into the mean, not medians. With all of a cell's scaled alike, that is the same ratio."""
+    """Google's mean is over samples, not medians: the same ratio if all samples of a cell are scaled alike."""
     _, rows = google(tmp_path, *files)
     (ours,) = compare_files(files).comparisons
     (mean,) = rows["OVERALL_GEOMEAN|geomean"]["measurements"]

@@ -504,7 +504,7 @@ def test_a_variant_that_was_run_without_the_studys_tunable_is_not_missed(tmp_pat
     data, _ = drawn(builder, tmp_path)
     assert [item.label for item in data.groups[0].items] == ["none, layout=aos", "none, layout=soa"]
     assert "Not applicable" not in data.caption
-    # One that was not run at all is.
+    # A choice that was not run at all is shown as not applicable.
     builder.skip("compaction", "cornell_open", reason, {"compaction": "gap_fill"}, tuned="+payload=1")
     data, _ = drawn(builder, tmp_path)
     assert [item.label for item in data.groups[0].items if item.instead] == ["gap_fill"]
@@ -607,7 +607,7 @@ def test_a_busy_host_that_the_device_did_not_wait_for_voids_no_verdict(tmp_path)
     result = loaded(builder, tmp_path)
     rows = measure(result, result.studies[0])
     assert rows[1].verdict.word == "FASTER"
-    # It is told of all the same.
+    # The contended sample is told of, though the verdict stands.
     assert [note.kind for note in notes_of(result, result.studies[0], rows)] == ["contended"]
 
 

@@ -47,7 +47,7 @@ def test_an_older_name_is_its_choices_in_the_order_of_the_files_axes():
 
 
 def test_every_committed_cell_has_one_name_and_the_name_its_cells():
-    """One to one with the older names, so that nothing is told twice and nothing merged."""
+    """Names of cells are one to one with the older names: no cell has two, and no two cells share one."""
     for file in sorted(RESULTS.glob("*/*.json*")):
         if file.stem.partition(".")[0] not in ("compaction", "scaling", "seeds", "convergence", "schedulers", "packet"):
             continue

@@ -127,7 +127,7 @@ def test_what_is_public_says_what_it_is():
 
 
 def test_axes_and_baselines_are_kept_in_one_place():
-    """Of baselines' names, which files carry, only ptbench.io.older has a table."""
+    """Result files carry the names of baselines: only ptbench.io.older, for files without them, has a table of them."""
     axes = sorted(path.parent.name for path in (ROOT / "variants").glob("*/axis.h"))
     assert {"compaction", "sampler", "precision"} <= set(axes)
     choices = {axis: {file.stem for file in (ROOT / "variants" / axis).iterdir()} for axis in axes}

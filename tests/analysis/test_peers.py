@@ -179,7 +179,7 @@ def test_a_program_that_renders_a_picture_a_call_is_a_peer(fakes, tmp_path):
     scene, peer = named(fakes.document, "student")
     assert (peer.verdict, peer.kind, peer.estimator) == ("agrees", "program", "nee_mis")
     assert peer.value["about"]["program"] == "ptbench"
-    # It prints seconds where milliseconds were asked for.
+    # The program prints seconds where milliseconds were asked for.
     assert scene.time_over(peer).value == pytest.approx(1e-3)
     assert "printed nothing like took" in named(fakes.document, "silent")[1].verdict
 

@@ -324,7 +324,7 @@ TEST_F(ShardedRunTest, MergedItIsWhatOneRunWrites) {
     for (const auto& [setting, found] : shards_of) {
         EXPECT_EQ(found.size(), 1u) << setting;
     }
-    // It is the run's own result: nothing is left for one that goes on.
+    // The merged file is the run's own result: nothing is left for a run that goes on.
     EXPECT_NE(run(merged, {"--resume"}).out.find("nothing left to do"), std::string::npos);
 }
 

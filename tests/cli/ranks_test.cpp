@@ -201,7 +201,7 @@ pid_t process_of(int rank, const std::string& mark) {
         if (!has("RANKS_TEST=" + mark) || !has("OMPI_COMM_WORLD_RANK=" + std::to_string(rank))) {
             continue;
         }
-        // Its parent, which waits for it, is of the same program.
+        // A rank's parent process, which waits for it, is of the same program.
         const std::string stat = content_of(entry.path() / "stat");
         const std::string parent = std::to_string(std::atoi(stat.c_str() + stat.rfind(')') + 4));
         std::error_code error;

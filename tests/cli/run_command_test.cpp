@@ -224,7 +224,7 @@ TEST_F(RunCommandTest, ErrorAgainstTimeIsOfScenesAndOfEnoughSeeds) {
     EXPECT_FALSE(std::filesystem::exists(out));
 }
 
-// Its users' scripts go on, and learn the name that results have now.
+// Scripts that use the old name of a suite go on, and learn the name that results have now.
 TEST_F(RunCommandTest, ASuiteIsFoundByItsOldName) {
     const auto planned = [&](const char* suite) {
         return ptbench({"run", "--suite", suite, "--dry-run", "--backend", "cpu"}, {.folder = folder.path()});
@@ -365,7 +365,7 @@ TEST_F(RunCommandTest, AClockThatIsSetBackLeavesProgressAsItIs) {
     EXPECT_NE(run.err.find(" elapsed, about "), std::string::npos) << run.err;
     const std::regex below_0("[ :]-[0-9]");
     EXPECT_FALSE(std::regex_search(run.err, below_0)) << run.err;
-    // It was: the samples were taken in the order that their numbers say, and ended ever earlier.
+    // The clock was set back: the samples were taken in the order that their numbers say, and ended ever earlier.
     const std::vector<json> rows = samples(result());
     EXPECT_LT(std::abs(rows[0].at("pt_timestamp").get<double>()), 2e9);
     EXPECT_GT(rows[0].at("pt_timestamp").get<double>(), rows[1].at("pt_timestamp").get<double>());

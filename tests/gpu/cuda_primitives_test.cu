@@ -303,7 +303,7 @@ TEST_P(CudaSortingTest, IsStableAndHitsGoWithTheirPaths) {
                                                     << " keys" << (indirect ? ", by an order" : ""));
                     Cell cell(tested.layout, cuda_descriptor("sorting", tested.choice), tested.tuning);
                     const auto sorting = make_sorting(tested.choice, cell);
-                    // It moves the record of cis565, which has no room for it.
+                    // thrust_sort_by_key moves the record of cis565, which has no room for a density.
                     const bool with_density = std::string(tested.choice) != "thrust_sort_by_key";
                     DeviceQueue made(cell, {size, slack, 0.2, indirect, ++seed, with_density}, *sorting);
                     std::vector<std::uint32_t> keys(made.slots(), key_count - 1);

@@ -250,7 +250,7 @@ TEST_F(Gate, WavefrontsEndWithTheirPathsNotWithTheDepth) {
             EXPECT_GE(result.work.host_waits, 3u);
         }
     }
-    // Its rounds are those of all samples together.
+    // The rounds of wavefront_refill are those of all samples together.
     request.variant.set("integrator", "wavefront_refill");
     request.variant.set("compaction", "none");
     const RenderResult refilled = render(scene, request);

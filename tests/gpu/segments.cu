@@ -73,7 +73,8 @@ __device__ float on_grid(std::uint32_t word, float half, float steps) {
 
 __device__ float& coordinate(Vec3<float>& v, std::uint32_t axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 
-// All numbers are multiples of 2^-11 below 16, so that the ray's line passes through the point exactly.
+// A ray to a point of an edge. All its numbers are multiples of 2^-11 below 16, so that its line passes through the
+// point exactly.
 __device__ Ray<float> ray_through_edge(RayNumbers& numbers, Vec3<float> half, bool in_plane) {
     const RandomWords choice = numbers.next();
     const RandomWords place = numbers.next();

@@ -12,7 +12,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 VERSION = "ptbench 1.0.0 (commit 0123456789012345678901234567890123456789)"
-# Its cases by what happens: their names say it.
+# A stand-in for a test program, each of whose cases does what its name says.
 PROGRAM = """#!/usr/bin/env python3
 import json, os, signal, sys, time
 if "--gtest_list_tests" in sys.argv:

@@ -142,7 +142,7 @@ class Cluster:
         return daemon
 
     def start_node(self, node: str) -> None:
-        """Its slurmd."""
+        """Starts the slurmd of a node."""
         self._start("slurmd", "-D", "-N", node)
 
     def kill_node(self, node: str) -> None:

@@ -34,7 +34,8 @@ protected:
             plan.cells.push_back(cell);
         }
     }
-    // Its renders take long, so that the reference is rendered on a difference only.
+    // Prepares cells as those whose renders take long, with 2 of their 4 spp: the reference of 4 spp is then rendered
+    // only when films differ.
     void prepare_less() {
         for (Cell& cell : plan.cells) {
             cell.prepared_spp = 2;

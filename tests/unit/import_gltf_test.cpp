@@ -162,7 +162,7 @@ TEST_F(ImportGltfTest, AMirroredNodeIsAMeshOfItsOwn) {
     const Gltf read(json);
     EXPECT_EQ(read.problems(), Lines());
     EXPECT_EQ(read.scene.objects[0].scale, Vec3d(1.0));
-    // Its front still faces +z: it goes round counter-clockwise.
+    // The triangle's front still faces +z: it goes round counter-clockwise.
     EXPECT_EQ(read.corners(0), (std::vector<Vec3d>{{-1, 0, 0}, {0, 0, 0}, {0, 2, 0}}));
     json["nodes"][1].erase("scale");
     json["nodes"][1]["matrix"] = {1, 0, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};

@@ -87,7 +87,7 @@ TEST_F(ImportMitsubaTest, AWholeSceneAndNothingToTell) {
     EXPECT_EQ(sphere.translate, Vec3d(1, 2, 3));
     EXPECT_EQ(sphere.scale, Vec3d(1.0));
     EXPECT_EQ(cube.scale, Vec3d(2.0));
-    // It lies in xy there and faces +z; turned so that it faces +y, it is a quad as it lies here.
+    // Mitsuba's rectangle lies in xy and faces +z; turned so that it faces +y, it is a quad as it lies here.
     EXPECT_EQ(floor.shape, Shape::quad);
     EXPECT_EQ(floor.scale, Vec3d(10.0));
     EXPECT_EQ(floor.rotate_degrees, Vec3d(0.0));
@@ -125,7 +125,8 @@ TEST_F(ImportMitsubaTest, AMatrixLooksAlongItsThirdColumn) {
     EXPECT_EQ(read.scene.camera.eye, Vec3d(1, 2, 3));
     EXPECT_EQ(read.scene.camera.look_at, Vec3d(1, 2, 2));
     EXPECT_EQ(read.scene.camera.up, Vec3d(0, 1, 0));
-    // Its first column is left: such a view is not mirrored, and that of the unit matrix looks along +z.
+    // The first column of Mitsuba's look_at is left: such a view is not mirrored, and that of the unit matrix looks
+    // along +z.
     const Affine looking = look_at_map({1, 2, 3}, {1, 2, 0}, {0, 1, 0});
     EXPECT_EQ(looking.column[0], Vec3d(-1, 0, 0));
     EXPECT_EQ(looking.column[2], Vec3d(0, 0, -1));

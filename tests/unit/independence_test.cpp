@@ -14,7 +14,7 @@ namespace {
 constexpr std::uint32_t side = 32;
 enum Kind { excess_variance, neighbours, successive_seeds };
 
-// A run's parts from a function of its number, part and pixel.
+// 16 runs of `parts` grey images each, whose pixels are given by `value`.
 ImageRuns runs_of(std::uint32_t parts,
                   const std::function<double(std::uint32_t run, std::uint32_t part, std::uint32_t pixel)>& value) {
     ImageRuns runs(side, side);

@@ -379,7 +379,7 @@ TEST_F(RunnerTest, AFilmThatIsWrongAtFullSizeOnlyIsFound) {
     Suite large = suite(three_compactions);
     large.studies[0].width = large.studies[0].height = 64;
     EXPECT_EQ(run(large, options()), exit_check_failed);
-    // It is the wrong one that is blamed, whatever the order: the reference variant sets the film.
+    // The variant with the wrong film is blamed, whatever the order: the reference variant sets the film.
     for (const auto& [compaction, status] : statuses(result())) {
         if (compaction == "test_hooked") {
             EXPECT_EQ(status.find("failed: at full size, 2 spp, seed 1: film "), 0u) << status;

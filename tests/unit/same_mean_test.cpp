@@ -68,7 +68,7 @@ TEST(SameMeanTest, EqualVariantsAreNotRejected) { expect_few_alarms({}, {}); }
 
 TEST(SameMeanTest, EqualVariantsOfFewSamplesAreNotRejected) { expect_few_alarms({.spp = 4}, {.spp = 4}); }
 
-// One lights each pixel in each sample, the other waits for rare bright hits.
+// The dense estimator lights each pixel in each sample, the sparse one waits for rare bright hits.
 TEST(SameMeanTest, ADenseEstimatorAndASparseOneOfTheSameMeanAreNotRejected) {
     expect_few_alarms({.dense = true}, {});
     expect_few_alarms({}, {.dense = true});

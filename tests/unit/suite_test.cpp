@@ -248,7 +248,7 @@ TEST_F(SuiteTest, RefusesUnknownTunables) {
                                test::tunable_names());
         return;
     }
-    // It may be one of CUDA's, which this build does not know: it tunes nothing.
+    // An unknown tunable may be one of CUDA's, which this build does not know: it tunes nothing.
     EXPECT_EQ(message, "");
     EXPECT_TRUE(plan(studies).cells.empty());
     EXPECT_EQ(plan(studies).not_applicable.at(0).reason.text, "colour=4 tunes none of the variant's choices");

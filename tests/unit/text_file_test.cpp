@@ -20,7 +20,7 @@ using namespace std::string_literals;
 
 const std::string mark = "\xef\xbb\xbf";
 
-// Every byte of an ASCII text as so many, the least first or last.
+// An ASCII text in UTF-16 or UTF-32: `bytes` for each character, the least one first or last.
 std::string widened(const std::string& text, std::size_t bytes, bool least_first) {
     std::string wide;
     for (const char c : text) {

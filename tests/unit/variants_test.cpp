@@ -565,7 +565,7 @@ TEST(VariantTest, ReferenceIsThePlainestVariantOfTheSameExpectation) {
         const Variant reference = registry().reference(variant);
         const std::string first_bounce = variant["first_bounce"] == "cached_jitters" ? "cached_jitters" : "off";
         const std::string formula = variant["specialisation"] == "matrix" ? "matrix" : "generic";
-        // Its film depends on every other choice: nothing but itself has it.
+        // The film of minstd_by_position depends on every other choice: such a variant is its own reference.
         EXPECT_EQ(reference.spelled_out(),
                   variant["sampler"] == "minstd_by_position"
                       ? variant.spelled_out()

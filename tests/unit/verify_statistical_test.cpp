@@ -139,7 +139,7 @@ TEST(VerifyStatisticalTest, LightThatIsNotAddedIsFound) {
     EXPECT_FALSE(verdict.holds) << verdict.message;
 }
 
-// Its mean over seeds is right, but more samples make nothing better.
+// A variant that takes the same samples again has the right mean over seeds, but more samples make nothing better.
 TEST(VerifyStatisticalTest, SamplesThatRepeatAreFound) {
     const MeanVerdict verdict = check("integrator", "test_again");
     EXPECT_FALSE(verdict.holds);

@@ -101,7 +101,7 @@ def test_what_the_interval_does_not_tell_is_measured_more_closely(house, analysi
     assert tried(house, analysis, program, 1) == (0, "probe advice closer")
     (row,) = json.loads((house / "tried.json").read_text())["scenes"]
     assert (row["word"], row["ratio"], row["measured"]) == ("within", pytest.approx(1.02), 2)
-    # Where the usual number tells, nothing more is measured.
+    # If the usual number of samples decides, nothing more is measured.
     assert tried(house, analysis, fake(house, {"packet": 1.02, "depth_first": 1.0}), 1) == (0, "probe advice")
 
 

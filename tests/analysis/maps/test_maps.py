@@ -35,7 +35,7 @@ AXES = (Axis("x", 1.0, 1024.0, 5), Axis("y", 1.0, 1024.0, 5))
 
 
 def field(x: float, y: float) -> float:
-    """Its line, x^2 y = 4096 * 2, is known at every row and column."""
+    """A ratio that is 1 on the line x^2 y = 4096 * 2: its place is known in every row and column."""
     return 8192.0 / (x * x * y)
 
 
