@@ -22,10 +22,7 @@ using std::min;
 using Real = float;
 inline constexpr pt::cuda::KernelConfig kernel_config{.features = pt::all_features, .block = 64};
 namespace host_bytes {
-inline constexpr unsigned fill_queue = sizeof(pt::cuda::FillQueueParameters<float>);
-inline constexpr unsigned intersect_queue = sizeof(pt::cuda::IntersectQueueParameters<float>);
-inline constexpr unsigned shade_and_refill = sizeof(pt::cuda::ShadeAndRefillParameters<float>);
-inline constexpr unsigned refill_queue = sizeof(pt::cuda::RefillQueueParameters<float>);
+inline constexpr pt::test::SameProgram fill_queue, intersect_queue, shade_and_refill, refill_queue;
 }  // namespace host_bytes
 using Paths = pt::layout::aos::DevicePaths<Real>;
 using Accelerator = pt::accelerator::brute_force::Traversal;

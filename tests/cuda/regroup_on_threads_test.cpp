@@ -25,7 +25,7 @@ namespace tuned {
 inline constexpr unsigned pool = 96, walk_until = 4, stay_at = 8, by_material = 1;
 }
 namespace host_bytes {
-inline constexpr unsigned regroup = sizeof(pt::cuda::RegroupParameters<float>);
+inline constexpr pt::test::SameProgram regroup;
 }
 using Paths = pt::layout::aos::DevicePaths<Real>;
 using Accelerator = pt::accelerator::brute_force::Traversal;

@@ -26,6 +26,12 @@
 
 namespace pt::test {
 
+// Stands for host_bytes::KERNEL, the size of the parameters that the host launches a kernel with: in a test host and
+// device are one program, and have them from one struct.
+struct SameProgram {
+    friend constexpr bool operator==(std::size_t, SameProgram) { return true; }
+};
+
 struct Place {
     unsigned x;
 };
