@@ -18,7 +18,7 @@ from conftest import PACKAGE, RESULTS, ROOT
 from packaging.requirements import Requirement
 
 from ptbench import __version__
-from ptbench.flat import PYARROW
+from ptbench.flat.command import PYARROW
 from ptbench.io.files import read_stored
 
 if sys.version_info >= (3, 11):

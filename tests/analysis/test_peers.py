@@ -21,9 +21,9 @@ from ptbench.findings.page import read_page, render, source_of
 from ptbench.findings.peers import PeersSource
 from ptbench.io.validate import complaints, validate
 from ptbench.peers.document import Peer, scenes_of
-from ptbench.peers.options import mitsubas, own_variants
 from ptbench.peers.process import PeerFailed, Talker
 from ptbench.peers.statistics import Measured, by_round, variance_of_seeds
+from ptbench.peers.wanted import mitsubas, own_variants
 from ptbench.report.sources import find_sources
 
 BINARY = ROOT / "build/ptbench"

@@ -15,7 +15,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.special import ndtr, ndtri, stdtr, stdtrit
 
-from ptbench.crosscheck.options import SIDE
+from ptbench.crosscheck.limits import SIDE
 
 FAMILY = 0.01
 POWER = 0.9

@@ -35,7 +35,7 @@ class Call:
     """The options of one call."""
 
     root: Path = Path()
-    names: tuple[str, ...] = ()
+    names: Sequence[str] = ()
     results: Path | None = None  # None: the checkout's own
     binary: Path | None = None  # None: the checkout's own
     budget_s: float | None = None  # None: each map's own

@@ -19,7 +19,7 @@ from ptbench.io.files import check_output_file, make_folder, write_text
 from ptbench.io.nodes import read_json
 from ptbench.peers.document import SCHEMA, as_text, scenes_of
 from ptbench.peers.measure import Plan, measure_scene
-from ptbench.peers.options import Call, Wanted, chosen_variants, mitsubas, own_variants, programs
+from ptbench.peers.wanted import Call, Wanted, chosen_variants, mitsubas, own_variants, programs
 from ptbench.program import Program, run_program
 from ptbench.terminal import say
 

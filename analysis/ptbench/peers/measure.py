@@ -18,10 +18,10 @@ from ptbench.crosscheck.renders import CannotExport, Settings, export, meshes_in
 from ptbench.crosscheck.statistics import Comparison, compare
 from ptbench.errors import InputError
 from ptbench.io.images import faulty_pixels
-from ptbench.peers.options import Call, Wanted
 from ptbench.peers.process import PeerFailed
 from ptbench.peers.renderers import OwnVariant, Place, Talking, started
 from ptbench.peers.statistics import variance_of_seeds
+from ptbench.peers.wanted import Call, Wanted
 from ptbench.stats.estimates import SEED
 
 OK, FAILED = "ok", "failed"

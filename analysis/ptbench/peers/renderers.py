@@ -13,8 +13,8 @@ from ptbench.crosscheck.renders import WHEEL
 from ptbench.errors import InputError
 from ptbench.io.images import read_pfm
 from ptbench.peers.mitsuba_peer import MISSING
-from ptbench.peers.options import Call, Wanted
 from ptbench.peers.process import PeerFailed, Talker, busy_ms, process_ms
+from ptbench.peers.wanted import Call, Wanted
 from ptbench.program import Program, said_by
 
 _FIELDS = ("ms", "wall_ms", "compile_ms")

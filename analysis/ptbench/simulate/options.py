@@ -1,15 +1,14 @@
-"""The command line of `simulate`, apart from what it does, which takes a moment to load."""
+"""The command line of `simulate`."""
 
 from __future__ import annotations
 
+import argparse
 from pathlib import Path
 
+from ptbench.command import Command
 
-def add_simulate(commands) -> None:
-    """The subcommand's options."""
-    parser = commands.add_parser(
-        "simulate", help="one render on a thousand GPUs, on paper: from parts that were measured on few"
-    )
+
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--results", type=Path, default=Path("results"), metavar="DIR", help="default: results")
     parser.add_argument(
         "--definition", type=Path, metavar="FILE.json",
@@ -21,3 +20,13 @@ def add_simulate(commands) -> None:
     )
     parser.add_argument("--spp", type=int, default=64, metavar="N", help="of --work (default: 64)")
     parser.add_argument("--binary", type=Path, default=Path("build/ptbench"), metavar="PTBENCH", help="of --work")
+
+
+def _load():
+    from ptbench.simulate.command import simulate_command
+
+    return simulate_command
+
+
+_HELP = "one render on a thousand GPUs, on paper: from parts that were measured on few"
+COMMANDS = (Command("simulate", _HELP, _add_arguments, _load),)
