@@ -19,7 +19,7 @@ from ptbench.findings.builders import Built, Crossed, built, crossed
 from ptbench.findings.commits import shown_commit
 from ptbench.findings.quantities import Quantity, Ratio, Ratios, disturbed_text, link_to
 from ptbench.io.cells import Cell, MeshFacts, Result
-from ptbench.io.results import load
+from ptbench.io.results import load_kept
 from ptbench.stats.estimates import (
     CLOCK_UNKNOWN,
     UNSURE,
@@ -53,7 +53,7 @@ class Source:
     """One result file; `where` is what every selection of the page means besides what it says."""
 
     def __init__(self, results: Path, file: str, where: str = "") -> None:
-        self.result: Result = load(results / file)
+        self.result: Result = load_kept(results / file)
         self._shown = file
         self._results = results
         self._where = parsed(where)

@@ -18,6 +18,8 @@ from ptbench.report.scenes import Renderer, scene_pictures
 from ptbench.report.sources import Sources, find_sources
 from ptbench.terminal import say, visible
 
+# Bytes of all files from which on processes are begun: each takes a second or more to load what draws.
+WORTH_PROCESSES = 1 << 20
 _MADE_BY = "by python3 -m ptbench report."  # the end of each report's subtitle
 
 
@@ -72,7 +74,7 @@ def _size(path: Path) -> int:
 
 def _chapters(sources: Sources) -> list[Chapter]:
     jobs = min(len(sources.paths), len(os.sched_getaffinity(0)))
-    if jobs < 2:
+    if jobs < 2 or sum(map(_size, sources.paths)) < WORTH_PROCESSES:
         return [chapter_of(path, title) for path, title in zip(sources.paths, sources.titles, strict=True)]
     # The largest files first: the last one to be done should be short.
     order = sorted(range(len(sources.paths)), key=lambda index: -_size(sources.paths[index]))

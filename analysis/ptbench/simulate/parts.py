@@ -12,7 +12,7 @@ from ptbench.errors import InputError, bad_value
 from ptbench.io.cells import Result
 from ptbench.io.files import package_file
 from ptbench.io.nodes import Node, read_json
-from ptbench.io.results import load
+from ptbench.io.results import load_kept
 from ptbench.simulate.model import BYTES_PER_PIXEL, Cost, Network, added_up_ms
 from ptbench.studies.selection import cells_of, parsed
 
@@ -58,15 +58,15 @@ def parts_of(results: Path, definition: Path | None = None) -> Parts:
     root = read_json(definition or package_file("simulate", DEFINITION))
     render, noise, reduction = (root.need(name) for name in ("render", "noise", "reduction"))
     cost, cost_points, device = _cost(results, render)
-    values, cells = _noise(load(results / noise.need("file").name()), noise.need("least_ms").number())
+    values, cells = _noise(load_kept(results / noise.need("file").name()), noise.need("least_ms").number())
     work_file = results / root.need("work").name()
     work, scene = read_work(work_file)
     most = reduction.need("most_ms").number(above_zero=True)
-    fitted = reduction_ms(load(results / reduction.need("fit").name()), most)
+    fitted = reduction_ms(load_kept(results / reduction.need("fit").name()), most)
     network = _network(fitted)
     checks: dict[tuple[int, int], float] = {}
     for file in reduction.need("check").items():
-        checks |= reduction_ms(load(results / file.name()), most)
+        checks |= reduction_ms(load_kept(results / file.name()), most)
     networks = {
         name: Network(name, one.need("microseconds").number() / 1e3, one.need("gb_per_second").number(above_zero=True),
                       one.need("source").name())
@@ -82,7 +82,7 @@ def parts_of(results: Path, definition: Path | None = None) -> Parts:
 
 
 def _cost(results: Path, about: Node) -> tuple[Cost, tuple[Point, ...], str]:
-    result = load(results / about.need("file").name())
+    result = load_kept(results / about.need("file").name())
     cells = [cell for cell in cells_of(result, parsed(about.need("where").name())) if cell.measured]
     if len(cells) < 2:
         raise bad_value(result.path, "render", f"{len(cells)} sizes", "two or more, for a line")
