@@ -181,7 +181,7 @@ def test_the_measured_gpus_turn_one_groups_order():
     for change in groups[0].changes:
         at = crossover(groups[0], change, gpus)
         assert other.gpu.gb_per_second < at.low <= at.value <= at.high < fleet.first.gb_per_second
-    said = {section.heading: section for section in sections(fleet, whole=True)}
+    said = {section.title: section for section in sections(fleet, whole=True)}
     assert len(said["Where the order turns"].table.rows) == 4
     pairs = verdict_pairs(other.comparison)
     assert sum(pair.is_decided for pair in pairs) > 20

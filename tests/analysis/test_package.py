@@ -22,7 +22,7 @@ from ptbench.cli.main import FOLDERS, commands
 MOST_LINES = 400
 # From the bottom up: a folder or file at the top imports from those before it and from itself.
 LAYERS = (
-    "terminal", "command", "errors", "git", "numbers", "io", "program", "tables", "stats", "studies", "convergence",
+    "terminal", "command", "errors", "git", "numbers", "io", "program", "document", "stats", "studies", "convergence",
     "stability", "crosscheck", "peers", "figures", "compare", "fleet", "simulate", "findings", "claims", "maps",
     "advise", "submit", "explain", "plots", "gallery", "report", "tidy", "frames", "measured", "flat", "validate",
     "__init__", "cli", "__main__",

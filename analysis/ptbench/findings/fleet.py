@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ptbench.compare.match import Pair as CellPair
-from ptbench.compare.sections import Section, table_markdown
 from ptbench.compare.text import MARKS, estimate_text
+from ptbench.document.blocks import Section
+from ptbench.document.markdown import table_lines
 from ptbench.errors import FindingError
 from ptbench.findings.quantities import Quantity, disturbed_text, link_to
 from ptbench.fleet.fleet import BAR, NEAR_ENOUGH, Fleet, Other, Score, fleet_of
@@ -251,4 +252,4 @@ class FleetSource:
 
 
 def _table(section: Section) -> str:
-    return "\n".join(table_markdown(section.table)) if section.table is not None and section.table.rows else "None."
+    return "\n".join(table_lines(section.table)) if section.table is not None and section.table.rows else "None."

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ptbench.compare.sections import Table, table_markdown
+from ptbench.document.markdown import table_lines
+from ptbench.document.table import Table
 from ptbench.errors import FindingError
 from ptbench.findings.quantities import Quantity, link_to
 from ptbench.simulate.parts import WORK, Parts, parts_of
@@ -146,4 +147,4 @@ class SimulationSource:
 
 
 def _text(table: Table) -> str:
-    return "\n".join(table_markdown(table))
+    return "\n".join(table_lines(table))

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from ptbench.document.blocks import Lines
+from ptbench.document.markdown import markdown
+from ptbench.document.table import table_of
 from ptbench.errors import NotDrawable
 from ptbench.figures import peers, style
 from ptbench.figures.saving import save_figure
 from ptbench.io.files import make_folder, write_text
 from ptbench.peers.document import HEAD, RULE, SCHEMA, row_of, scenes_of
 from ptbench.studies.withdrawn import withdrawals
-from ptbench.tables import Lines, markdown, table_of
 from ptbench.terminal import say
 
 FIGURE = "variance_by_time"

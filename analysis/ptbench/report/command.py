@@ -8,11 +8,11 @@ from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
+from ptbench.document.markdown import SCENES, linked_files, report_page, write_files
 from ptbench.errors import bad_value
 from ptbench.io.files import check_output_file, check_output_folder, make_folder, write_text
 from ptbench.report.chapter import Chapter, chapter_of
 from ptbench.report.html import html_page
-from ptbench.report.markdown import SCENES, linked_files, markdown_page, write_files
 from ptbench.report.overview import report_sections, title_of
 from ptbench.report.scenes import Renderer, scene_pictures
 from ptbench.report.sources import Sources, find_sources
@@ -46,7 +46,7 @@ def report(named: Sequence[Path], out: Path, binary: Path | None, spp: int, side
     files = list(linked_files(out, sections))
     _refuse_foreign(out, [out / "report.md", out / "report.html", *(path for path, _ in files)])
     write_files(files)
-    say(write_text(out / "report.md", markdown_page(title, subtitle, sections)))
+    say(write_text(out / "report.md", report_page(title, subtitle, sections)))
     say(write_text(out / "report.html", html_page(title, subtitle, sections)))
     return 0
 

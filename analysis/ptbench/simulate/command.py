@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from ptbench.compare.sections import as_markdown, as_text
+from ptbench.document.markdown import markdown_page
+from ptbench.document.text import as_text
 from ptbench.errors import InputError
 from ptbench.figures import style
 from ptbench.figures.saving import save_figure
@@ -34,7 +35,7 @@ def simulate_command(options: argparse.Namespace) -> int:
         make_folder(options.out)
         with style.applied():
             written = save_figure(draw(study), options.out, FIGURE)
-        page = as_markdown("One render on many GPUs, simulated", found) + f"\n![Efficiency]({FIGURE}.png)\n"
+        page = markdown_page("One render on many GPUs, simulated", found) + f"\n![Efficiency]({FIGURE}.png)\n"
         print()
         for path in [*written, write_text(options.out / "simulation.md", page)]:
             say(path)

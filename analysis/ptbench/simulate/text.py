@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ptbench.compare.sections import Section, Table
+from ptbench.document.blocks import Section, section
+from ptbench.document.table import Table, table_of
 from ptbench.numbers import figures
 from ptbench.simulate.model import BANDS, PARTITIONS, TILES
 from ptbench.simulate.parts import Point
@@ -41,8 +42,8 @@ def assumptions(study: Study) -> list[str]:
 def sections(study: Study) -> list[Section]:
     """The report."""
     return [
-        Section("Assumptions", tuple(assumptions(study))),
-        Section(
+        section("Assumptions", tuple(assumptions(study))),
+        section(
             f"Efficiency at {study.side}x{study.side}",
             (
                 f"One GPU's time over P times that of P GPUs, over {study.far.name}; the middle 90 % of trials lie "
@@ -50,10 +51,10 @@ def sections(study: Study) -> list[Section]:
             ),
             efficiency_table(study),
         ),
-        Section("Adding up films, ms", (f"Over {study.far.name}.",), reduction_table(study)),
-        Section("From how many samples a pixel on samples are as fast as tiles", (), even_table(study)),
-        Section("Imbalance and stragglers", (), straggler_table(study)),
-        Section("Checked", checked_lines(study), check_table(study)),
+        section("Adding up films, ms", (f"Over {study.far.name}.",), reduction_table(study)),
+        section("From how many samples a pixel on samples are as fast as tiles", (), even_table(study)),
+        section("Imbalance and stragglers", (), straggler_table(study)),
+        section("Checked", checked_lines(study), check_table(study)),
     ]
 
 
@@ -71,7 +72,7 @@ def efficiency_table(study: Study) -> Table:
         for partition in PARTITIONS
     ]
     columns = ("spp", "Partition", *(f"P = {count}" for count in ranks))
-    return Table(columns, tuple(rows), frozenset((columns[0], *columns[2:])))
+    return table_of(columns, rows, (columns[0], *columns[2:]))
 
 
 def reduction_table(study: Study) -> Table:
@@ -80,7 +81,7 @@ def reduction_table(study: Study) -> Table:
     sides = study.parts.definition["sides"]
     rows = [(f"{side}x{side}", *(figures(study.reductions[side, count], 3) for count in ranks)) for side in sides]
     columns = ("Image", *(f"P = {count}" for count in ranks))
-    return Table(columns, tuple(rows), frozenset(columns[1:]))
+    return table_of(columns, rows, columns[1:])
 
 
 def even_table(study: Study) -> Table:
@@ -92,7 +93,7 @@ def even_table(study: Study) -> Table:
         for side in sides
     ]
     columns = ("Image", *(f"P = {count}" for count in ranks))
-    return Table(columns, tuple(rows), frozenset(columns[1:]))
+    return table_of(columns, rows, columns[1:])
 
 
 def straggler_table(study: Study) -> Table:
@@ -114,7 +115,7 @@ def straggler_table(study: Study) -> Table:
     ]  # fmt: skip
     columns = ("", *(f"P = {count}" for count in ranks))
     rows = tuple((name, *(f"{value:.3f}" for value in values)) for name, values in lines)
-    return Table(columns, rows, frozenset(columns[1:]))
+    return table_of(columns, rows, columns[1:])
 
 
 def checked_lines(study: Study) -> tuple[str, ...]:
@@ -140,7 +141,7 @@ def check_table(study: Study) -> Table:
     )
     rows = [row for name, points in groups for row in _point_rows(name, points)]
     columns = ("What", "Of", "Formula", "Measured", "Error")
-    return Table(columns, tuple(rows), frozenset(columns[2:]))
+    return table_of(columns, rows, columns[2:])
 
 
 def _point_rows(name: str, points: Iterable[Point]) -> Iterable[tuple[str, ...]]:

@@ -1,11 +1,15 @@
-"""What a report is made of. Texts may hold `code` and **bold**, nothing else; files' texts are escaped when written."""
+"""What a document is made of. Texts may hold `code` and **bold**, nothing else.
+
+Reports have files' own texts, which their writers escape.
+"""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from ptbench.tables import Lines, Table
+from ptbench.document.table import Table
 
 
 @dataclass(frozen=True)
@@ -86,12 +90,27 @@ Block = Paragraph | Bullets | Facts | Table | Folded | Image | Pictures | Downlo
 
 @dataclass(frozen=True)
 class Section:
-    """`anchor` is unique in the page: letters, digits, hyphens."""
+    """`anchor`, which links lead to, is unique in the page: letters, digits, hyphens; empty: there are no links."""
 
     title: str
-    anchor: str
+    anchor: str = ""
     blocks: tuple[Block, ...] = ()
     children: tuple[Section, ...] = field(default=())
+
+    @property
+    def table(self) -> Table | None:
+        """Its first table."""
+        return next((block for block in self.blocks if isinstance(block, Table)), None)
+
+
+def section(title: str, lines: Sequence[str] = (), table: Table | None = None, after: Sequence[str] = ()) -> Section:
+    """Sentences, a table, and sentences after it."""
+    blocks = (Bullets(tuple(lines)) if lines else None, table, Bullets(tuple(after)) if after else None)
+    return Section(title, blocks=tuple(block for block in blocks if block is not None))
+
+
+# A summary under way: lines of Markdown, and tables between them.
+Lines = list["str | Table"]
 
 
 def anchor_of(*parts: str) -> str:
