@@ -17,8 +17,9 @@ from peers_fakes import Fakes
 from ptbench.crosscheck.renders import WHEEL
 from ptbench.errors import FindingError, NotDrawable
 from ptbench.figures import peers as figure
-from ptbench.findings.page import read_page, render, source_of
-from ptbench.findings.peers import PeersSource
+from ptbench.findings.page import read_page, render
+from ptbench.findings.source import source_of
+from ptbench.findings.sources.peers import PeersSource
 from ptbench.io.validate import complaints, validate
 from ptbench.peers.document import Peer, scenes_of
 from ptbench.peers.process import PeerFailed, Talker

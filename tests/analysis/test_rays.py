@@ -17,8 +17,9 @@ import ptbench
 from ptbench.cli.main import main
 from ptbench.errors import FindingError, InputError, NotDrawable
 from ptbench.figures import rays_by_triangles, series, style
-from ptbench.findings.page import read_page, render, source_of
-from ptbench.findings.rays import RaysFolder
+from ptbench.findings.page import read_page, render
+from ptbench.findings.source import source_of
+from ptbench.findings.sources.rays import RaysFolder
 from ptbench.io.nodes import read_json
 from ptbench.io.rays import is_peer, is_rays, load_rays_folder, peer_of, rays_of
 from ptbench.io.validate import complaints

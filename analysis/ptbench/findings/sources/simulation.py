@@ -8,6 +8,7 @@ from ptbench.document.markdown import table_lines
 from ptbench.document.table import Table
 from ptbench.errors import FindingError
 from ptbench.findings.quantities import Quantity, link_to
+from ptbench.findings.source import Source
 from ptbench.simulate.parts import WORK, Parts, parts_of
 from ptbench.simulate.study import Study, study_of
 from ptbench.simulate.text import (
@@ -21,16 +22,12 @@ from ptbench.simulate.text import (
 )
 from ptbench.stats.estimates import Estimate
 
-__all__ = ["WORK", "SimulationSource"]
 
-
-class SimulationSource:
+class SimulationSource(Source, form=WORK):
     """The simulation of the package's definition, from the results of a checkout; `file` is its map of work."""
 
-    commit = ""
-
     def __init__(self, results: Path, file: str) -> None:
-        self._results, self._file = results, file
+        super().__init__(results, file)
         self._parts: Parts = parts_of(results)
         if self._parts.definition["work"] != file:
             raise FindingError(f"{file}: the simulation's map of work is {self._parts.definition['work']}")

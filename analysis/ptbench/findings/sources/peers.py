@@ -7,20 +7,17 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ptbench.errors import FindingError
-from ptbench.findings.quantities import Quantity, link_to
-from ptbench.io.nodes import read_json
+from ptbench.findings.quantities import Quantity
+from ptbench.findings.source import Source
 from ptbench.numbers import figures
 from ptbench.peers.document import SCHEMA, Peer, Scene, row_of, scenes_of, shown_ratio
 
-__all__ = ["SCHEMA", "PeersSource"]
 
-
-class PeersSource:
+class PeersSource(Source, form=SCHEMA):
     """Scenes, and who was timed in them."""
 
     def __init__(self, results: Path, file: str) -> None:
-        self._shown, self._results = file, results
-        self._value = read_json(results / file).value
+        super().__init__(results, file)
         if not self._value["complete"]:
             raise FindingError(f"{file}: an unfinished run; go on with --resume")
         self._context, self._settings = self._value["context"], self._value["settings"]
@@ -132,10 +129,7 @@ class PeersSource:
     @property
     def provenance(self) -> str:
         """A line of a list."""
-        return (
-            f"- {link_to(self._results, self._shown)}: {self.device}, {self._context['date'][:10]}, "
-            f"{self._context['ptbench.version']}."
-        )
+        return f"- {self._link}: {self.device}, {self._context['date'][:10]}, {self._context['ptbench.version']}."
 
     @property
     def _peers(self) -> list[Peer]:

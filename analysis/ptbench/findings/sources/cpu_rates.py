@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 
 from ptbench.errors import FindingError
 from ptbench.findings.commits import shown_commit
-from ptbench.findings.quantities import link_to
-from ptbench.io.nodes import read_json
+from ptbench.findings.source import Source
 from ptbench.numbers import figures
 
-SCHEMA = "ptbench-rays-cpu-1"
 TREES = ("bvh2", "bvh4", "bvh8", "cwbvh")  # ours; the rest is Embree, in and out of the harness
 PEER = "embree_native"
 
@@ -46,12 +43,8 @@ class CpuRays:
         return figures(self.over_peer, 3)
 
 
-class CpuRaysSource:
+class CpuRaysSource(Source, form="ptbench-rays-cpu-1"):
     """Rates by mesh and class of rays."""
-
-    def __init__(self, results: Path, file: str) -> None:
-        self._shown, self._results = file, results
-        self._value = read_json(results / file).value
 
     @property
     def commit(self) -> str:
@@ -96,4 +89,4 @@ class CpuRaysSource:
         """A line of a list."""
         commit = shown_commit(self._results, self.commit)
         count = len(self.classes)
-        return f"- {link_to(self._results, self._shown)}: `tools/rays/rays_cpu`, {count} batches; commit {commit}."
+        return f"- {self._link}: `tools/rays/rays_cpu`, {count} batches; commit {commit}."

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ptbench.compare.match import Pair as CellPair
@@ -11,6 +11,7 @@ from ptbench.document.blocks import Section
 from ptbench.document.markdown import table_lines
 from ptbench.errors import FindingError
 from ptbench.findings.quantities import Quantity, disturbed_text, link_to
+from ptbench.findings.source import SEVERAL, Source
 from ptbench.fleet.fleet import BAR, NEAR_ENOUGH, Fleet, Other, Score, fleet_of
 from ptbench.fleet.model import USED
 from ptbench.fleet.text import (
@@ -29,19 +30,25 @@ from ptbench.studies.disturbed import is_contended
 from ptbench.studies.programs import why_not_one
 
 
-class FleetSource:
+class FleetSource(Source, form=SEVERAL):
     """Result files of GPUs, the first of the one that counters are of; a page speaks of the first two."""
 
     near_enough = f"{NEAR_ENOUGH:.0%}".replace("%", " %")
     bar = f"{BAR:.0%}".replace("%", " %")
 
     def __init__(self, results: Path, files: Sequence[str], inspected: Sequence[str], models: Sequence[str]) -> None:
-        self._results, self._files, self._inspected = results, files, inspected
+        super().__init__(results, files[0])
+        self._files, self._inspected = files, inspected
         paths = [[results / file for file in some] for some in (files, inspected)]
         self._fleet: Fleet = fleet_of(*paths, models)
         if reason := why_not_one(self._fleet.compared.results):
             raise FindingError(f"{' and '.join(files)} cannot be compared as machines: {reason}")
         self._pairs: list[Pair] = verdict_pairs(self._other.comparison)
+
+    @classmethod
+    def of(cls, results: Path, about: Mapping) -> FleetSource:
+        """The file and those "against" it, with files that "inspect" wrote and "models" that nobody has."""
+        return cls(results, (about["file"], *about["against"]), about.get("inspect", ()), about.get("models", ()))
 
     @property
     def _other(self) -> Other:

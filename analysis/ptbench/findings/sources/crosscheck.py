@@ -8,11 +8,9 @@ from pathlib import Path
 from ptbench.crosscheck.document import spp_of
 from ptbench.crosscheck.pooled import Pooled, pooled
 from ptbench.errors import FindingError
-from ptbench.findings.quantities import link_to
-from ptbench.io.nodes import read_json
+from ptbench.findings.source import Source
 from ptbench.numbers import figures
 
-SCHEMA = "ptbench-crosscheck-1"
 _ALIKE = ("resolution", "scale", "allowed")  # in calls that may be taken together
 
 
@@ -20,12 +18,12 @@ def _percent(share: float, digits: int = 2) -> str:
     return f"{figures(100 * share, digits)} %"
 
 
-class CrosscheckSource:
+class CrosscheckSource(Source, form="ptbench-crosscheck-1"):
     """Scenes in both renderers, and what was found."""
 
     def __init__(self, results: Path, file: str) -> None:
-        self._shown, self._results = file, results
-        value = read_json(results / file).value
+        super().__init__(results, file)
+        value = self._value
         self._context, self._settings, self._scenes = value["context"], value["settings"], value["scenes"]
         self._first_seed: int = value.get("call", {}).get("first_seed", 1)
 
@@ -198,7 +196,7 @@ class CrosscheckSource:
         """A line of a list."""
         date = self._context["date"][:10]
         version = self._context["ptbench.version"]
-        return f"- {link_to(self._results, self._shown)}: {self._context['ptbench.machine']}, {date}, {version}."
+        return f"- {self._link}: {self._context['ptbench.machine']}, {date}, {version}."
 
 
 def _short(reasons: list[str]) -> str:

@@ -2,23 +2,14 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from ptbench.errors import FindingError
 from ptbench.findings.commits import shown_commit
-from ptbench.findings.quantities import link_to
-from ptbench.io.nodes import read_json
+from ptbench.findings.source import Source
 from ptbench.numbers import figures
 
-SCHEMA = "ptbench-leaks-1"
 
-
-class LeaksSource:
+class LeaksSource(Source, form="ptbench-leaks-1"):
     """Rays at vertices and edges, by mesh, tree and kernel."""
-
-    def __init__(self, results: Path, file: str) -> None:
-        self._shown, self._results = file, results
-        self._value = read_json(results / file).value
 
     @property
     def commit(self) -> str:
@@ -58,4 +49,4 @@ class LeaksSource:
     def provenance(self) -> str:
         """A line of a list."""
         commit = shown_commit(self._results, self.commit)
-        return f"- {link_to(self._results, self._shown)}: `ptbench rays --leaks`, {self.ways} ways; commit {commit}."
+        return f"- {self._link}: `ptbench rays --leaks`, {self.ways} ways; commit {commit}."

@@ -16,6 +16,7 @@ from ptbench.errors import FindingError
 from ptbench.figures.rays_by_triangles import family, measured_meshes, peer_name
 from ptbench.findings.commits import shown_commit
 from ptbench.findings.quantities import Quantity, Ratio, Ratios
+from ptbench.findings.source import FOLDER, Source
 from ptbench.io.rays import Batch, RayMesh, Tree, load_rays_folder, peer_batch
 from ptbench.numbers import figures, share
 from ptbench.stats.estimates import Estimate, median_estimate, ratio_estimate, verdict_of_ratio
@@ -69,11 +70,11 @@ class Traced:
         return " ".join(f"{name}={value}" for name, value in self.names.items())
 
 
-class RaysFolder:
+class RaysFolder(Source, form=FOLDER):
     """All files of one folder; those with too few rays to tell a rate are left out."""
 
     def __init__(self, results: Path, folder: str) -> None:
-        self._shown, self._results = folder, results
+        super().__init__(results, folder)
         self.files, self.peers = load_rays_folder(results / folder)
         self.meshes = sorted(measured_meshes(self.files), key=lambda mesh: (family(mesh.name), mesh.triangles))
         if wrong := [mesh.name for mesh in self.meshes if not all(mesh.agree.values())]:

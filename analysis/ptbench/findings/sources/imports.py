@@ -3,22 +3,14 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 from ptbench.errors import FindingError
-from ptbench.findings.quantities import link_to
-from ptbench.io.nodes import read_json
+from ptbench.findings.source import Source
 from ptbench.numbers import figures
 
-SCHEMA = "ptbench-imports-1"
 
-
-class ImportsSource:
+class ImportsSource(Source, form="ptbench-imports-1"):
     """Other people's scenes, and how many came through."""
-
-    def __init__(self, results: Path, file: str) -> None:
-        self._shown, self._results = file, results
-        self._value = read_json(results / file).value
 
     @property
     def commit(self) -> str:
@@ -74,4 +66,4 @@ class ImportsSource:
     def provenance(self) -> str:
         """A line of a list."""
         context = self._value["context"]
-        return f"- {link_to(self._results, self._shown)}: {context['date'][:10]}, {context['ptbench.version']}."
+        return f"- {self._link}: {context['date'][:10]}, {context['ptbench.version']}."
