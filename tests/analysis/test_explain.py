@@ -13,12 +13,12 @@ from conftest import RESULTS, stored_text
 from legibility import check_legible
 
 from ptbench.errors import InputError
-from ptbench.explain.accounting import OUTSIDE, PASSES, WHOLE, account_of, accounting_of
-from ptbench.explain.command import pairs_of
-from ptbench.explain.facts import MILLION_RAYS, NS_A_RAY, facts_of, rated_bandwidth
-from ptbench.explain.figure import draw
-from ptbench.explain.found import Choice, Found
-from ptbench.explain.text import explained, finding, how_far
+from ptbench.extras.explain.accounting import OUTSIDE, PASSES, WHOLE, account_of, accounting_of
+from ptbench.extras.explain.command import pairs_of
+from ptbench.extras.explain.facts import MILLION_RAYS, NS_A_RAY, facts_of, rated_bandwidth
+from ptbench.extras.explain.figure import draw
+from ptbench.extras.explain.found import Choice, Found
+from ptbench.extras.explain.text import explained, finding, how_far
 from ptbench.figures import style
 from ptbench.io.cells import Result
 from ptbench.io.inspection import inspected_of, load_inspected, price_of_a_ray

@@ -15,17 +15,17 @@ from pathlib import Path
 
 import pytest
 from builder import small
-from conftest import PACKAGE, ROOT, run_analysis
+from conftest import PACKAGE, RESULTS, ROOT, run_analysis
 
 from ptbench.cli.main import FOLDERS, commands
 
 MOST_LINES = 400
 # From the bottom up: a folder or file at the top imports from those before it and from itself.
 LAYERS = (
-    "terminal", "command", "errors", "git", "numbers", "io", "program", "document", "stats", "studies", "convergence",
-    "stability", "crosscheck", "peers", "figures", "compare", "fleet", "simulate", "findings", "claims", "maps",
-    "advise", "submit", "explain", "plots", "gallery", "report", "tidy", "frames", "measured", "flat", "validate",
-    "__init__", "cli", "__main__",
+    "terminal", "command", "errors", "git", "numbers", "io", "found", "program", "document", "stats", "studies",
+    "convergence", "stability", "crosscheck", "figures", "compare", "findings", "claims", "submit", "plots",
+    "gallery", "report", "tidy", "frames", "measured", "fleet", "extras", "flat", "validate", "__init__", "cli",
+    "__main__",
 )  # fmt: skip
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 
@@ -88,6 +88,36 @@ def test_folders_build_on_those_before_them():
     upward = [(one, other) for one, targets in GRAPH.items() for other in targets
               if layer(other) > layer(one) and (one, other) != ("ptbench.__main__", "ptbench.cli.main")]  # fmt: skip
     assert upward == []
+
+
+def is_extra(module: str) -> bool:
+    return module.startswith(("ptbench.extras", "ptbench.fleet"))
+
+
+def test_nothing_imports_extras():
+    """What pages and results do without is found where it lies: its commands, sources and figures."""
+    extras = {name for name in GRAPH if is_extra(name)}
+    assert {name.split(".")[2] for name in extras if name.count(".") > 2} >= {"advise", "explain", "maps", "peers"}
+    users = {name for name in GRAPH if not is_extra(name) and GRAPH[name] & extras}
+    assert users == set()
+
+
+def test_a_page_is_rendered_without_extras(tmp_path):
+    copy = tmp_path / "ptbench"
+    shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__", "extras", "fleet"))
+    names = ("imports", "compaction")
+    code = (
+        "import sys; from pathlib import Path; from ptbench.findings.page import read_page, render\n"
+        "for page, target in zip(sys.argv[2::2], sys.argv[3::2]):\n"
+        "    text = render(read_page(Path(page)), Path(sys.argv[1]))\n"
+        "    assert text == Path(target).read_text(encoding='utf-8'), page\n"
+    )
+    pages = [ROOT / folder / f"{name}.md" for name in names for folder in ("docs/templates", "docs/findings")]
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", code, RESULTS, *pages], capture_output=True, text=True, check=False,
+        env={**os.environ, "PYTHONPATH": str(tmp_path)}, cwd=tmp_path,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_importing_a_folder_imports_nothing_else():

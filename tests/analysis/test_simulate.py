@@ -9,8 +9,7 @@ from conftest import RESULTS, ROOT
 
 from ptbench.cli.main import main
 from ptbench.errors import InputError
-from ptbench.io.results import load_kept
-from ptbench.simulate.model import (
+from ptbench.extras.simulate.model import (
     BANDS,
     DYNAMIC,
     PARTITIONS,
@@ -28,9 +27,10 @@ from ptbench.simulate.model import (
     of_samples,
     times_ms,
 )
-from ptbench.simulate.parts import parts_of, read_work, reduction_ms
-from ptbench.simulate.study import device_checks, study_of
-from ptbench.simulate.work import blocks_of, counting
+from ptbench.extras.simulate.parts import parts_of, read_work, reduction_ms
+from ptbench.extras.simulate.study import device_checks, study_of
+from ptbench.extras.simulate.work import blocks_of, counting
+from ptbench.io.results import load_kept
 
 FREE = Network("free", 0.0, 1e30)
 # A message takes 1 ms, and a million pixels' film another 24.
@@ -178,7 +178,7 @@ def test_several_gpus_are_held_against_what_was_measured():
 
 
 def test_the_command_writes_a_page_and_a_figure_or_says_what_is_missing(tmp_path, capsys):
-    definition = json.loads((ROOT / "analysis/ptbench/simulate/thousand.json").read_text(encoding="utf-8"))
+    definition = json.loads((ROOT / "analysis/ptbench/extras/simulate/thousand.json").read_text(encoding="utf-8"))
     definition |= {"ranks": [1, 2, 4], "spp": [16], "sides": [800], "trials": 20}
     file = tmp_path / "few.json"
     file.write_text(json.dumps(definition), encoding="utf-8")

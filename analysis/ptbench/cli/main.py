@@ -24,8 +24,8 @@ _PROGRAM = "ptbench-analysis"
 _MODULE = "python3 -m ptbench"
 # Whose options.py has COMMANDS, in the order of --help.
 FOLDERS = (
-    "plots", "report", "compare", "fleet", "crosscheck", "peers", "explain", "findings", "claims", "maps", "advise",
-    "gallery", "flat", "validate", "submit", "simulate",
+    "plots", "report", "compare", "fleet", "crosscheck", "extras.peers", "extras.explain", "findings", "claims",
+    "extras.maps", "extras.advise", "gallery", "flat", "validate", "submit", "extras.simulate",
 )  # fmt: skip
 
 

@@ -1,7 +1,7 @@
 """What a page has of a file by a name of its own, and how the kind of a file is found.
 
-Each kind is a class in a module of findings/sources, or in the source.py of a folder of extras, and says by `form`
-which files are its own. The modules are found where they lie: one more kind is one more file.
+Each kind is a class in a module of findings/sources, or in the source.py of fleet or of a folder of extras, and says by
+`form` which files are its own. The modules are found where they lie: one more kind is one more file.
 """
 
 from __future__ import annotations
@@ -9,20 +9,19 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from functools import cache, cached_property
-from importlib import import_module
 from pathlib import Path
 from typing import ClassVar
 
 from ptbench.errors import FindingError
 from ptbench.findings.quantities import link_to
-from ptbench.io.files import package_file
+from ptbench.found import modules
 from ptbench.io.nodes import Node, read_json
 
 # Forms of files that have no schema's name.
 SEVERAL, TEXT, FOLDER, LIST, SUITE, OTHER = "several files", "text", "a folder", "a list", "ptbench run", "other JSON"
 # Of a file whose schema's name is no kind's.
 STABILITY = "ptbench-stability-1"
-_MODULES = ("findings/sources/*.py", "extras/*/source.py")
+_MODULES = ("findings/sources/*.py", "fleet/source.py", "extras/*/source.py")
 _NO_PART_OF_IT = ("kernels_behind", "optional")
 
 
@@ -64,11 +63,7 @@ class Source:
 @cache
 def kinds() -> Mapping[str, type[Source]]:
     """Every kind of source by its form."""
-    package = package_file()
-    for pattern in _MODULES:
-        for path in sorted(package.glob(pattern)):
-            module = path.relative_to(package).with_suffix("")
-            import_module(".".join(("ptbench", *module.parts)))
+    modules(*_MODULES)
     return Source._kinds
 
 
