@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from pathlib import Path
 
 from ptbench.errors import FindingError
 from ptbench.extras.peers.document import SCHEMA, Peer, Scene, row_of, scenes_of, shown_ratio
+from ptbench.findings.commits import commit_of
 from ptbench.findings.quantities import Quantity
 from ptbench.findings.source import Source
 from ptbench.numbers import figures
@@ -26,8 +26,7 @@ class PeersSource(Source, form=SCHEMA):
     @property
     def commit(self) -> str:
         """The program's."""
-        found = re.search(r"commit ([0-9a-f]{40})", self._context["ptbench.version"])
-        return found[1] if found else ""
+        return commit_of(self._context["ptbench.version"])
 
     @property
     def folder(self) -> str:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 from ptbench.crosscheck.document import spp_of
 from ptbench.crosscheck.pooled import Pooled, pooled
 from ptbench.errors import FindingError
+from ptbench.findings.commits import commit_of
 from ptbench.findings.source import Source
 from ptbench.numbers import figures
 
@@ -30,8 +30,7 @@ class CrosscheckSource(Source, form="ptbench-crosscheck-1"):
     @property
     def commit(self) -> str:
         """The program's."""
-        found = re.search(r"commit ([0-9a-f]{40})", self._context["ptbench.version"])
-        return found[1] if found else ""
+        return commit_of(self._context["ptbench.version"])
 
     def _of(self, *verdicts: str) -> list[dict]:
         return [scene for scene in self._scenes if scene["verdict"] in verdicts]

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import re
-
 from ptbench.errors import FindingError
+from ptbench.findings.commits import commit_of
 from ptbench.findings.source import Source
 from ptbench.numbers import figures
 
@@ -15,8 +14,7 @@ class ImportsSource(Source, form="ptbench-imports-1"):
     @property
     def commit(self) -> str:
         """The program's."""
-        found = re.search(r"commit ([0-9a-f]{40})", self._value["context"]["ptbench.version"])
-        return found[1] if found else ""
+        return commit_of(self._value["context"]["ptbench.version"])
 
     @property
     def authors(self) -> int:
