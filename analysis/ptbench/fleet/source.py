@@ -24,6 +24,7 @@ from ptbench.fleet.text import (
     verdicts_section,
 )
 from ptbench.fleet.verdicts import Pair, crossover, ran_one_program, verdict_pairs
+from ptbench.io.results import load_kept
 from ptbench.numbers import figures
 from ptbench.stats.estimates import Estimate, geometric_mean_of_ratios
 from ptbench.studies.disturbed import is_contended
@@ -40,9 +41,9 @@ class FleetSource(Source, form=SEVERAL):
         super().__init__(results, files[0])
         self._files, self._inspected = files, inspected
         paths = [[results / file for file in some] for some in (files, inspected)]
-        self._fleet: Fleet = fleet_of(*paths, models)
-        if reason := why_not_one(self._fleet.compared.results):
+        if reason := why_not_one([load_kept(path) for path in paths[0]]):
             raise FindingError(f"{' and '.join(files)} cannot be compared as machines: {reason}")
+        self._fleet: Fleet = fleet_of(*paths, models)
         self._pairs: list[Pair] = verdict_pairs(self._other.comparison)
 
     @classmethod
