@@ -13,6 +13,7 @@ from stability_builder import DOUBLE, FAST, FLOAT, MIXED, NAIVE, WAVEFRONT, Stab
 
 from ptbench.compare.stability.matching import compare_stability_files
 from ptbench.compare.stability.text import stability_json, stability_sections
+from ptbench.document.blocks import Bullets, Section
 
 
 def before() -> StabilityBuilder:
@@ -43,13 +44,17 @@ def facts(found) -> dict:
 
 
 def section(found, start: str, whole: bool = True):
-    return next(one for one in stability_sections(found, whole) if one.heading.startswith(start))
+    return next(one for one in stability_sections(found, whole) if one.title.startswith(start))
+
+
+def lists_of(one: Section) -> list[tuple[str, ...]]:
+    return [block.items for block in one.blocks if isinstance(block, Bullets)]
 
 
 def test_the_same_rows_in_another_order_have_no_change(compared):
     found = compared(before(), changed_by(lambda rows: rows.reverse()))
-    assert [one.heading for one in stability_sections(found, whole=True)] == ["Files", "B against A"]
-    assert section(found, "B against A").lines == (
+    assert [one.title for one in stability_sections(found, whole=True)] == ["Files", "B against A"]
+    assert lists_of(section(found, "B against A"))[0] == (
         "8 rows (case, point, quantity, variant) are in both; 0 are in A alone, 0 in B alone.",
         "Another status have 0; of what must pass 0 fail in B that did not in A.",
         "Of 6 rows with numbers and the same status 6 measured the same value bit for bit; in exact arithmetic 5 of 5.",
@@ -59,8 +64,8 @@ def test_the_same_rows_in_another_order_have_no_change(compared):
         ("known limit", "1", "1", "0"), ("failed that need not pass", "1", "1", "0"), ("n/a", "1", "1", "0"),
     )  # fmt: skip
     table = section(found, "Files").table
-    assert [row[table.columns.index("MPS")] for row in table.rows] == ["not told", "yes"]
-    assert [row[table.columns.index("git")] for row in table.rows] == ["0123abcd4567", "9876543210ab"]
+    assert [row[table.head.index("MPS")] for row in table.rows] == ["not told", "yes"]
+    assert [row[table.head.index("git")] for row in table.rows] == ["0123abcd4567", "9876543210ab"]
 
 
 def mend(rows: list[dict]) -> None:
@@ -72,7 +77,7 @@ def mend(rows: list[dict]) -> None:
 def test_rows_of_another_status_are_listed_with_errors_and_reasons(compared):
     found = compared(before(), changed_by(mend))
     changes = section(found, "Rows of another status")
-    assert changes.table.columns == (
+    assert changes.table.head == (
         "Case", "Point", "Variant", "Quantity", "A", "B", "Error A", "Error B", "Allowed A", "Allowed B", "Reason",
     )  # fmt: skip
     assert changes.table.rows == (
@@ -112,7 +117,7 @@ def test_values_that_changed_are_counted_bit_by_bit(compared):
         "with_numbers": 6, "bit_identical": 3, "with_numbers_exact": 5, "bit_identical_exact": 3,
         "largest_relative_change": "inf", "another_check": 1,
     }  # fmt: skip
-    lines = section(found, "B against A").lines[2:]
+    lines = lists_of(section(found, "B against A"))[0][2:]
     assert lines == (
         "Of 6 rows with numbers and the same status 3 measured the same value bit for bit; in exact arithmetic 3 of 5.",
         "The other 3 are of S1 lamp, S2 plates; the largest change is inf of the larger value (S2 plates a=0.1: "
@@ -173,13 +178,13 @@ def test_stdout_lists_some_changes_and_the_page_all(compared):
     found = compared(one, other)
     brief = section(found, "Rows of another status", whole=False)
     assert len(brief.table.rows) == 40
-    assert brief.after == ("And 10 more rows (--out and --json have all).",)
+    assert lists_of(brief)[-1] == ("And 10 more rows (--out and --json have all).",)
     assert len(section(found, "Rows of another status").table.rows) == 50
 
 
 def test_three_files_are_held_against_the_first(compared):
     found = compared(before(), changed_by(mend), before())
-    headings = [one.heading for one in stability_sections(found, whole=True)]
+    headings = [one.title for one in stability_sections(found, whole=True)]
     assert headings[1::3] == ["B against A", "C against A"]
     assert [one["other"] for one in stability_json(found)["comparisons"]] == [1, 2]
 
@@ -187,7 +192,7 @@ def test_three_files_are_held_against_the_first(compared):
 def test_another_seed_is_told(compared):
     other = before()
     other.context |= {"seed": 2, "quick": True, "ptbench.program_hash": "ff"}
-    assert section(compared(before(), other), "Files").after == (
+    assert lists_of(section(compared(before(), other), "Files"))[-1] == (
         "What else differs between the files:", "program_hash: A unknown; B ff", "quick: A false; B true",
         "seed: A 1; B 2",
     )  # fmt: skip
@@ -268,7 +273,7 @@ def test_many_cases_are_named_in_part(compared):
     for index in range(10):
         one.case(f"case{index}").row(FLOAT, 0)
         other.case(f"case{index}").row(FLOAT, 1e-7)
-    lines = section(compared(one, other), "B against A").lines
+    lines = lists_of(section(compared(one, other), "B against A"))[0]
     assert "S8 case7 and 2 more; the largest change" in lines[3]
 
 

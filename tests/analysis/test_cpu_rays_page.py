@@ -9,8 +9,8 @@ import pytest
 from conftest import RESULTS
 
 from ptbench.errors import FindingError
-from ptbench.findings.cpu_rates import CpuRaysSource
-from ptbench.findings.page import source_of
+from ptbench.findings.source import source_of
+from ptbench.findings.sources.cpu_rates import CpuRaysSource
 
 
 def by(name: str, rate: float, different: int = 0) -> dict:

@@ -7,8 +7,8 @@ import json
 import pytest
 
 from ptbench.errors import FindingError
-from ptbench.findings.crosscheck import CrosscheckSource
-from ptbench.findings.page import source_of
+from ptbench.findings.source import source_of
+from ptbench.findings.sources.crosscheck import CrosscheckSource
 
 COMMIT = "0123456789abcdef0123456789abcdef01234567"
 

@@ -15,7 +15,8 @@ from matplotlib.figure import Figure
 from stability_builder import FLOAT, NAIVE, StabilityBuilder
 
 from ptbench.errors import NotDrawable
-from ptbench.figures import peers, style
+from ptbench.extras.peers import figure as peers
+from ptbench.figures import style
 from ptbench.figures.registry import collect_study, draw_study, parts_of_study
 from ptbench.figures.stability import heatmap, sweep
 from ptbench.io.nodes import read_json

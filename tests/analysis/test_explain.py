@@ -13,16 +13,16 @@ from conftest import RESULTS, stored_text
 from legibility import check_legible
 
 from ptbench.errors import InputError
-from ptbench.explain.accounting import OUTSIDE, PASSES, WHOLE, account_of, accounting_of
-from ptbench.explain.command import pairs_of
-from ptbench.explain.facts import MILLION_RAYS, NS_A_RAY, facts_of, rated_bandwidth
-from ptbench.explain.figure import draw
-from ptbench.explain.found import Choice, Found
-from ptbench.explain.text import explained, finding, how_far
+from ptbench.extras.explain.accounting import OUTSIDE, PASSES, WHOLE, account_of, accounting_of
+from ptbench.extras.explain.command import pairs_of
+from ptbench.extras.explain.facts import MILLION_RAYS, NS_A_RAY, facts_of, rated_bandwidth
+from ptbench.extras.explain.figure import draw
+from ptbench.extras.explain.found import Choice, Found
+from ptbench.extras.explain.text import explained, finding, how_far
 from ptbench.figures import style
 from ptbench.io.cells import Result
 from ptbench.io.inspection import inspected_of, load_inspected, price_of_a_ray
-from ptbench.io.results import load
+from ptbench.io.results import load, load_kept
 from ptbench.studies.variants import find_variant
 
 H200 = RESULTS / "nvidia-h200"
@@ -323,7 +323,7 @@ def test_a_committed_file_is_explained(analysis, tmp_path):
         "explain", H200 / "compaction.json", a, b, "--scene", "cornell_open", "--out", tmp_path
     )
     assert (code, wrong) == (0, "")
-    result = load(H200 / "compaction.json")
+    result = load_kept(H200 / "compaction.json")
     assert f"- A: {find_variant(result, a)}" in said
     assert "B (compaction=thrust_remove_if) takes" in said
     assert "| compact" in said
@@ -336,7 +336,7 @@ def test_a_committed_file_is_explained(analysis, tmp_path):
 
 
 def test_names_by_parts():
-    result = load(H200 / "schedulers.json")
+    result = load_kept(H200 / "schedulers.json")
     whole = "wavefront_fused.atomic_append.none.material.off.off.packed.features.graph.precise.float+spp_in_flight=4"
     shown = "wavefront_fused compaction=atomic_append layout=packed launch=graph spp_in_flight=4"
     assert find_variant(result, shown) == shown
@@ -345,7 +345,7 @@ def test_names_by_parts():
     # All its tunables at their standards, though others have this name and a tunable as well.
     assert find_variant(result, "persistent") == "persistent"
     assert find_variant(result, "persistent,piece=4") == "persistent piece=4"
-    compaction = load(H200 / "compaction.json")
+    compaction = load_kept(H200 / "compaction.json")
     assert find_variant(compaction, "wavefront.none.soa") == "wavefront layout=soa arithmetic=exact"
     found = find_variant(compaction, "integrator=wavefront compaction=gap_fill layout=aos")
     assert found == "wavefront compaction=gap_fill arithmetic=exact"
@@ -420,7 +420,7 @@ def test_an_older_file_without_a_gpu_is_explained(tmp_path):
 
 
 def test_counters_of_inspect_multiply_to_the_time_a_ray():
-    result = load(H200 / "schedulers.json")
+    result = load_kept(H200 / "schedulers.json")
     entries = load_inspected(H200 / "inspect_cornell_open_45_schedulers.json")
     raw = {item["variant"].split(".")[0]: item for item in json.loads(stored_text(entries[0].file))}
     cells = {
@@ -458,7 +458,7 @@ LAST_AXES = {
 
 @pytest.mark.parametrize("known", [0, 1, 3, 5, 6, 7, 9, 10])
 def test_counters_are_found_whichever_of_the_last_axes_a_file_is_too_old_to_name(known):
-    result = load(H200 / "schedulers.json")
+    result = load_kept(H200 / "schedulers.json")
     (cell,) = (
         c for c in result.cells if c.variant == find_variant(result, "megakernel") and c.scene == "cornell_open_45"
     )
@@ -475,7 +475,7 @@ def test_counters_are_found_whichever_of_the_last_axes_a_file_is_too_old_to_name
 
 
 def test_counters_stand_in_the_page_or_are_said_to_be_missing():
-    result = load(H200 / "schedulers.json")
+    result = load_kept(H200 / "schedulers.json")
     entries = load_inspected(H200 / "inspect_cornell_open_45_schedulers.json")
     names = find_variant(result, "megakernel"), find_variant(result, "persistent")
     said = explained(result, names, pairs_of(result, names, Choice("cornell_open_45"), entries))
@@ -498,7 +498,7 @@ def _counted(tmp_path: Path, word: str, change=lambda value: None) -> Path:
 
 
 def test_counters_of_either_word_say_the_same(tmp_path):
-    result = load(H200 / "schedulers.json")
+    result = load_kept(H200 / "schedulers.json")
     names = find_variant(result, "megakernel"), find_variant(result, "persistent")
     entries = {word: load_inspected(_counted(tmp_path, word)) for word in ("a", "per")}
     raw = json.loads(stored_text(SCHEDULERS))[0]["kernels"][0]["counters"]
@@ -559,7 +559,7 @@ def test_the_figure_can_be_read(tmp_path, build):
 
 
 def test_the_figure_of_committed_cells_can_be_read():
-    result = load(H200 / "schedulers.json")
+    result = load_kept(H200 / "schedulers.json")
     names = find_variant(result, "wavefront.cub_select_flagged.graph"), find_variant(result, "persistent")
     (pair,) = pairs_of(result, names, Choice("cornell_open")).pairs
     with style.applied():

@@ -6,10 +6,12 @@ import errno
 import gzip
 import json
 import os
+import signal
 import socket
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -17,6 +19,7 @@ from builder import Builder, small
 from conftest import PACKAGE
 
 from ptbench import __version__
+from ptbench.cli.main import main
 from ptbench.errors import InputError, MachineError
 from ptbench.io.files import LARGEST_RESULT, move_whole, read_stored, read_whole, write_text, write_whole
 from ptbench.io.images import read_pfm
@@ -92,8 +95,35 @@ def odd_files(folder: Path) -> dict[str, Path]:
     return kinds
 
 
-def called(*arguments: object, cwd: Path | None = None, **environment: str) -> subprocess.CompletedProcess:
-    """The command in a process of its own, with a time limit: what hangs shall fail. Bytes out, for any name."""
+class Hung(BaseException):
+    """A call that took longer than any may; no OSError, which the command would explain."""
+
+
+@pytest.fixture
+def called(capsysbinary) -> Callable[..., subprocess.CompletedProcess]:
+    """The command in this process, with a time limit: what hangs shall fail. Bytes out, for any name."""
+
+    def late(*_: object) -> None:
+        raise Hung
+
+    def call(*arguments: object) -> subprocess.CompletedProcess:
+        before = signal.signal(signal.SIGALRM, late)
+        signal.alarm(120)
+        try:
+            code = main([str(argument) for argument in arguments])
+        except SystemExit as leaving:
+            code = leaving.code
+        finally:
+            signal.alarm(0)
+            signal.signal(signal.SIGALRM, before)
+        said = capsysbinary.readouterr()
+        return subprocess.CompletedProcess(arguments, code, said.out, said.err)
+
+    return call
+
+
+def called_apart(*arguments: object, cwd: Path | None = None, **environment: str) -> subprocess.CompletedProcess:
+    """The same in a process of its own."""
     command = [sys.executable, "-m", "ptbench", *map(os.fsencode, map(str, arguments))]
     whole = {**os.environ, "PYTHONPATH": str(PACKAGE.parent), **environment}
     return subprocess.run(command, capture_output=True, check=False, timeout=120, env=whole, cwd=cwd)
@@ -101,7 +131,7 @@ def called(*arguments: object, cwd: Path | None = None, **environment: str) -> s
 
 def test_what_cannot_be_read_is_told_apart(tmp_path):
     kinds = odd_files(tmp_path) | {"no such file": tmp_path / "nothing.json"}
-    done = called("validate", *kinds.values())
+    done = called_apart("validate", *kinds.values())
     assert (done.returncode, done.stdout) == (2, b"")
     lines = done.stderr.decode().splitlines()
     assert len(lines) == len(kinds)
@@ -129,7 +159,7 @@ def test_what_cannot_be_read_is_told_apart(tmp_path):
     ],
     ids=" ".join,
 )
-def test_every_command_refuses_what_is_no_file(tmp_path, arguments):
+def test_every_command_refuses_what_is_no_file(tmp_path, called, arguments):
     os.mkfifo(tmp_path / "pipe.json")
     os.mkfifo(tmp_path / "result.json.journal.jsonl")
     (tmp_path / "loop.json").symlink_to(tmp_path / "loop.json")
@@ -322,7 +352,7 @@ def clean(data: bytes) -> str:
     return text
 
 
-def test_names_are_shown_escaped_by_every_command(tmp_path):
+def test_names_are_shown_escaped_by_every_command(tmp_path, called):
     nasty = Path(os.fsdecode(bytes(tmp_path) + b"/" + NASTY))
     one_cell(nasty)
     again = one_cell(tmp_path / "again.json")
@@ -340,17 +370,17 @@ def test_names_are_shown_escaped_by_every_command(tmp_path):
         ("explain", nasty, "none", "scan", "--out", out),
         ("validate", nasty),
     ):
-        done = called(*arguments, PYTHONUTF8="1")
+        done = called(*arguments)
         said = clean(done.stdout) + clean(done.stderr)
         assert done.returncode == (1 if arguments[0] == "validate" else 0), said
         assert "--out" not in arguments or r"out\x1b\xff" in said
         assert arguments[0] != "validate" or SHOWN in said
-    wrong = called("validate", nasty.with_name(nasty.name + "2"))
+    wrong = called_apart("validate", nasty.with_name(nasty.name + "2"), PYTHONUTF8="1")
     assert SHOWN + "2: the file: found no such file" in clean(wrong.stderr)
     assert wrong.stderr.count(b"\n") == 1
 
 
-def test_values_of_files_are_shown_escaped(tmp_path):
+def test_values_of_files_are_shown_escaped(tmp_path, called):
     builder = Builder().study("an\x1b[31m\x9b\nodd one", figure="none")
     builder.cell("an\x1b[31m\x9b\nodd one", "sc\x1bene")
     path = builder.write(tmp_path / "a.json")
@@ -371,7 +401,7 @@ def test_values_of_files_are_shown_escaped(tmp_path):
     ],
     ids=["command", "option", "argument", "word", "number"],
 )
-def test_words_of_the_call_are_shown_escaped(arguments):
+def test_words_of_the_call_are_shown_escaped(called, arguments):
     done = called(*arguments)
     assert done.returncode == 2
     assert r"\x1b" in clean(done.stderr)
@@ -379,7 +409,7 @@ def test_words_of_the_call_are_shown_escaped(arguments):
 
 
 def test_an_output_that_is_not_utf_8_gets_escapes(tmp_path):
-    done = called("validate", tmp_path / "√.json", PYTHONIOENCODING="ascii", PYTHONUTF8="0")
+    done = called_apart("validate", tmp_path / "√.json", PYTHONIOENCODING="ascii", PYTHONUTF8="0")
     assert done.returncode == 2
     assert rb"\u221a.json: the file: found no such file" in done.stderr
 

@@ -2,14 +2,16 @@
 
 import gzip
 import json
+import os
 import re
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 from builder import Builder
-from conftest import COMMITTED
+from conftest import COMMITTED, PACKAGE
 
 from ptbench.errors import FindingError
 from ptbench.findings import commits
@@ -17,7 +19,8 @@ from ptbench.findings import page as pages
 from ptbench.findings.command import House, findings
 from ptbench.findings.overview import overview_of
 from ptbench.findings.page import read_page, render, too_old, typed_by_hand
-from ptbench.findings.source import Source
+from ptbench.findings.source import Source, kinds
+from ptbench.findings.sources.suite import SuiteSource
 from ptbench.studies.selection import parsed
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -106,7 +109,7 @@ def test_a_commit_that_the_history_has_not_must_be_named_as_lost(tmp_path):
     assert "commit 0123456, which the history does not have" in fault
     (results / "lost_commits.json").write_text(json.dumps({lost: {"within": first, "why": "a test"}}), encoding="utf-8")
     assert ["2 commits to kernels/" in fault for fault in too_old(page, results, repository)] == [True]
-    source = Source(results, "small.json")
+    source = SuiteSource(results, "small.json")
     assert f"commit 0123456 ([lost](../../results/lost_commits.json), part of {first[:7]})" in source.provenance
 
 
@@ -114,12 +117,12 @@ def test_films_of_an_older_program_are_compared_cell_by_cell(tmp_path):
     text = gzip.decompress((HOUSE.results / "nvidia-h200/first_bounce_e3d4f13.json.gz").read_bytes()).decode()
     hashes = [cell["film_hash"] for cell in json.loads(text)["ptbench"]["cells"]]
     (tmp_path / "one_other.json").write_text(text.replace(hashes[3], "0123456789abcdef"), encoding="utf-8")
-    newer = Source(HOUSE.results, "nvidia-h200/first_bounce.json")
+    newer = SuiteSource(HOUSE.results, "nvidia-h200/first_bounce.json")
     others = hashes.count(hashes[3])
     assert 0 < others < 48
-    assert newer.films_of(Source(tmp_path, "one_other.json")) == (48 - others, 48)
+    assert newer.films_of(SuiteSource(tmp_path, "one_other.json")) == (48 - others, 48)
     with pytest.raises(FindingError, match="no cell in common"):
-        newer.films_of(Source(HOUSE.results, "nvidia-h200/scaling.json"))
+        newer.films_of(SuiteSource(HOUSE.results, "nvidia-h200/scaling.json"))
 
 
 @pytest.mark.parametrize("summary", summaries(), ids=lambda path: "/".join(path.parts[-4:-1:2]))
@@ -138,7 +141,7 @@ def test_the_committed_overview_is_what_its_results_say(capsys):
 
 def test_a_number_is_its_cells(tmp_path):
     text = rendered(tmp_path, f"{{{{ compaction.ratio({CELL}, over='compaction=none') }}}}")
-    source = Source(HOUSE.results, SOURCE["compaction"]["file"], "arithmetic=exact")
+    source = SuiteSource(HOUSE.results, SOURCE["compaction"]["file"], "arithmetic=exact")
     cell = source.cell("study=wavefront scene=cornell_open layout=aos compaction=thrust_remove_if")
     base = source.cell("study=wavefront scene=cornell_open layout=aos")
     assert (cell.axes["compaction"], base.axes["compaction"]) == ("thrust_remove_if", "none")
@@ -147,7 +150,7 @@ def test_a_number_is_its_cells(tmp_path):
 
 
 def test_rays_are_counted_over_the_time_that_is_told():
-    source = Source(HOUSE.results, SOURCE["compaction"]["file"], "arithmetic=exact")
+    source = SuiteSource(HOUSE.results, SOURCE["compaction"]["file"], "arithmetic=exact")
     words = "study=wavefront scene=cornell_open layout=aos"
     cell = source.cell(words)
     assert float(source.rays(words)) == sorted(one.rays / one.wall_ms / 1e6 for one in cell.samples)[4]
@@ -178,7 +181,7 @@ def test_what_a_command_printed_is_shown_as_it_was(tmp_path):
 def test_ratios_between_unlike_films_are_marked():
     overview = overview_of(HOUSE.templates / "overview.json", HOUSE.results)
     marked = [line.label for area in overview.areas for line in area.lines if not all(line.same_films)]
-    source = Source(HOUSE.results, "nvidia-h200/specialisation.json", "depth=8 resolution=800x800")
+    source = SuiteSource(HOUSE.results, "nvidia-h200/specialisation.json", "depth=8 resolution=800x800")
     cell = "megakernel study=megakernel scene=cornell_open_five specialisation=features"
     films = {source.cell(cell).film_hash, source.cell(cell.replace("features", "generic")).film_hash}
     six = "the same, six kinds of material"
@@ -284,7 +287,7 @@ def test_two_machines_by_two_programs_are_no_page(tmp_path, there, reason):
     usual = {"cuda_device": "A", "cuda_kernel_source_hash": "1", "git_dirty": "false"}
     machine(tmp_path, "here", **usual)
     machine(tmp_path, "there", **{**usual, **there})
-    here, other = Source(tmp_path, "here.json"), Source(tmp_path, "there.json")
+    here, other = SuiteSource(tmp_path, "here.json"), SuiteSource(tmp_path, "there.json")
     if not reason:
         assert [one.number for one in here.common(other)] == [1.0]
         return
@@ -304,6 +307,51 @@ def test_rays_of_two_programs_are_no_page(tmp_path):
     folders = {name: {"file": f"nvidia-{name}/rays_accelerators", "kernels_behind": 1000} for name in ("h200", "h100")}
     with pytest.raises(FindingError, match="cannot be compared as machines: they are of several programs"):
         rendered(tmp_path, "{{ h200.ratios_over('kernel=plain', h100) }}", sources=folders)
+
+
+# --- kinds of sources ---
+
+
+def test_a_kind_of_source_is_added_by_one_file(tmp_path):
+    shutil.copytree(PACKAGE, tmp_path / "ptbench", ignore=shutil.ignore_patterns("__pycache__"))
+    (tmp_path / "ptbench/findings/sources/odd.py").write_text(
+        "from ptbench.findings.source import Source\n"
+        "class OddSource(Source, form='ptbench-odd-1'):\n"
+        "    @property\n"
+        "    def count(self):\n        return self._value['count']\n"
+    )
+    (tmp_path / "odd.json").write_text(json.dumps({"schema": "ptbench-odd-1", "count": 7}))
+    template(
+        tmp_path,
+        "{{ odd.count }} of {{ said('a.b') }}",
+        sources={"odd": {"file": "odd.json"}, "said": {"file": "said.json"}},
+    )
+    (tmp_path / "said.json").write_text(json.dumps({"a": {"b": "eight"}}))
+    code = (
+        "from pathlib import Path; from ptbench.findings.page import read_page, render; "
+        "print(render(read_page(Path('page.md')), Path('.')), end='')"
+    )
+    done = subprocess.run([sys.executable, "-W", "error", "-c", code], cwd=tmp_path, capture_output=True, text=True,
+                          check=False, env={**os.environ, "PYTHONPATH": str(tmp_path)})  # fmt: skip
+    assert (done.stdout, done.stderr) == ("7 of eight", "")
+
+
+def test_no_two_kinds_of_source_have_one_form():
+    def another():
+        class Leaks(Source, form="ptbench-leaks-1"):
+            pass
+
+    assert kinds()["ptbench-leaks-1"].__name__ == "LeaksSource"
+    with pytest.raises(TypeError, match="two kinds of source for ptbench-leaks-1: LeaksSource and Leaks"):
+        another()
+    assert kinds()["ptbench-leaks-1"].__name__ == "LeaksSource"
+
+
+def test_a_source_without_a_line_says_so_where_a_page_asks_for_it(tmp_path):
+    (tmp_path / "said.txt").write_text("said\n")
+    page = read_page(template(tmp_path, "{{ said.provenance }}", sources={"said": {"file": "said.txt"}}))
+    with pytest.raises(FindingError, match=r"said\.txt: such a file has no line in a list of sources"):
+        render(page, tmp_path)
 
 
 def test_the_command_says_what_is_wrong(capsys):

@@ -148,7 +148,7 @@ def test_parquet_reads_back_with_types_and_meanings(tmp_path):
 
 def test_parquet_has_room_for_seeds_of_64_bits(tmp_path):
     pq = pytest.importorskip("pyarrow.parquet", reason="no pyarrow")
-    from ptbench.flat import write_parquet
+    from ptbench.flat.command import write_parquet
 
     seed = (1 << 64) - 1
     values = ({"seed": seed, "wall_ms": math.inf}, {"wall_ms": 2.0})

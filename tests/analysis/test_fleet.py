@@ -19,7 +19,7 @@ from ptbench.fleet.model import EXPOSED, PIPES, RULES, SHARES, KernelTime, bound
 from ptbench.fleet.text import sections
 from ptbench.fleet.verdicts import crossover, verdict_pairs
 from ptbench.io.inspection import load_inspected
-from ptbench.io.results import load
+from ptbench.io.results import load_kept
 from ptbench.io.validate import complaints
 
 H200, H100 = RESULTS / "nvidia-h200", RESULTS / "nvidia-h100"
@@ -80,7 +80,7 @@ def test_kernels_count_by_their_time_and_the_hosts_part_stays():
 def test_every_data_sheet_can_be_read_and_the_measured_gpus_are_as_their_files_say():
     assert all(gpu_of_sheet(model).rate("issue") > 0 for model in known_gpus())
     for file, model in zip(PAIR, ("h200", "h100"), strict=True):
-        measured, sheet = gpu_of_result(load(file)), gpu_of_sheet(model)
+        measured, sheet = gpu_of_result(load_kept(file)), gpu_of_sheet(model)
         assert (measured.multiprocessors, measured.clock_mhz, measured.l2_bytes, measured.per_clock) == (
             sheet.multiprocessors, sheet.clock_mhz, sheet.l2_bytes, sheet.per_clock,
         )  # fmt: skip
@@ -89,7 +89,7 @@ def test_every_data_sheet_can_be_read_and_the_measured_gpus_are_as_their_files_s
 
 def test_counters_are_a_cells_own_whatever_launches_it_and_near_with_other_tunables_or_depth():
     entries = [entry for entry in load_inspected(COUNTERS) if entry.scene == "cornell_open_45"]
-    cells = [cell for cell in load(PAIR[0]).cells if cell.scene == "cornell_open_45" and cell.measured]
+    cells = [cell for cell in load_kept(PAIR[0]).cells if cell.scene == "cornell_open_45" and cell.measured]
     by_kind = {cell.name: evidence_of(cell, entries) for cell in cells}
     own = {cell.variant for cell in cells if by_kind[cell.name] and by_kind[cell.name].kind == OWN}
     near = {cell.variant for cell in cells if by_kind[cell.name] and by_kind[cell.name].kind == NEAR}
@@ -181,7 +181,7 @@ def test_the_measured_gpus_turn_one_groups_order():
     for change in groups[0].changes:
         at = crossover(groups[0], change, gpus)
         assert other.gpu.gb_per_second < at.low <= at.value <= at.high < fleet.first.gb_per_second
-    said = {section.heading: section for section in sections(fleet, whole=True)}
+    said = {section.title: section for section in sections(fleet, whole=True)}
     assert len(said["Where the order turns"].table.rows) == 4
     pairs = verdict_pairs(other.comparison)
     assert sum(pair.is_decided for pair in pairs) > 20

@@ -19,7 +19,7 @@ from stability_builder import StabilityBuilder
 from ptbench import frames
 from ptbench.errors import InputError
 from ptbench.io.nodes import read_json
-from ptbench.io.results import load
+from ptbench.io.results import load, load_kept
 from ptbench.io.stability import stability_of
 
 EXAMPLES = PACKAGE.parent / "examples"
@@ -122,7 +122,7 @@ def test_curves_have_a_row_a_checkpoint(tmp_path):
 
 def test_committed_curves_keep_their_failed_samples():
     curves = frames.curves(COMMITTED[2])
-    failed = [cell for cell in load(COMMITTED[2]).cells if cell.failed]
+    failed = [cell for cell in load_kept(COMMITTED[2]).cells if cell.failed]
     assert failed
     assert len(curves[curves["status"] == "failed"]) == sum(len(c.samples) + len(c.errors) for c in failed)
 
@@ -181,7 +181,7 @@ def run_example(name: str, folder: Path) -> str:
 
 def test_the_example_draws_its_figure(tmp_path):
     said = run_example("own_plot", tmp_path)
-    committed = load(RESULTS / "nvidia-h200" / "seeds.json")
+    committed = load_kept(RESULTS / "nvidia-h200" / "seeds.json")
     assert f"{sum(len(cell.samples) for cell in committed.cells)} samples of {len(committed.cells)} cells" in said
     assert (tmp_path / "own_plot.png").read_bytes().startswith(b"\x89PNG")
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from conftest import PACKAGE
 
-from ptbench.gallery import load_spec, packed, sheet_dpi
+from ptbench.gallery.command import load_spec, packed, sheet_dpi
 
 DEFAULT_SPEC = PACKAGE / "gallery.json"
 
@@ -131,7 +131,7 @@ def test_a_failed_render_is_told_and_the_others_still_shown(tmp_path, binary, an
 
 def test_the_sheet_names_counters_and_failures(binary, tmp_path):
     from ptbench.figures import style
-    from ptbench.gallery import draw_sheet, render
+    from ptbench.gallery.command import draw_sheet, render
 
     _, rows = load_spec(spec_of(tmp_path, "ball", "foggy", "broken"))
     shown = [[render(binary, picture, 16, (8, 8), tmp_path) for picture in rows[0].pictures]]

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from ptbench.errors import FindingError
-from ptbench.findings.imports import ImportsSource
-from ptbench.findings.page import source_of
+from ptbench.findings.source import source_of
+from ptbench.findings.sources.imports import ImportsSource
 
 ROOT = Path(__file__).parents[2]
 TEXT = "MATERIAL 0\nRGB 1 1 1\n\nCAMERA\nRES 4 4\n\nOBJECT 0\n{}\nmaterial 0\n"

@@ -18,7 +18,7 @@ from conftest import PACKAGE, RESULTS, ROOT
 from packaging.requirements import Requirement
 
 from ptbench import __version__
-from ptbench.flat import PYARROW
+from ptbench.flat.command import PYARROW
 from ptbench.io.files import read_stored
 
 if sys.version_info >= (3, 11):
@@ -116,10 +116,13 @@ def test_it_works_from_any_folder(installed, tmp_path, program):
     checked = run("validate", *names)
     assert (checked.returncode, checked.stderr) == (0, "")
     assert checked.stdout.splitlines() == [f"{name}: good" for name in names]
-    drawn = run("plots", "packet.json")
+    builder = Builder().study("compaction")
+    builder.cell("compaction")
+    builder.write(tmp_path / "quick.json")
+    drawn = run("plots", "quick.json")
     assert (drawn.returncode, drawn.stderr) == (0, "")
     assert "summary.md" in drawn.stdout
-    reported = run("report", "packet.json", "--out", "report")
+    reported = run("report", "quick.json", "--out", "report")
     assert (reported.returncode, reported.stderr) == (0, "")
     assert (tmp_path / "report" / "report.html").is_file()
     assert run("--version").stdout == f"ptbench-analysis {PROJECT['version']}\n"

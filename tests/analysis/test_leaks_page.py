@@ -9,8 +9,8 @@ import pytest
 from conftest import RESULTS
 
 from ptbench.errors import FindingError
-from ptbench.findings.leaks import LeaksSource
-from ptbench.findings.page import source_of
+from ptbench.findings.source import source_of
+from ptbench.findings.sources.leaks import LeaksSource
 
 
 def written(folder: Path, *ways: tuple[int, int]) -> LeaksSource:

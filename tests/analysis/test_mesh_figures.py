@@ -15,9 +15,9 @@ from ptbench.errors import FindingError, NotDrawable
 from ptbench.figures import integrator_by_cost, series, time_to_image
 from ptbench.figures.registry import collect_study, draw_study, parts_of_study
 from ptbench.figures.time_to_image import GPU_BUILDERS, Way, crossings, sibling_meshes, ways
-from ptbench.findings.builders import built, crossed
-from ptbench.findings.source import Source
-from ptbench.io.results import load
+from ptbench.findings.sources.suite import SuiteSource
+from ptbench.findings.suite.builders import built, crossed
+from ptbench.io.results import load, load_kept
 from ptbench.stats.estimates import Estimate
 
 BUILDERS = RESULTS / "nvidia-h200" / "builders.json"
@@ -30,7 +30,7 @@ FACTS = {
 
 @pytest.fixture(scope="module")
 def builders():
-    return load(BUILDERS)
+    return load_kept(BUILDERS)
 
 
 def test_what_a_mesh_is_made_of_is_read(tmp_path):
@@ -106,13 +106,13 @@ def test_studies_of_meshes_have_these_figures_too(builders):
     assert parts_of_study(dataclasses.replace(study, figure="shading_fmas")) == ("", "by_integrator")
     data = collect_study(builders, study, "time_to_image")
     check_legible(draw_study(study, data, "time_to_image"), "time_to_image")
-    result = load(MESHES)
+    result = load_kept(MESHES)
     (costs,) = [one for one in result.studies if one.figure == "shading_fmas"]
     check_legible(draw_study(costs, collect_study(result, costs, "by_integrator"), "by_integrator"), "by_integrator")
 
 
 def test_one_kernel_against_a_queue_is_the_files(tmp_path):
-    result = load(MESHES)
+    result = load_kept(MESHES)
     (study,) = [one for one in result.studies if one.figure == "shading_fmas"]
     data = integrator_by_cost.collect(result, study)
     assert [line.label.split()[0] for line in data.panels[0].series] == ["1280", "262k", "4.1M"]
@@ -125,7 +125,7 @@ def test_one_kernel_against_a_queue_is_the_files(tmp_path):
                 if cell.scene == scene and cell.tunables["shading_fmas"] == cost
             }
             assert ratio.value == pytest.approx(times["megakernel_regen"] / times["wavefront"])
-    old = load(RESULTS / "nvidia-h200/scaling.json")
+    old = load_kept(RESULTS / "nvidia-h200/scaling.json")
     study = next(one for one in old.studies if one.figure == "scaling_by_shading_fmas")
     with pytest.raises(NotDrawable, match="no scene with a mesh"):
         integrator_by_cost.collect(old, study)
@@ -134,7 +134,7 @@ def test_one_kernel_against_a_queue_is_the_files(tmp_path):
 
 
 def test_a_page_asks_for_builders(builders):
-    source = Source(RESULTS, "nvidia-h200/builders.json", "resolution=800x800 depth=8")
+    source = SuiteSource(RESULTS, "nvidia-h200/builders.json", "resolution=800x800 depth=8")
     rows = source.built("megakernel_regen scene=* accelerator=cwbvh builder=*")
     of_tree = [cell for cell in builders.cells if cell.axes["accelerator"] == "cwbvh"]
     assert len(rows) == len(ways(of_tree, sibling_meshes(BUILDERS)))
@@ -152,14 +152,14 @@ def test_a_page_asks_for_builders(builders):
 
 
 def test_a_page_holds_files_of_two_machines_against_each_other():
-    source = Source(RESULTS, "nvidia-h200/meshes.json")
-    other = Source(RESULTS, "nvidia-h200/accelerators.json")
+    source = SuiteSource(RESULTS, "nvidia-h200/meshes.json")
+    other = SuiteSource(RESULTS, "nvidia-h200/accelerators.json")
     ratios = source.common(other)
     names = {cell.name for cell in source.result.cells} & {cell.name for cell in other.result.cells}
     assert len(ratios) == len(names) > 0
     assert ratios.lowest.number <= float(source.mean_over(other)) <= ratios.highest.number
     with pytest.raises(FindingError, match="no cell in common"):
-        source.common(Source(RESULTS, "nvidia-h200/first_bounce.json"))
+        source.common(SuiteSource(RESULTS, "nvidia-h200/first_bounce.json"))
     told = source.rows("integrators")
     assert {row.label for row in told if row.ratio is None} == {"wavefront"}
     assert source.rows("gone") == []

@@ -6,7 +6,7 @@ import pytest
 from conftest import RESULTS
 
 from ptbench.io.names import axes_spelled_out, shown_name, tuned_in, with_shown_names
-from ptbench.io.results import load
+from ptbench.io.results import load_kept
 from ptbench.studies.variants import table_names
 
 BASELINES = {"integrator": "wavefront", "compaction": "none", "layout": "aos", "arithmetic": "precise"}
@@ -51,13 +51,13 @@ def test_every_committed_cell_has_one_name_and_the_name_its_cells():
     for file in sorted(RESULTS.glob("*/*.json*")):
         if file.stem.partition(".")[0] not in ("compaction", "scaling", "seeds", "convergence", "schedulers", "packet"):
             continue
-        result = load(file)
+        result = load_kept(file)
         pairs = {(cell.variant, cell.variant_in_file) for cell in result.cells}
         assert len({shown for shown, _ in pairs}) == len({spelled for _, spelled in pairs}) == len(pairs), file
 
 
 def test_what_all_rows_share_stands_above():
-    result = load(next((RESULTS / "nvidia-h200").glob("compaction.json*")))
+    result = load_kept(next((RESULTS / "nvidia-h200").glob("compaction.json*")))
     named = table_names(result, result.cells)
     assert named.shared == "arithmetic=exact"
     assert named.above() == ["All rows: arithmetic=exact.", ""]
@@ -79,7 +79,7 @@ def test_a_message_of_an_older_file_names_variants_as_they_are_shown():
 
 @pytest.mark.parametrize("file", ["compaction.json", "convergence.json"])
 def test_a_cells_shown_name_is_the_promised_one(file):
-    cells = load(RESULTS / "nvidia-h200" / file).cells
+    cells = load_kept(RESULTS / "nvidia-h200" / file).cells
     names = [cell.shown for cell in cells]
     form = re.compile(r"\w+(?:/\w+:\w+)*/scene:\w+/backend:cuda/\d+x\d+/depth:\d+/spp:\d+(?:/checkpoints:octaves)?")
     assert [name for name in names if not form.fullmatch(name)] == []

@@ -5,22 +5,27 @@ from __future__ import annotations
 import ast
 import os
 import re
+import shutil
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping
 from graphlib import CycleError, TopologicalSorter
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 from builder import small
-from conftest import PACKAGE, ROOT, run_analysis
+from conftest import PACKAGE, RESULTS, ROOT, run_analysis
+
+from ptbench.cli.main import FOLDERS, commands
 
 MOST_LINES = 400
 # From the bottom up: a folder or file at the top imports from those before it and from itself.
 LAYERS = (
-    "terminal", "errors", "git", "numbers", "io", "program", "tables", "stats", "studies", "convergence", "stability",
-    "crosscheck", "peers", "figures", "compare", "fleet", "simulate", "findings", "claims", "maps", "advise", "submit",
-    "explain", "plots", "gallery", "report", "tidy", "frames", "measured", "flat", "__init__", "cli", "__main__",
+    "terminal", "command", "errors", "git", "numbers", "io", "found", "program", "document", "stats", "studies",
+    "convergence", "stability", "crosscheck", "figures", "compare", "findings", "claims", "submit", "plots",
+    "gallery", "report", "tidy", "frames", "measured", "fleet", "extras", "flat", "validate", "__init__", "cli",
+    "__main__",
 )  # fmt: skip
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 
@@ -60,7 +65,7 @@ GRAPH = {name: set(imports_of(path.read_text(encoding="utf-8"), MODULES)) for na
 def test_the_graph_is_that_of_the_package():
     assert len(GRAPH) > 70
     assert "ptbench.io.nodes" in GRAPH["ptbench.io.results"]
-    assert "ptbench.plots.command" in GRAPH["ptbench.cli.main"]  # within a function
+    assert "ptbench.plots.command" in GRAPH["ptbench.plots.options"]  # within a function
     assert "ptbench.measured" in GRAPH["ptbench"]
     assert "ptbench.figures.style" in GRAPH["ptbench.figures.rows"]  # from ptbench.figures import style
 
@@ -83,6 +88,36 @@ def test_folders_build_on_those_before_them():
     upward = [(one, other) for one, targets in GRAPH.items() for other in targets
               if layer(other) > layer(one) and (one, other) != ("ptbench.__main__", "ptbench.cli.main")]  # fmt: skip
     assert upward == []
+
+
+def is_extra(module: str) -> bool:
+    return module.startswith(("ptbench.extras", "ptbench.fleet"))
+
+
+def test_nothing_imports_extras():
+    """What pages and results do without is found where it lies: its commands, sources and figures."""
+    extras = {name for name in GRAPH if is_extra(name)}
+    assert {name.split(".")[2] for name in extras if name.count(".") > 2} >= {"advise", "explain", "maps", "peers"}
+    users = {name for name in GRAPH if not is_extra(name) and GRAPH[name] & extras}
+    assert users == set()
+
+
+def test_a_page_is_rendered_without_extras(tmp_path):
+    copy = tmp_path / "ptbench"
+    shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__", "extras", "fleet"))
+    names = ("imports", "compaction")
+    code = (
+        "import sys; from pathlib import Path; from ptbench.findings.page import read_page, render\n"
+        "for page, target in zip(sys.argv[2::2], sys.argv[3::2]):\n"
+        "    text = render(read_page(Path(page)), Path(sys.argv[1]))\n"
+        "    assert text == Path(target).read_text(encoding='utf-8'), page\n"
+    )
+    pages = [ROOT / folder / f"{name}.md" for name in names for folder in ("docs/templates", "docs/findings")]
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", code, RESULTS, *pages], capture_output=True, text=True, check=False,
+        env={**os.environ, "PYTHONPATH": str(tmp_path)}, cwd=tmp_path,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_importing_a_folder_imports_nothing_else():
@@ -145,6 +180,52 @@ def test_axes_and_baselines_are_kept_in_one_place():
             if len(of_axes) > 1:
                 found.add(path.relative_to(PACKAGE).as_posix())
     assert found == {"io/older.py"}
+
+
+# ---- Commands ----
+
+
+def test_every_folder_with_a_command_is_collected():
+    found = {path.parent.relative_to(PACKAGE).as_posix().replace("/", ".") for path in PACKAGE.rglob("options.py")}
+    assert found == set(FOLDERS)
+    assert len(FOLDERS) == len(found)
+    assert sum(len(import_module(f"ptbench.{folder}.options").COMMANDS) for folder in FOLDERS) == len(commands())
+
+
+def test_the_command_line_names_no_command():
+    """What is told of a command, its name, its options, what it calls, stands in its folder."""
+    main = (PACKAGE / "cli" / "main.py").read_text(encoding="utf-8")
+    module = ast.parse(main)
+    body = [node for node in module.body if not (isinstance(node, ast.Assign) and node.targets[0].id == "FOLDERS")]
+    assert len(body) == len(module.body) - 1
+    words = {leaf.value for node in body for leaf in ast.walk(node) if isinstance(leaf, ast.Constant)}
+    assert words & commands().keys() == set()
+
+
+def test_a_command_is_added_by_its_folder_and_a_line(tmp_path):
+    copy = tmp_path / "ptbench"
+    shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    (copy / "greet").mkdir()
+    (copy / "greet" / "__init__.py").write_text("")
+    (copy / "greet" / "options.py").write_text(
+        "from ptbench.command import Command\n"
+        "def add(parser):\n    parser.add_argument('whom')\n"
+        "def load():\n    return lambda options: print(f'{options.program}: hello, {options.whom}') or 1\n"
+        "def fault(options):\n    return 'found yourself' if options.whom == 'me' else ''\n"
+        "COMMANDS = (Command('greet', 'says hello', add, load, fault),)\n"
+    )
+    main = copy / "cli" / "main.py"
+    main.write_text(main.read_text(encoding="utf-8").replace("FOLDERS = (", 'FOLDERS = ("greet",', 1), encoding="utf-8")
+
+    def run(*words: str) -> tuple[int, str, str]:
+        command = [sys.executable, "-W", "error", "-m", "ptbench", *words]
+        environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
+        done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment, cwd=tmp_path)
+        return done.returncode, done.stdout, done.stderr
+
+    assert run("greet", "you") == (1, "python3 -m ptbench: hello, you\n", "")
+    assert run("greet", "me") == (2, "", "python3 -m ptbench greet: found yourself; see --help\n")
+    assert "says hello" in run("--help")[1]
 
 
 # ---- The older name ----

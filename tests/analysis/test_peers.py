@@ -16,14 +16,15 @@ from peers_fakes import Fakes
 
 from ptbench.crosscheck.renders import WHEEL
 from ptbench.errors import FindingError, NotDrawable
-from ptbench.figures import peers as figure
-from ptbench.findings.page import read_page, render, source_of
-from ptbench.findings.peers import PeersSource
+from ptbench.extras.peers import figure
+from ptbench.extras.peers.document import Peer, scenes_of
+from ptbench.extras.peers.process import PeerFailed, Talker
+from ptbench.extras.peers.source import PeersSource
+from ptbench.extras.peers.statistics import Measured, by_round, variance_of_seeds
+from ptbench.extras.peers.wanted import mitsubas, own_variants
+from ptbench.findings.page import read_page, render
+from ptbench.findings.source import source_of
 from ptbench.io.validate import complaints, validate
-from ptbench.peers.document import Peer, scenes_of
-from ptbench.peers.options import mitsubas, own_variants
-from ptbench.peers.process import PeerFailed, Talker
-from ptbench.peers.statistics import Measured, by_round, variance_of_seeds
 from ptbench.report.sources import find_sources
 
 BINARY = ROOT / "build/ptbench"

@@ -17,8 +17,9 @@ import ptbench
 from ptbench.cli.main import main
 from ptbench.errors import FindingError, InputError, NotDrawable
 from ptbench.figures import rays_by_triangles, series, style
-from ptbench.findings.page import read_page, render, source_of
-from ptbench.findings.rays import RaysFolder
+from ptbench.findings.page import read_page, render
+from ptbench.findings.source import source_of
+from ptbench.findings.sources.rays import RaysFolder
 from ptbench.io.nodes import read_json
 from ptbench.io.rays import is_peer, is_rays, load_rays_folder, peer_of, rays_of
 from ptbench.io.validate import complaints
@@ -107,7 +108,7 @@ def test_a_peers_file_under_another_name_is_refused(tmp_path):
 
 def test_tables_are_of_their_kinds_of_file():
     with pytest.raises(InputError, match="of `ptbench rays`"):
-        ptbench.load(RESULTS / "nvidia-h200/first_bounce.json").rows("rays")
+        ptbench.load_kept(RESULTS / "nvidia-h200/first_bounce.json").rows("rays")
     with pytest.raises(InputError, match="a result of `ptbench run`"):
         ptbench.load(CHECK).rows("cells")
     assert len(ptbench.load(CHECK).frame()) == len(ptbench.load(CHECK).rows("rays"))

@@ -20,6 +20,7 @@ from stability_builder import large
 from test_convergence_figures import with_images
 
 from ptbench.cli.main import main
+from ptbench.report import command
 from ptbench.report.html import inline
 
 HOSTILE = "<script>alert(1)</script>\"&'|`"
@@ -332,6 +333,21 @@ def test_bad_calls(tmp_path, analysis, what):
     assert code == 2
     assert ("none a result" if what == "an empty folder" else "--binary: found no such file") in err
     assert not (tmp_path / "out").exists()
+
+
+def test_files_that_are_read_by_several_processes_make_the_same_report(tmp_path, monkeypatch):
+    for name in ("a", "b"):
+        small().write(tmp_path / f"{name}.json")
+    begun = []
+    pool = command.ProcessPoolExecutor
+    monkeypatch.setattr(command, "ProcessPoolExecutor", lambda *args, **more: begun.append(args) or pool(*args, **more))
+    monkeypatch.setattr(command.os, "sched_getaffinity", lambda _: {0, 1})
+    for out, worth in (("here", command.WORTH_PROCESSES), ("apart", 0)):
+        monkeypatch.setattr(command, "WORTH_PROCESSES", worth)
+        assert main(["report", str(tmp_path / "a.json"), str(tmp_path / "b.json"), "--out", str(tmp_path / out)]) == 0
+        assert len(begun) == (out == "apart")
+    for page in ("report.md", "report.html"):
+        assert (tmp_path / "here" / page).read_bytes() == (tmp_path / "apart" / page).read_bytes()
 
 
 # --- in a browser -----------------------------------------------------------------------------------------------------

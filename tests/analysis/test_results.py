@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import gzip
 import json
+from dataclasses import replace
 
 import pytest
 from builder import OPEN, Builder, small
 
 from ptbench.errors import InputError
 from ptbench.io.cells import NotApplicable
-from ptbench.io.results import load
+from ptbench.io.results import load, load_kept
 
 
 def load_changed(tmp_path, change):
@@ -237,3 +239,21 @@ def test_reasons_are_told_apart_by_their_codes_or_in_older_files_by_their_texts(
     other = left_out("x=y is not there on the backend cpu", reason_code="needs_queue", reason_axis="launch")
     assert not other.elsewhere
     assert not other.has_nothing_to_tune
+
+
+def test_a_kept_result_is_read_once_and_again_where_its_bytes_are_others(tmp_path):
+    path = small().write(tmp_path / "a.json")
+    first = load_kept(path)
+    assert load_kept(path) is first
+    assert first == load(path)
+    copy = tmp_path / "b.json.gz"
+    copy.write_bytes(gzip.compress(path.read_bytes(), mtime=0))
+    assert load_kept(tmp_path / "b.json") == load(tmp_path / "b.json") == replace(first, path=tmp_path / "b.json")
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text.replace('"quick"', '"quack"'), encoding="utf-8")
+    assert (first.suite, load_kept(path).suite) == ("quick", "quack")
+    path.write_text(text, encoding="utf-8")
+    assert load_kept(path) is first
+    path.write_text("{}", encoding="utf-8")
+    with pytest.raises(InputError, match="this key is required"):
+        load_kept(path)

@@ -12,7 +12,7 @@ from conftest import COMMITTED, rows_by_file
 from ptbench.convergence.assessment import assess
 from ptbench.convergence.efficiency import baseline_among, by_place
 from ptbench.convergence.last_errors import ERRORS, last_errors
-from ptbench.io.results import load
+from ptbench.io.results import load_kept
 
 ROOT = Path(__file__).parents[2]
 EXPECTED = ROOT / "tests/support/run_errors.json"
@@ -21,7 +21,7 @@ RESULTS = ["results/amd-epyc-2-threads/convergence.json"]
 
 def _rows(file):
     """Study, a cell's place in the file and its baseline's; of each metric the mean error and the efficiency."""
-    result = load(COMMITTED / file)
+    result = load_kept(COMMITTED / file)
     place = {cell.name: index for index, cell in enumerate(result.cells)}
     assessed = assess(result)
     rows = []

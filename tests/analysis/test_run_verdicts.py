@@ -9,7 +9,7 @@ from pathlib import Path
 
 from conftest import COMMITTED, rows_by_file
 
-from ptbench.io.results import load
+from ptbench.io.results import load_kept
 from ptbench.studies.questions import question_of
 from ptbench.studies.rows import baseline_of, measure
 
@@ -20,7 +20,7 @@ RESULTS = [f"results/amd-epyc-2-threads/{name}.json" for name in ("quick", "sche
 
 def _pairs(file):
     """Study, the places of a cell and of its baseline in the file, ratio, interval, verdict: a row a compared cell."""
-    result = load(COMMITTED / file)
+    result = load_kept(COMMITTED / file)
     place = {cell.name: index for index, cell in enumerate(result.cells)}
     pairs = []
     for study in result.studies:

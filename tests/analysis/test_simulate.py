@@ -9,8 +9,7 @@ from conftest import RESULTS, ROOT
 
 from ptbench.cli.main import main
 from ptbench.errors import InputError
-from ptbench.io.results import load
-from ptbench.simulate.model import (
+from ptbench.extras.simulate.model import (
     BANDS,
     DYNAMIC,
     PARTITIONS,
@@ -28,9 +27,10 @@ from ptbench.simulate.model import (
     of_samples,
     times_ms,
 )
-from ptbench.simulate.parts import parts_of, read_work, reduction_ms
-from ptbench.simulate.study import device_checks, study_of
-from ptbench.simulate.work import blocks_of, counting
+from ptbench.extras.simulate.parts import parts_of, read_work, reduction_ms
+from ptbench.extras.simulate.study import device_checks, study_of
+from ptbench.extras.simulate.work import blocks_of, counting
+from ptbench.io.results import load_kept
 
 FREE = Network("free", 0.0, 1e30)
 # A message takes 1 ms, and a million pixels' film another 24.
@@ -126,7 +126,7 @@ def test_the_committed_map_counts_the_rays_that_the_gpu_counted():
     assert 1 <= work.min() <= work.max() <= 8
     cell = next(
         cell
-        for cell in load(RESULTS / "nvidia-h200/schedulers_a7e8939.json").cells
+        for cell in load_kept(RESULTS / "nvidia-h200/schedulers_a7e8939.json").cells
         if cell.scene == scene and cell.variant == "persistent" and cell.depth == 8
     )
     rays_per_path = cell.samples[0].rays / cell.samples[0].paths
@@ -141,11 +141,11 @@ def test_blocks_are_means_and_must_fit():
 
 
 def test_results_of_ranks_can_be_read():
-    result = load(RESULTS / "simulation/parts/reduction_2_ranks.json")
+    result = load_kept(RESULTS / "simulation/parts/reduction_2_ranks.json")
     assert result.about("rank_hosts").count(",") == 1
     assert all(ranks == 2 for ranks, _ in reduction_ms(result, 5.0))
     with pytest.raises(InputError, match="no pt_reduce_ms up to 5"):
-        reduction_ms(load(RESULTS / "nvidia-h200/schedulers_a7e8939.json"), 5.0)
+        reduction_ms(load_kept(RESULTS / "nvidia-h200/schedulers_a7e8939.json"), 5.0)
 
 
 def test_the_same_parts_give_the_same_numbers():
@@ -163,7 +163,7 @@ def test_several_gpus_are_held_against_what_was_measured():
     parts = parts_of(RESULTS)
     cell = next(
         cell
-        for cell in load(RESULTS / "nvidia-h200/scaling.json").cells
+        for cell in load_kept(RESULTS / "nvidia-h200/scaling.json").cells
         if cell.scene == parts.work_scene
         and cell.axes["integrator"] == "persistent"
         and cell.resolution == (1024, 1024)
@@ -178,7 +178,7 @@ def test_several_gpus_are_held_against_what_was_measured():
 
 
 def test_the_command_writes_a_page_and_a_figure_or_says_what_is_missing(tmp_path, capsys):
-    definition = json.loads((ROOT / "analysis/ptbench/simulate/thousand.json").read_text(encoding="utf-8"))
+    definition = json.loads((ROOT / "analysis/ptbench/extras/simulate/thousand.json").read_text(encoding="utf-8"))
     definition |= {"ranks": [1, 2, 4], "spp": [16], "sides": [800], "trials": 20}
     file = tmp_path / "few.json"
     file.write_text(json.dumps(definition), encoding="utf-8")

@@ -186,3 +186,12 @@ def test_cycles_may_veto_but_not_decide(time, cycles, word):
     assert verdict.word == word
     if time != UNSURE and word == UNSURE:
         assert f"{time} in time but {cycles} in cycles" in verdict.reason
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 8, 9, 16, 17, 40])
+def test_medians_of_resamples_are_numpys_to_the_last_bit(count):
+    """Of few values they are sorted by exchanges; some are equal, as times of a coarse clock are."""
+    values = np.round(np.random.default_rng(count).lognormal(size=count), 1)
+    found = estimates._resampled_medians(values, np.random.default_rng(7))
+    drawn = values[np.random.default_rng(7).integers(0, count, size=(estimates.RESAMPLES, count))]
+    assert np.array_equal(found, np.median(drawn, axis=1))

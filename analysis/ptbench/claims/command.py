@@ -24,7 +24,7 @@ class Call:
     """The options of one call of `ptbench claims`."""
 
     root: Path = Path()
-    names: tuple[str, ...] = ()
+    names: Sequence[str] = ()
     results: Path | None = None  # None: the checkout's own
     binary: Path | None = None  # None: the checkout's own
     run: bool = False

@@ -13,7 +13,7 @@ from ptbench.claims.history import Measured
 from ptbench.convergence.efficiency import compare as compare_errors
 from ptbench.convergence.fit import Curve, fit_of
 from ptbench.errors import FindingError
-from ptbench.findings.source import Source
+from ptbench.findings.sources.suite import SuiteSource
 from ptbench.io.cells import Cell
 from ptbench.io.nodes import Node, read_json
 from ptbench.io.rays import SCHEMA as RAYS
@@ -153,7 +153,7 @@ class _OfSuite:
     """The numbers of a file of `ptbench run`."""
 
     def __init__(self, results: Path, file: Path, experiment: Experiment) -> None:
-        self._source = Source(results, str(file))
+        self._source = SuiteSource(results, str(file))
         self._experiment = experiment
 
     def found(self, condition: Condition, statistic: str) -> Found:

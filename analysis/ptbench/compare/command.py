@@ -19,7 +19,6 @@ from ptbench.compare.compared import Compared, check_number, compare_files
 from ptbench.compare.document import as_json
 from ptbench.compare.gate import Outcome, outcome
 from ptbench.compare.rays import check_rays_options, compare_rays_files, rays_json, rays_outcome, rays_sections
-from ptbench.compare.sections import Section, as_markdown, as_text
 from ptbench.compare.stability.matching import check_stability_options, compare_stability_files, stability_outcome
 from ptbench.compare.stability.text import stability_json, stability_sections
 from ptbench.compare.text import (
@@ -29,6 +28,9 @@ from ptbench.compare.text import (
     noise_section,
     ranking_sections,
 )
+from ptbench.document.blocks import Section
+from ptbench.document.markdown import markdown_page
+from ptbench.document.text import as_text
 from ptbench.errors import InputError
 from ptbench.io.files import check_output_file, check_output_folder, make_folder, write_text
 from ptbench.io.nodes import read_json
@@ -96,7 +98,7 @@ def _tell(options: argparse.Namespace, told: _Told, draw: Callable[[Path], list[
         written.append(write_text(options.json, text))
     if options.out is not None:
         figures = draw(options.out)
-        page = as_markdown(told.title, told.whole)
+        page = markdown_page(told.title, told.whole)
         if pictures := [f"![{path.stem}]({path.name})" for path in figures if path.suffix == ".png"]:
             page += "\n" + "\n\n".join(pictures) + "\n"
         written += [*figures, write_text(options.out / "compare.md", page)]

@@ -15,7 +15,7 @@ from ptbench.compare.verdicts import Comparison, compare
 from ptbench.errors import InputError
 from ptbench.io.cells import Result
 from ptbench.io.nodes import read_json
-from ptbench.io.results import result_of
+from ptbench.io.results import load_kept
 from ptbench.io.stability import is_stability
 from ptbench.stats.estimates import THRESHOLD
 
@@ -76,10 +76,13 @@ def compare_files(paths: Sequence[Path], noise: Sequence[Path] = (), *, films_ma
 
 
 def _load(path: Path) -> Result:
-    root = read_json(path)
-    if is_stability(root):
-        raise InputError(f"{path}: found a file of `ptbench stability`, allowed: a result file of `ptbench run`")
-    return result_of(root)
+    try:
+        return load_kept(path)
+    except InputError:
+        if is_stability(read_json(path)):
+            allowed = "a result file of `ptbench run`"
+            raise InputError(f"{path}: found a file of `ptbench stability`, allowed: {allowed}") from None
+        raise
 
 
 def _refuse_strangers(matching: Matching) -> None:

@@ -1,17 +1,15 @@
-"""The command line of `compare`, apart from what it does, which takes a moment to load."""
+"""The command line of `compare`."""
 
 from __future__ import annotations
 
+import argparse
 from pathlib import Path
 
-FAIL_ON = ("slower", "different", "unmatched", "failed")
+from ptbench.command import Command
+from ptbench.compare.choices import FAIL_ON
 
 
-def add_compare(commands) -> None:
-    """The subcommand's options."""
-    parser = commands.add_parser(
-        "compare", help="hold result, stability or rays files of commits or machines against the first one"
-    )
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "results", type=Path, nargs="+", metavar="RESULT.json", help="two or more; the first: reference"
     )
@@ -31,3 +29,13 @@ def add_compare(commands) -> None:
     )  # fmt: skip
     parser.add_argument("--json", type=Path, metavar="FILE", help="everything, for programs")
     parser.add_argument("--out", type=Path, metavar="DIR", help="compare.md, and of result files the figures")
+
+
+def _load():
+    from ptbench.compare.command import compare_command
+
+    return compare_command
+
+
+_HELP = "hold result, stability or rays files of commits or machines against the first one"
+COMMANDS = (Command("compare", _HELP, _add_arguments, _load),)

@@ -15,8 +15,9 @@ from pathlib import Path
 import numpy as np
 
 from ptbench.compare.gate import Outcome
-from ptbench.compare.sections import Section, Table
 from ptbench.compare.text import MARKS
+from ptbench.document.blocks import Section, section
+from ptbench.document.table import table_of
 from ptbench.errors import InputError, bad_value
 from ptbench.io.nodes import read_json
 from ptbench.io.rays import Batch, Rays, is_rays, rays_of
@@ -158,7 +159,7 @@ def rays_sections(compared: RaysCompared) -> list[Section]:
         )
         for mark, file in zip(MARKS, compared.files, strict=False)
     )
-    found = [Section("Files", (), Table(("", "File", "Backend", "Device", "git", "Date"), rows))]
+    found = [section("Files", (), table_of(("", "File", "Backend", "Device", "git", "Date"), rows))]
     for mark, against in zip(MARKS[1:], compared.comparisons, strict=False):
         found.append(_section(against, mark))
     return found
@@ -175,8 +176,8 @@ def _section(against: Against, mark: str) -> Section:
         mean = _mean(judged)
         lines.append(f"Time, geometric mean of {len(judged)}: {ratio(mean.value)} {interval_of_ratio(mean)} of A's.")
     columns = (*_COLUMNS[:6], f"{mark}, G rays/s", *_COLUMNS[7:])
-    table = Table(columns, tuple(map(_row, against.pairs)), frozenset(columns[5:8]))
-    return Section(f"{mark} against A", tuple(lines), table)
+    table = table_of(columns, tuple(map(_row, against.pairs)), columns[5:8])
+    return section(f"{mark} against A", tuple(lines), table)
 
 
 def _mean(pairs: Sequence[Pair]) -> Estimate:

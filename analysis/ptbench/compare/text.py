@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from ptbench.compare.match import MACHINE_KEYS, PROGRAM_KEYS, Alone, Matching, axes_of, choice_of
 from ptbench.compare.noise import Floor, Repeat
 from ptbench.compare.ranking import Change, Ranking
-from ptbench.compare.sections import Section, Table
 from ptbench.compare.verdicts import WORDS, Comparison, Mean, Row
+from ptbench.document.blocks import Section, section
+from ptbench.document.table import Table, table_of
 from ptbench.io.cells import GPU_BACKEND, Cell, Result
 from ptbench.io.files import one_line
 from ptbench.io.stability import Stability
@@ -54,7 +55,7 @@ def files_section(results: Sequence[Result]) -> Section:
             lines.append(f"{mark} was interrupted: cells and samples may be missing.")
     found = [line for key in (*MACHINE_KEYS, *PROGRAM_KEYS) if (line := differing(key, results))]
     after = ["What else differs between the files:", *found] if found else []
-    return Section("Files", tuple(lines), Table(columns, tuple(rows), frozenset({"Cells"})), tuple(after))
+    return section("Files", tuple(lines), table_of(columns, rows, {"Cells"}), tuple(after))
 
 
 def device_of(result: Result | Stability) -> str:
@@ -132,7 +133,7 @@ def comparison_section(comparison: Comparison, label: Labels, marks: tuple[str, 
     lines += [f"Withdrawn: {entry.full}" for entry in among([row.pair.reference for row in comparison.rows])]
     if constant := constant_columns(comparison):
         lines.append("All pairs: " + ", ".join(f"{name.lower()} {value}" for name, value in constant.items()) + ".")
-    return Section(f"{two} against {one}", tuple(lines), _table(comparison, label, marks))
+    return section(f"{two} against {one}", tuple(lines), _table(comparison, label, marks))
 
 
 def _matched_lines(matching: Matching, marks: tuple[str, str]) -> Iterable[str]:
@@ -223,7 +224,7 @@ def _table(comparison: Comparison, label: Labels, marks: tuple[str, str]) -> Tab
         del columns[name]
     numeric = frozenset(columns) - {"Verdict", "Scene", "Variant", "Remarks"}
     rows = tuple(tuple(text(row) for text in columns.values()) for row in comparison.rows)
-    return Table(tuple(columns), rows, numeric)
+    return table_of(columns, rows, numeric)
 
 
 def constant_columns(comparison: Comparison) -> dict[str, str]:
@@ -270,7 +271,7 @@ def left_out_section(matching: Matching, marks: tuple[str, str], whole: bool) ->
             (marks[0] if item.in_reference else marks[1], item.kind, item.reason, item.cell.name)
             for item in matching.alone
         )
-        return Section(heading, table=Table(("Of", "Why", "In full", "Cell"), rows))
+        return section(heading, table=table_of(("Of", "Why", "In full", "Cell"), rows))
     kinds: dict[tuple[bool, str], list[Alone]] = {}
     for item in matching.alone:
         kinds.setdefault((item.in_reference, item.kind), []).append(item)
@@ -283,8 +284,9 @@ def left_out_section(matching: Matching, marks: tuple[str, str], whole: bool) ->
             rest = sum(count for _, count in reasons[_SHOWN:])
             text = f"for {len(reasons) - _SHOWN} more reasons of this kind (--out and --json have every cell)"
             rows.append((where[in_reference], "", kind, str(rest), text))
-    return Section(
-        heading, table=Table(("Of", "Cells", "Why", "of them", "In full"), tuple(rows), frozenset({"Cells", "of them"}))
+    return section(
+        heading,
+        table=table_of(("Of", "Cells", "Why", "of them", "In full"), rows, {"Cells", "of them"}),
     )
 
 
@@ -323,13 +325,13 @@ def noise_section(repeats: Sequence[Repeat], floors: Sequence[Floor], comparison
         lines.append(
             "No two of the files are of one machine and one program, so no noise floor is known; --noise FILE FILE."
         )
-    return Section("Noise between runs", tuple(lines))
+    return section("Noise between runs", tuple(lines))
 
 
 def ranking_sections(found: Sequence[Ranking], label: Labels, marks: Sequence[str], whole: bool) -> list[Section]:
     """The order of variants on each machine; `whole`: with a table of every place."""
     if not found:
-        return [Section("Ranking of variants", ("No two variants of one scene and settings are in all files.",))]
+        return [section("Ranking of variants", ("No two variants of one scene and settings are in all files.",))]
     changed = [group for group in found if group.changes]
     ranked = sum(len(group.cells) for group in found)
     within_noise = sum(group.within_noise for group in found)
@@ -345,13 +347,13 @@ def ranking_sections(found: Sequence[Ranking], label: Labels, marks: Sequence[st
     same = [_group_name(group, marks) for group in found if not group.changes]
     if same:
         lines.append(f"No change in {'; '.join(same)}.")
-    sections = [Section("Ranking of variants", tuple(lines))]
+    sections = [section("Ranking of variants", tuple(lines))]
     for group in found if whole else changed:
         changes = [_change_text(group, change, label, marks) for change in group.changes]
         if not whole and len(changes) > _SHOWN:
             changes[_SHOWN:] = [f"And {len(changes) - _SHOWN} more changes (--out and --json have all)."]
         table = _places(group, label, marks) if whole else None
-        sections.append(Section(f"Ranking in {_group_name(group, marks)}", tuple(changes), table))
+        sections.append(section(f"Ranking in {_group_name(group, marks)}", tuple(changes), table))
     return sections
 
 
@@ -386,4 +388,4 @@ def _places(group: Ranking, label: Labels, marks: Sequence[str]) -> Table:
         for cell, place in zip(cells, group.places[variant], strict=True):
             row += [str(place), _median(cell)]
         rows.append(tuple(row))
-    return Table(tuple(columns), tuple(rows), frozenset(columns[1:]))
+    return table_of(columns, rows, columns[1:])

@@ -23,11 +23,12 @@ from ptbench.convergence.efficiency import (
     time_to,
 )
 from ptbench.convergence.last_errors import ERRORS, LastErrors, last_errors
+from ptbench.document.blocks import Lines
+from ptbench.document.table import Table
 from ptbench.io.cells import Result, Study
 from ptbench.numbers import figures, ratio
 from ptbench.stats.estimates import Estimate
 from ptbench.studies.withdrawn import between
-from ptbench.tables import Lines, Table
 
 _NONE = "—"
 _CLOCK_NAMES = {"wall_ms": "Wall", "device_ms": "Device", "cpu_ms": "CPU"}

@@ -18,7 +18,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from ptbench.crosscheck.document import AGREES, REFUSED, WEAK, Checked, as_json, as_scene, as_text
-from ptbench.crosscheck.options import ALL, MOST_SPP
+from ptbench.crosscheck.limits import ALL, MOST_SPP
 from ptbench.crosscheck.renders import (
     CannotExport,
     Settings,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 
-from ptbench.crosscheck.options import SIDE
+from ptbench.crosscheck.limits import SIDE
 from ptbench.crosscheck.renders import Images, Settings
 from ptbench.crosscheck.statistics import EDGES, FAMILY, POWER, Comparison
 

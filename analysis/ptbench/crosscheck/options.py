@@ -6,14 +6,11 @@ import argparse
 import sys
 from pathlib import Path
 
-SIDE = 8  # pixels of a block
-ALL = "all"
-MOST_SPP = 100_000_000  # samples a pixel of an image
+from ptbench.command import Command
+from ptbench.crosscheck.limits import ALL, MOST_SPP, SIDE
 
 
-def add_crosscheck(commands: argparse._SubParsersAction) -> None:
-    """Adds the subcommand `crosscheck` with its options."""
-    parser = commands.add_parser("crosscheck", help="render scenes here and in Mitsuba 3, and hold them to one mean")
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scenes", nargs="+", metavar="SCENE", help=f'by name or .json file; "{ALL}": every shipped one')
     parser.add_argument("--binary", type=Path, default=Path("build/ptbench"), metavar="PTBENCH")
     parser.add_argument(
@@ -98,3 +95,13 @@ def blocks(text: str) -> tuple[int, int]:
     ):
         raise argparse.ArgumentTypeError(f'found "{text}", allowed: WxH, multiples of {SIDE} up to 4096')
     return int(sides[0]), int(sides[1])
+
+
+def _load():
+    from ptbench.crosscheck.command import crosscheck_command
+
+    return crosscheck_command
+
+
+_HELP = "render scenes here and in Mitsuba 3, and hold them to one mean"
+COMMANDS = (Command("crosscheck", _HELP, _add_arguments, _load),)

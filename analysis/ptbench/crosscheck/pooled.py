@@ -10,11 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import stdtr, stdtrit
 
 from ptbench.crosscheck.document import AGREES, DIFFERS, WEAK
 from ptbench.crosscheck.statistics import POWER
 from ptbench.errors import FindingError
+from ptbench.stats import special
 
 
 @dataclass(frozen=True)
@@ -51,11 +51,11 @@ def pooled(scenes: list[tuple[dict, int]]) -> Pooled:
     # Degrees of freedom by Welch and Satterthwaite: a report's part of the mean's variance is as large as its weight.
     together = 1 / (weights**2 / freedom).sum(axis=0)
     limit_p = min(image["limit_p"] for image in images)
-    sees = (stdtrit(together, 1 - limit_p / 2) + stdtrit(together, POWER)) * error
+    sees = (special.stdtrit(together, 1 - limit_p / 2) + special.stdtrit(together, POWER)) * error
     return Pooled(
         bias=tuple(map(float, mean)),
         errors=tuple(map(float, error)),
-        worst_p=float(np.min(2 * stdtr(together, -np.abs(mean / np.where(lit, error, 1.0))))),
+        worst_p=float(np.min(2 * special.stdtr(together, -np.abs(mean / np.where(lit, error, 1.0))))),
         limit_p=limit_p,
         sees=float(sees.max()),
         aim=min(scene["aim"] for scene, _ in scenes),

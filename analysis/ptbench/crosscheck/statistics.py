@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.special import ndtr, ndtri, stdtr, stdtrit
 
-from ptbench.crosscheck.options import SIDE
+from ptbench.crosscheck.limits import SIDE
+from ptbench.stats import special
 
 FAMILY = 0.01
 POWER = 0.9
@@ -110,11 +110,11 @@ class _Welch:
         return np.sign(self.difference) * np.divide(beyond, self.error, out=np.zeros_like(beyond), where=self.error > 0)
 
     def p(self, allowed: float) -> np.ndarray:
-        return 2 * stdtr(self.freedom, -np.abs(self.t(allowed)))
+        return 2 * special.stdtr(self.freedom, -np.abs(self.t(allowed)))
 
     def sees(self, limit_p: float, allowed: float) -> np.ndarray:
         """The bias, as a share of the mean, that passes `limit_p` with the probability POWER."""
-        quantiles = stdtrit(self.freedom, 1 - limit_p / 2) + stdtrit(self.freedom, POWER)
+        quantiles = special.stdtrit(self.freedom, 1 - limit_p / 2) + special.stdtrit(self.freedom, POWER)
         width = np.full_like(self.mean, np.inf)
         return np.divide(quantiles * self.error, self.mean, out=width, where=self.mean > 0) + allowed
 
@@ -181,7 +181,7 @@ def _block_test(here: np.ndarray, there: np.ndarray, allowed: float, family: flo
         worst=float(t[worst]),
         worst_place=(int(worst[0]), int(worst[1]), int(worst[2])),
         worst_p=float(p[worst]),
-        limit=float(stdtrit(found.freedom[worst], 1 - limit / 2)),
+        limit=float(special.stdtrit(found.freedom[worst], 1 - limit / 2)),
         limit_p=limit,
         rms=float(np.sqrt((t**2).mean())),
         sees=float(np.median(sees)) if sees.size else 0.0,
@@ -205,7 +205,7 @@ def _pixel_test(here: np.ndarray, there: np.ndarray, allowed: float, limit: floa
     error = float(np.sqrt((terms**2).sum()))
     z = total / error if error > 0 else 0.0
     weights, mean = float(weight.sum()), float(found.mean.mean())
-    seen = (ndtri(1 - limit) + ndtri(POWER)) * error / weights if weights > 0 else 0.0
+    seen = (special.ndtri(1 - limit) + special.ndtri(POWER)) * error / weights if weights > 0 else 0.0
     t = found.t(0.0)[~still]
     freedom = found.freedom[~still]
     return PixelTest(
@@ -213,7 +213,7 @@ def _pixel_test(here: np.ndarray, there: np.ndarray, allowed: float, limit: floa
         still=int(still.sum()),
         still_beyond=int(still_beyond.sum()),
         z=z,
-        p=float(ndtr(-z)),
+        p=float(special.ndtr(-z)),
         limit_p=limit,
         sees=float(np.sqrt(seen) / mean + allowed) if mean > 0 else 0.0,
         histogram=_histogram(t),
@@ -237,7 +237,7 @@ def _histogram(t: np.ndarray) -> tuple[int, ...]:
 
 
 def _expected(freedom: np.ndarray) -> tuple[float, ...]:
-    below = [0.0, *(float(stdtr(freedom, edge).sum()) for edge in EDGES), float(freedom.size)]
+    below = [0.0, *(float(special.stdtr(freedom, edge).sum()) for edge in EDGES), float(freedom.size)]
     return tuple(high - low for low, high in pairwise(below))
 
 

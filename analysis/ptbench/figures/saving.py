@@ -53,9 +53,11 @@ def webp_of(png: bytes) -> bytes:
 def png_of(figure: Figure, dpi: float, *, few_colours: bool) -> bytes:
     """The page as a PNG file; photographs need all their colours."""
     with io.BytesIO() as drawn:
-        figure.savefig(drawn, format="png", dpi=dpi, pil_kwargs={"compress_level": 1})
+        figure.savefig(drawn, format="rgba", dpi=dpi)
+        # As matplotlib's own canvas: parts of a pixel are cut off.
+        size = int(figure.bbox_inches.width * dpi), int(figure.bbox_inches.height * dpi)
         # Nothing on a page is transparent: its paper is white.
-        image = Image.open(drawn).convert("RGB")
+        image = Image.frombytes("RGBA", size, drawn.getvalue()).convert("RGB")
     with io.BytesIO() as written:
         (_in_few_colours(image) if few_colours else image).save(written, "PNG", optimize=True, dpi=(dpi, dpi))
         return written.getvalue()
@@ -64,17 +66,19 @@ def png_of(figure: Figure, dpi: float, *, few_colours: bool) -> bytes:
 def _in_few_colours(image: Image.Image) -> Image.Image:
     """The most frequent colours as they are, every other as the nearest of those."""
     pixels = np.asarray(image, dtype=np.int32)
-    codes = (pixels[..., 0] << 16) + (pixels[..., 1] << 8) + pixels[..., 2]
-    counts = np.bincount(codes.ravel())
-    there = np.flatnonzero(counts)
+    codes = ((pixels[..., 0] << 16) + (pixels[..., 1] << 8) + pixels[..., 2]).ravel()
+    # A page is mostly long runs of one colour: there are far fewer runs than pixels, or than colours there could be.
+    begins = np.concatenate([[0], np.flatnonzero(codes[1:] != codes[:-1]) + 1])
+    lengths = np.diff(begins, append=len(codes))
+    there, of_run = np.unique(codes[begins], return_inverse=True)
+    counts = np.bincount(of_run, weights=lengths).astype(np.int64)
     colours = np.stack([there >> 16, there >> 8 & 255, there & 255], axis=1)
-    by_frequency = colours[np.argsort(-counts[there], kind="stable")]
+    by_frequency = colours[np.argsort(-counts, kind="stable")]
     tolerance = _TOLERANCE
     while (palette := _palette(by_frequency, tolerance)) is None:
         tolerance *= 2
-    index_of = np.zeros(len(counts), np.uint8)
-    index_of[there] = np.abs(colours[:, None] - palette[None]).max(axis=2).argmin(axis=1)
-    reduced = Image.frombytes("P", image.size, index_of[codes].tobytes())
+    index_of = np.abs(colours[:, None] - palette[None]).max(axis=2).argmin(axis=1).astype(np.uint8)
+    reduced = Image.frombytes("P", image.size, np.repeat(index_of[of_run], lengths).tobytes())
     reduced.putpalette(palette.astype(np.uint8).tobytes())
     return reduced
 

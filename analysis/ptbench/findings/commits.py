@@ -7,6 +7,7 @@ history that their work is part of, which counts in their place, and why they ar
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 from ptbench.git import git
@@ -26,6 +27,12 @@ def standing_for(results: Path, commit: str) -> str:
         if lost.startswith(commit):
             return about["within"]
     return commit
+
+
+def commit_of(version: str) -> str:
+    """What `ptbench --version` says of its commit; empty where it says none."""
+    found = re.search(r"commit ([0-9a-f]{40})", version)
+    return found[1] if found else ""
 
 
 def shown_commit(results: Path, commit: str) -> str:

@@ -13,8 +13,8 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from ptbench.figures import style
-from ptbench.findings.page import source_of
 from ptbench.findings.quantities import Ratio
+from ptbench.findings.source import source_of
 from ptbench.stats.estimates import CONFIDENCE, FASTER, SAME, SLOWER, THRESHOLD, UNSURE
 
 _COLOURS = {FASTER: style.COLOURS[1], SLOWER: style.COLOURS[2], SAME: style.COLOURS[0], UNSURE: "#6e6e6e"}

@@ -5,7 +5,7 @@ A template begins with a JSON object between two lines of `---`:
     {"title": "...", "sources": {"compaction": {"file": "nvidia-h200/compaction.json", "where": "arithmetic=exact",
      "kernels_behind": 250}}, "constants": {"aim": "0.05"}}
 
-Every source is a variable of the page (findings/source.py), and so is every constant: a number that nobody measured, an
+Every source is a variable of the page (findings/sources), and so is every constant: a number that nobody measured, an
 aim or a version, which a page may not hold in any other way. A folder is one of `ptbench rays`; a source with
 "against": [files of other GPUs], "inspect": [files] and "models": [GPUs that nobody has] is a fleet; a source with
 "optional": true that is not there is None. `kernels_behind` is how many commits to kernels/ and
@@ -19,31 +19,14 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 
 from jinja2 import Environment, StrictUndefined, TemplateError
 
 from ptbench.errors import FindingError
 from ptbench.findings.commits import age_fault
-from ptbench.findings.cpu_rates import SCHEMA as CPU_RAYS
-from ptbench.findings.cpu_rates import CpuRaysSource
-from ptbench.findings.crosscheck import SCHEMA as CROSSCHECK
-from ptbench.findings.crosscheck import CrosscheckSource
-from ptbench.findings.fleet import FleetSource
-from ptbench.findings.imports import SCHEMA as IMPORTS
-from ptbench.findings.imports import ImportsSource
-from ptbench.findings.leaks import SCHEMA as LEAKS
-from ptbench.findings.leaks import LeaksSource
-from ptbench.findings.peers import SCHEMA as PEERS
-from ptbench.findings.peers import PeersSource
 from ptbench.findings.quantities import span
-from ptbench.findings.rays import RaysFolder
-from ptbench.findings.records import GPU_TESTS, GpuTestsSource, Inspection, Record, StabilitySource, Transcript
-from ptbench.findings.simulation import WORK, SimulationSource
-from ptbench.findings.source import Source
-from ptbench.io.nodes import read_json
-from ptbench.io.stability import is_stability
+from ptbench.findings.source import source_of
 from ptbench.stats.estimates import CONFIDENCE, FASTER, SAME, SLOWER, THRESHOLD, UNSURE
 
 _HEAD = re.compile(r"\A---\n(\{.*?\n\})\n---\n", re.DOTALL)
@@ -57,24 +40,6 @@ _MEASURED = re.compile(
 _VERDICT = re.compile(rf"\b(?:{FASTER}|{SLOWER}|{SAME}|{UNSURE})\b")
 _CODE = re.compile(r"^```.*?^```|`[^`\n]*`", re.DOTALL | re.MULTILINE)
 _TARGET = re.compile(r"\]\([^)]*\)")
-
-
-AnySource = (
-    Source
-    | RaysFolder
-    | GpuTestsSource
-    | Inspection
-    | StabilitySource
-    | Record
-    | Transcript
-    | CrosscheckSource
-    | PeersSource
-    | ImportsSource
-    | LeaksSource
-    | CpuRaysSource
-    | FleetSource
-    | SimulationSource
-)
 
 
 @dataclass(frozen=True)
@@ -102,50 +67,6 @@ def read_page(template: Path) -> Page:
     except json.JSONDecodeError as error:
         raise FindingError(f"{template}: its head is no JSON: {error}") from error
     return Page(template, head, text[match.end() :])
-
-
-# Files of one form each, by the name that they have for it.
-_BY_SCHEMA = {
-    CROSSCHECK: CrosscheckSource,
-    IMPORTS: ImportsSource,
-    LEAKS: LeaksSource,
-    CPU_RAYS: CpuRaysSource,
-    GPU_TESTS: GpuTestsSource,
-    PEERS: PeersSource,
-    WORK: SimulationSource,
-}
-
-
-@cache
-def _opened(results: Path, file: str, where: str) -> AnySource:
-    if file.endswith(".txt"):
-        return Transcript(results, file)
-    if (results / file).is_dir():
-        return RaysFolder(results, file)
-    root = read_json(results / file)
-    if isinstance(root.value, list):
-        return Inspection(results, file)
-    if (source := _BY_SCHEMA.get(root.value.get("schema"))) is not None:
-        return source(results, file)
-    if is_stability(root):
-        return StabilitySource(results, file)
-    return Source(results, file, where) if "ptbench" in root.fields() else Record(results, file)
-
-
-@cache
-def _fleet(results: Path, files: tuple[str, ...], inspected: tuple[str, ...], models: tuple[str, ...]) -> FleetSource:
-    return FleetSource(results, files, inspected, models)
-
-
-def source_of(results: Path, about: Mapping) -> AnySource | None:
-    """What a source of the head stands for, by what its file holds; None for one that may be missing and is."""
-    file = results / about["file"]
-    if about.get("optional") and not file.exists() and not Path(f"{file}.gz").exists():
-        return None
-    if "against" in about:
-        others = tuple(tuple(about.get(name, ())) for name in ("inspect", "models"))
-        return _fleet(results, (about["file"], *about["against"]), *others)
-    return _opened(results, about["file"], about.get("where", ""))
 
 
 def render(page: Page, results: Path) -> str:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from ptbench.compare.sections import as_markdown, as_text
+from ptbench.document.markdown import markdown_page
+from ptbench.document.text import as_text
 from ptbench.errors import NotDrawable
 from ptbench.fleet.fleet import fleet_of
 from ptbench.fleet.text import sections
@@ -21,7 +22,7 @@ def fleet_command(options: argparse.Namespace) -> int:
     if options.out is None:
         return 0
     make_folder(options.out)
-    page = as_markdown("A suite on several GPUs", sections(fleet, whole=True))
+    page = markdown_page("A suite on several GPUs", sections(fleet, whole=True))
     print()
     try:
         # Drawing libraries take a moment to load.

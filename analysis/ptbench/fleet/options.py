@@ -1,15 +1,14 @@
-"""The command line of `fleet`, apart from what it does, which takes a moment to load."""
+"""The command line of `fleet`."""
 
 from __future__ import annotations
 
+import argparse
 from pathlib import Path
 
+from ptbench.command import Command
 
-def add_fleet(commands) -> None:
-    """The subcommand's options."""
-    parser = commands.add_parser(
-        "fleet", help="a suite on several models of GPU: ratios, rankings that change, and what data sheets predict"
-    )
+
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "results", type=Path, nargs="+", metavar="RESULT.json", help="a file a GPU; the first: whose counters are known"
     )
@@ -22,3 +21,13 @@ def add_fleet(commands) -> None:
         help="also predict a GPU that was not measured, from its data sheet (repeatable)",
     )  # fmt: skip
     parser.add_argument("--out", type=Path, metavar="DIR", help="fleet.md and the figures")
+
+
+def _load():
+    from ptbench.fleet.command import fleet_command
+
+    return fleet_command
+
+
+_HELP = "a suite on several models of GPU: ratios, rankings that change, and what data sheets predict"
+COMMANDS = (Command("fleet", _HELP, _add_arguments, _load),)

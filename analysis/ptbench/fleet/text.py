@@ -6,9 +6,10 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from ptbench.compare.sections import Section, Table
 from ptbench.compare.text import MARKS, Labels, estimate_text, files_section, ranking_sections
 from ptbench.compare.verdicts import WORDS
+from ptbench.document.blocks import Section, section
+from ptbench.document.table import table_of
 from ptbench.fleet.evidence import NEAR
 from ptbench.fleet.fleet import BAR, NEAR_ENOUGH, Fleet, Other, Prediction
 from ptbench.fleet.gpus import Gpu
@@ -61,7 +62,7 @@ def gpus_section(fleet: Fleet) -> Section:
         for mark, gpu in zip([*MARKS[: 1 + len(fleet.others)], *[""] * len(fleet.unowned)], gpus, strict=True)
     ]
     columns = ("", "GPU", "Capability", "SMs", "MHz", "GB/s", "L2 MiB", "SMs x clock, bandwidth of A's", "From")
-    return Section("GPUs", (), Table(columns, tuple(rows), frozenset(columns[3:7])))
+    return section("GPUs", (), table_of(columns, rows, columns[3:7]))
 
 
 def _over(gpu: Gpu, first: Gpu) -> str:
@@ -92,7 +93,7 @@ def ratios_section(mark: str, other: Other) -> Section:
         f"Ratio = median time on {mark} ({other.gpu.name}) / median time on {MARKS[0]}; below 1, {mark} is faster. "
         f"Geometric mean {told} over {mean.used} cells that both have.",
     )
-    return Section(f"{mark} against {MARKS[0]}", lines, Table(columns, tuple(rows), frozenset(columns[1:])))
+    return section(f"{mark} against {MARKS[0]}", lines, table_of(columns, rows, columns[1:]))
 
 
 def verdicts_section(mark: str, other: Other, label: Labels, turned_about: str = "") -> Section:
@@ -119,8 +120,8 @@ def verdicts_section(mark: str, other: Other, label: Labels, turned_about: str =
         "back.",
     )
     columns = ("Study", "Scene", "Depth", "Variant", f"On {MARKS[0]}", f"On {mark}")
-    table = Table(columns, tuple(rows), frozenset({"Depth"})) if rows else None
-    return Section(f"Verdicts that change on {mark}", lines, table)
+    table = table_of(columns, rows, {"Depth"}) if rows else None
+    return section(f"Verdicts that change on {mark}", lines, table)
 
 
 def changes_section(fleet: Fleet) -> Section:
@@ -148,13 +149,13 @@ def changes_section(fleet: Fleet) -> Section:
         + ("" if one_program else " These files are of several: a turn may be the program's as well as the GPU's."),
     )
     columns = ("Scene", "Depth", "Ahead", "Behind", "Ratio", "Turned", "Equal at")
-    return Section("Where the order turns", lines, Table(columns, tuple(rows), frozenset({"Depth"})) if rows else None)
+    return section("Where the order turns", lines, table_of(columns, rows, {"Depth"}) if rows else None)
 
 
 def prediction_sections(mark: str, other: Other, label: Labels) -> Iterable[Section]:
     """How well the rules predict, and every cell with counters."""
     if not other.predictions:
-        yield Section(f"{mark} predicted", ("No variant has counters (--inspect).",))
+        yield section(f"{mark} predicted", ("No variant has counters (--inspect).",))
         return
     yield _scores(mark, other)
     rows = sorted(other.predictions, key=lambda one: (one.cell.scene, -one.shares[MEMORY]))
@@ -162,9 +163,9 @@ def prediction_sections(mark: str, other: Other, label: Labels) -> Iterable[Sect
         "Scene", "Depth", "Variant", "MB", "Bound", "Of memory's ceiling", "Of issue's", "Predicted", "Measured",
         "95 %", "Error", "Counters",
     )  # fmt: skip
-    table = Table(columns, tuple(_row(one, label) for one in rows), frozenset(("Depth", "MB", *columns[5:9], "Error")))
+    table = table_of(columns, tuple(_row(one, label) for one in rows), ("Depth", "MB", *columns[5:9], "Error"))
     alone = len(other.unpredicted)
-    yield Section(
+    yield section(
         f"{mark} predicted, by variant",
         (
             f"{len(rows)} cells with counters; {alone} without, which are not predicted. Counters near: of the variant "
@@ -211,7 +212,7 @@ def _scores(mark: str, other: Other) -> Section:
     aim = f"Aim: within {NEAR_ENOUGH:.0%} of what was measured for at least {BAR:.0%} of the variants"
     verdict = "no variant was itself counted" if not own else "reached" if own[0].share >= BAR else "missed"
     lines = (MODEL, f"{aim}: {verdict}.", f"Counters are of {MARKS[0]}; nothing of {mark} was used but its data sheet.")
-    return Section(f"{mark} predicted from {MARKS[0]}", lines, Table(columns, tuple(rows), frozenset(columns[2:])))
+    return section(f"{mark} predicted from {MARKS[0]}", lines, table_of(columns, rows, columns[2:]))
 
 
 def unowned_section(fleet: Fleet) -> Section:
@@ -227,7 +228,7 @@ def unowned_section(fleet: Fleet) -> Section:
         f"Predicted from data sheets alone, never measured: time over that on {MARKS[0]}. Registers, occupancy and "
         "caches are taken to be the first GPU's, so the further an architecture is from it, the less this says.",
     )
-    return Section("GPUs that nobody here has", lines, Table(columns, tuple(rows), frozenset((*columns[3:], "Depth"))))
+    return section("GPUs that nobody here has", lines, table_of(columns, rows, (*columns[3:], "Depth")))
 
 
 def static_section(entries: Iterable[Inspected]) -> Section:
@@ -246,7 +247,7 @@ def static_section(entries: Iterable[Inspected]) -> Section:
         "nothing ran. Registers a thread, spilled bytes, occupancy that they allow, machine instructions where "
         "nvdisasm was there.",
     )
-    return Section("By architecture", lines, Table(("Scene", "Variant", "Kernel", *architectures), tuple(rows)))
+    return section("By architecture", lines, table_of(("Scene", "Variant", "Kernel", *architectures), rows))
 
 
 def _kernel_text(kernel: KernelCounters | None) -> str:

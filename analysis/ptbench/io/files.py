@@ -77,13 +77,19 @@ def read_whole(path: Path, largest: int = LARGEST_INPUT) -> bytes:
     return data
 
 
+def stored_file(path: Path) -> Path:
+    """FILE.json, or FILE.json.gz where only that is there."""
+    packed = path if path.suffix == ".gz" else Path(f"{path}.gz")
+    return path if os.path.lexists(path) or not os.path.isfile(packed) else packed
+
+
 def read_stored(path: Path, largest: int = LARGEST_INPUT) -> tuple[Path, bytes]:
     """The content of FILE.json, or of FILE.json.gz where only that is there, and the name without `.gz`.
 
     Large results are committed compressed: whoever names one names it either way. Raises InputError.
     """
-    packed = path if path.suffix == ".gz" else Path(f"{path}.gz")
-    if path != packed and (os.path.lexists(path) or not os.path.isfile(packed)):
+    packed = stored_file(path)
+    if packed.suffix != ".gz":
         return path, read_whole(path, largest)
     try:
         with gzip.open(io.BytesIO(read_whole(packed, largest))) as file:

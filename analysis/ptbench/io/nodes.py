@@ -21,8 +21,20 @@ def shown(value: object, *, whole: bool = False) -> str:
 class Node:
     """A JSON value that knows its file and its place, so that every complaint can name both."""
 
-    def __init__(self, file: Path, value: object, place: str = "$"):
-        self.file, self.value, self.place = file, value, place
+    __slots__ = ("_key", "_place", "file", "value")
+
+    def __init__(self, file: Path, value: object, place: str | Node = "$", key: str | int = ""):
+        """`place`: as it is to be told; or the object or the array that has the value at `key`."""
+        # Almost no place is ever told, and there are millions: a text is made where one is.
+        self.file, self.value, self._place, self._key = file, value, place, key
+
+    @property
+    def place(self) -> str:
+        """The JSON path, "$.benchmarks[3].name"."""
+        if isinstance(self._place, Node):
+            key = f"[{self._key}]" if isinstance(self._key, int) else f".{self._key}"
+            self._place = self._place.place + key
+        return self._place
 
     def wrong(self, allowed: str) -> InputError:
         """The error that says what was found here and what is `allowed`."""
@@ -33,12 +45,12 @@ class Node:
         fields = self.fields()
         if key not in fields:
             raise bad_value(self.file, f"{self.place}.{key}", "nothing", "this key is required")
-        return Node(self.file, fields[key], f"{self.place}.{key}")
+        return Node(self.file, fields[key], self, key)
 
     def maybe(self, key: str) -> Node | None:
         """The value of a key; None where there is none or null."""
         value = self.fields().get(key)
-        return None if value is None else Node(self.file, value, f"{self.place}.{key}")
+        return None if value is None else Node(self.file, value, self, key)
 
     def fields(self) -> dict:
         """The object; raises InputError for anything else."""
@@ -50,7 +62,7 @@ class Node:
         """The array's values; raises InputError for anything else."""
         if not isinstance(self.value, list):
             raise self.wrong("an array")
-        return (Node(self.file, item, f"{self.place}[{index}]") for index, item in enumerate(self.value))
+        return (Node(self.file, item, self, index) for index, item in enumerate(self.value))
 
     def text(self) -> str:
         """The string; raises InputError for anything else."""
@@ -101,11 +113,11 @@ class Node:
 
     def texts(self) -> dict[str, str]:
         """The object's strings by key; raises InputError for anything else."""
-        return {key: Node(self.file, value, f"{self.place}.{key}").text() for key, value in self.fields().items()}
+        return {key: Node(self.file, value, self, key).text() for key, value in self.fields().items()}
 
     def integers(self) -> dict[str, int]:
         """The object's integers by key; raises InputError for anything else."""
-        return {key: Node(self.file, value, f"{self.place}.{key}").integer() for key, value in self.fields().items()}
+        return {key: Node(self.file, value, self, key).integer() for key, value in self.fields().items()}
 
     def optional_text(self, key: str, default: str = "") -> str:
         """The key's string, or `default`; raises InputError for anything else."""

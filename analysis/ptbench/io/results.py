@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from hashlib import blake2b
 from pathlib import Path
 
 from ptbench.errors import bad_value
@@ -30,6 +31,7 @@ from ptbench.io.cells import (
 )
 from ptbench.io.consistency import Contradiction, cell_of, contradictions, is_failure, times_of
 from ptbench.io.convergence import Convergence, check_checkpoints, checkpoints_of, convergence_of
+from ptbench.io.files import LARGEST_RESULT, read_whole, stored_file
 from ptbench.io.names import axes_spelled_out, shown_name, tuned_in, with_shown_names
 from ptbench.io.nodes import Node, read_json, shown
 from ptbench.io.older import SCHEMA_VERSIONS, usual_baselines, with_later_axes
@@ -38,6 +40,22 @@ from ptbench.io.older import SCHEMA_VERSIONS, usual_baselines, with_later_axes
 def load(path: Path | str) -> Result:
     """The result file at `path`, checked; raises InputError."""
     return result_of(read_json(Path(path)))
+
+
+_KEPT: dict[bytes, dict[Path, Result]] = {}  # by the digest of the file's bytes
+
+
+def load_kept(path: Path) -> Result:
+    """What `load` gives, read once a process however often it is asked for: pages ask one file many times.
+
+    A file that has other bytes than before is read again, and a copy of one that was read is not.
+    """
+    there = stored_file(path)
+    kept = _KEPT.setdefault(blake2b(read_whole(there, LARGEST_RESULT)).digest(), {})
+    if path not in kept:
+        as_read = path.with_suffix("") if path.suffix == ".gz" else path
+        kept[path] = replace(next(iter(kept.values())), path=as_read) if kept else load(path)
+    return kept[path]
 
 
 def result_of(root: Node) -> Result:

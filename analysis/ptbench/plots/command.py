@@ -11,13 +11,13 @@ from ptbench.errors import NotDrawable
 from ptbench.figures import style
 from ptbench.figures.registry import PICTURES, collect_study, draw_study, parts_of_study
 from ptbench.figures.saving import DPI, save_figure, save_pictures
+from ptbench.found import modules
 from ptbench.io.cells import Result
 from ptbench.io.files import make_folder, one_line, safe_name, write_text
 from ptbench.io.nodes import read_json
 from ptbench.io.rays import is_rays, load_rays_folder, rays_of
 from ptbench.io.results import result_of
 from ptbench.io.stability import Stability, is_stability, stability_of
-from ptbench.plots.peers import is_peers, peers_plots
 from ptbench.plots.rays import rays_plots
 from ptbench.plots.stability import stability_plots
 from ptbench.plots.summary import summary
@@ -56,9 +56,10 @@ def plots(path: Path, out: Path | None) -> int:
     if path.is_dir():
         return rays_plots(*load_rays_folder(path), out if out is not None else path.parent / "figures" / path.name)
     root = read_json(path)
-    if is_peers(root.value):
-        stem = path.name.partition(".")[0]
-        return peers_plots(root.value, out if out is not None else path.parent / "figures" / stem)
+    for other in modules("extras/*/plots.py"):
+        if isinstance(root.value, dict) and root.value.get("schema") == other.SCHEMA:
+            stem = path.name.partition(".")[0]
+            return other.plots(root.value, out if out is not None else path.parent / "figures" / stem)
     if is_rays(root):
         rays = rays_of(root)
         return rays_plots([rays], [], out if out is not None else path.parent / "figures" / path.stem)

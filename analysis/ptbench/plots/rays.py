@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from ptbench.document.blocks import Lines
+from ptbench.document.markdown import markdown
+from ptbench.document.table import table_of
 from ptbench.errors import NotDrawable
 from ptbench.figures import rays_by_triangles, style
 from ptbench.figures.saving import save_figure
@@ -12,7 +15,6 @@ from ptbench.io.files import make_folder, write_text
 from ptbench.io.rays import Peer, RayMesh, Rays, peer_batch
 from ptbench.numbers import figures, interval, share
 from ptbench.stats.estimates import INTERVAL_TEXT, median_estimate
-from ptbench.tables import Lines, markdown, table_of
 from ptbench.terminal import say
 
 FIGURE = "rays_by_triangles"

@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from ptbench.convergence.tables import convergence_rules, convergence_tables
+from ptbench.document.blocks import Lines
+from ptbench.document.markdown import markdown
+from ptbench.document.table import table_of
 from ptbench.io.cells import Cell, Result, Study
 from ptbench.io.files import one_line
 from ptbench.numbers import figures, interval, plural, ratio
@@ -16,7 +19,6 @@ from ptbench.studies.questions import question_of, usual_baseline
 from ptbench.studies.rows import Row, measure
 from ptbench.studies.variants import TableNames, table_names
 from ptbench.studies.withdrawn import concerning
-from ptbench.tables import Lines, markdown, table_of
 
 _COLUMNS = (
     "Variant", "Scene", "Depth", "Resolution", "Backend", "spp", "n", "ms/spp", "95 % interval", "Mrays/s",

@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ptbench.convergence.assessment import LEAST_SEEDS
+from ptbench.document.blocks import Block, Bullets, Download, Facts, Lines, Paragraph, Section, anchor_of, blocks_of
 from ptbench.io.cells import Result
 from ptbench.io.files import one_line, safe_name
 from ptbench.io.stability import BROKEN, FAILED, KNOWN_LIMIT, NOT_APPLICABLE, PASSED, Stability
 from ptbench.numbers import plural
 from ptbench.plots.summary import failed, not_applicable, on_device, stages, study_section
 from ptbench.report import tidy
-from ptbench.report.blocks import Block, Bullets, Download, Facts, Paragraph, Section, anchor_of, blocks_of
 from ptbench.report.drawing import Drawn, draw_stability_figures, draw_study_figures
 from ptbench.report.findings import Findings, findings_of, stability_findings
 from ptbench.report.forest import draw_overview
@@ -28,7 +28,6 @@ from ptbench.studies.disturbed import disturbance_in, disturbance_of
 from ptbench.studies.notes import notes_of
 from ptbench.studies.rows import measure
 from ptbench.studies.withdrawn import concerning
-from ptbench.tables import Lines
 
 # What makes a machine, by context key; a file that lacks one says nothing of it.
 _MACHINE_FACTS = (

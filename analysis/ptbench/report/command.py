@@ -8,16 +8,18 @@ from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
+from ptbench.document.markdown import SCENES, linked_files, report_page, write_files
 from ptbench.errors import bad_value
 from ptbench.io.files import check_output_file, check_output_folder, make_folder, write_text
 from ptbench.report.chapter import Chapter, chapter_of
 from ptbench.report.html import html_page
-from ptbench.report.markdown import SCENES, linked_files, markdown_page, write_files
 from ptbench.report.overview import report_sections, title_of
 from ptbench.report.scenes import Renderer, scene_pictures
 from ptbench.report.sources import Sources, find_sources
 from ptbench.terminal import say, visible
 
+# Bytes of all files from which on processes are begun: each takes a second or more to load what draws.
+WORTH_PROCESSES = 1 << 20
 _MADE_BY = "by python3 -m ptbench report."  # the end of each report's subtitle
 
 
@@ -44,7 +46,7 @@ def report(named: Sequence[Path], out: Path, binary: Path | None, spp: int, side
     files = list(linked_files(out, sections))
     _refuse_foreign(out, [out / "report.md", out / "report.html", *(path for path, _ in files)])
     write_files(files)
-    say(write_text(out / "report.md", markdown_page(title, subtitle, sections)))
+    say(write_text(out / "report.md", report_page(title, subtitle, sections)))
     say(write_text(out / "report.html", html_page(title, subtitle, sections)))
     return 0
 
@@ -72,7 +74,7 @@ def _size(path: Path) -> int:
 
 def _chapters(sources: Sources) -> list[Chapter]:
     jobs = min(len(sources.paths), len(os.sched_getaffinity(0)))
-    if jobs < 2:
+    if jobs < 2 or sum(map(_size, sources.paths)) < WORTH_PROCESSES:
         return [chapter_of(path, title) for path, title in zip(sources.paths, sources.titles, strict=True)]
     # The largest files first: the last one to be done should be short.
     order = sorted(range(len(sources.paths)), key=lambda index: -_size(sources.paths[index]))

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from matplotlib.figure import Figure
 
+from ptbench.document.blocks import Image
 from ptbench.errors import NotDrawable
 from ptbench.figures import style
 from ptbench.figures.registry import PICTURES, collect_study, draw_study, parts_of_study
@@ -14,7 +15,6 @@ from ptbench.figures.stability import heatmap, sweep
 from ptbench.io.cells import Result, Study
 from ptbench.io.files import one_line, safe_name
 from ptbench.io.stability import Stability
-from ptbench.report.blocks import Image
 from ptbench.studies.notes import Note
 
 # An SVG of so many bytes has thousands of points: pixels may take less. Finding out takes seconds.

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+from ptbench.document.blocks import Image
 from ptbench.figures import forest, style
 from ptbench.figures.caption import setting
 from ptbench.figures.forest import Data, Group, Item
 from ptbench.figures.saving import svg_of
 from ptbench.io.cells import Cell, Result, Study
 from ptbench.io.files import one_line, safe_name
-from ptbench.report.blocks import Image
 from ptbench.report.findings import Efficiency, compared_rows, efficiencies_of, is_convergence
 from ptbench.stats.estimates import (
     INTERVAL_TEXT,

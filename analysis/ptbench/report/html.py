@@ -7,9 +7,20 @@ import re
 from collections.abc import Iterable, Sequence
 from html import escape
 
+from ptbench.document.blocks import (
+    Block,
+    Bullets,
+    Download,
+    Facts,
+    Folded,
+    Heading,
+    Image,
+    Paragraph,
+    Pictures,
+    Section,
+)
+from ptbench.document.table import Table
 from ptbench.io.files import package_file
-from ptbench.report.blocks import Block, Bullets, Download, Facts, Folded, Heading, Image, Paragraph, Pictures, Section
-from ptbench.tables import Table
 
 _INLINE = re.compile(r"`([^`]+)`|\*\*(.+?)\*\*")
 # Longer words without a space may be broken at their joints; without that, one name is as wide as a page.

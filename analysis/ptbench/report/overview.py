@@ -7,15 +7,15 @@ from pathlib import Path
 
 from ptbench.convergence.assessment import RULES
 from ptbench.convergence.efficiency import EFFICIENCY_RULE
+from ptbench.document.blocks import Block, Bullets, Facts, Heading, Paragraph, Pictures, Section, anchor_of, shown_table
+from ptbench.document.table import table_of
 from ptbench.io.files import one_line
 from ptbench.numbers import plural
 from ptbench.plots.summary import GPU_TEXT
-from ptbench.report.blocks import Block, Bullets, Facts, Heading, Paragraph, Pictures, Section, anchor_of, shown_table
 from ptbench.report.chapter import Chapter
 from ptbench.report.scenes import ScenePicture
 from ptbench.stability.summary import RULE as STABILITY_RULE
 from ptbench.stats.estimates import INTERVAL_TEXT, VERDICT_RULE
-from ptbench.tables import table_of
 
 NO_PICTURES = (
     "Scenes without a picture can be rendered for this page: give the command `--binary build/ptbench`. "

@@ -12,13 +12,13 @@ from pathlib import Path
 import numpy as np
 from PIL import Image as Raster
 
-from ptbench import gallery
+from ptbench.document.blocks import Image
 from ptbench.errors import InputError
+from ptbench.gallery import command as gallery
 from ptbench.io.cells import Result
 from ptbench.io.files import LARGEST_IMAGE, one_line, read_whole, safe_name, scratch_folder, write_whole
 from ptbench.io.images import displayed, exposure_of, read_pfm
 from ptbench.program import Program
-from ptbench.report.blocks import Image
 
 _SCENES = Path(__file__).resolve().parents[3] / "scenes"
 _LONGEST_REASON = 160  # characters

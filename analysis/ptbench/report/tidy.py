@@ -7,10 +7,10 @@ import gzip
 import io
 from collections.abc import Iterable, Sequence
 
+from ptbench.document.blocks import Download
 from ptbench.io.cells import WORK_COUNTERS, Cell, Result, Sample
 from ptbench.io.convergence import CLOCKS, METRICS
 from ptbench.io.stability import Row, Stability
-from ptbench.report.blocks import Download
 from ptbench.terminal import visible
 
 _FILE = ("file", "suite", "machine", "git_sha", "git_dirty", "date")

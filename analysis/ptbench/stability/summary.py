@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
+from ptbench.document.blocks import Lines
+from ptbench.document.markdown import markdown
+from ptbench.document.table import table_of
 from ptbench.io.files import one_line
 from ptbench.io.stability import BROKEN, KNOWN_LIMIT, NOT_APPLICABLE, PASSED, Row, Stability
 from ptbench.stability.layout import Layout, count, failures, point_label, short_power
-from ptbench.tables import Lines, markdown, table_of
 
 RULE = (
     "A check is one quantity of one case at one point in one variant. Everything robust in arithmetic that is not fast "

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from scipy.special import ndtr, ndtri, stdtr, stdtrit
 
+from ptbench.stats import special
 from ptbench.stats.estimates import RESAMPLES, SEED, Estimate
 
 LEVEL = 0.05  # of the intervals that are shown: 95 %
@@ -18,7 +18,7 @@ LEVEL = 0.05  # of the intervals that are shown: 95 %
 
 def t_quantile(probability: float, freedom: int) -> float:
     """The quantile of Student's t with `freedom` degrees of freedom."""
-    return float(stdtrit(freedom, probability))
+    return float(special.stdtrit(freedom, probability))
 
 
 def standard_error(values: np.ndarray) -> float:
@@ -28,7 +28,7 @@ def standard_error(values: np.ndarray) -> float:
 
 def half_width(error: float, freedom: int, level: float = LEVEL, common: float = 0.0) -> float:
     """Half the width of the t-interval of a mean; `common` is the standard error of an offset that all seeds share."""
-    return float(np.hypot(t_quantile(1 - level / 2, freedom) * error, float(ndtri(1 - level / 2)) * common))
+    return float(np.hypot(t_quantile(1 - level / 2, freedom) * error, float(special.ndtri(1 - level / 2)) * common))
 
 
 def t_interval(values: np.ndarray, level: float = LEVEL, common: float = 0.0) -> Estimate:
@@ -69,7 +69,7 @@ def t_test(estimate: float, error: float, freedom: float, expected: float, commo
             return 1.0, 0.5
         return 0.0, 0.0 if estimate > expected else 1.0
     t = (estimate - expected) / error
-    return float(2 * stdtr(freedom, -abs(t))), float(stdtr(freedom, -t))
+    return float(2 * special.stdtr(freedom, -abs(t))), float(special.stdtr(freedom, -t))
 
 
 def welch_test(values: np.ndarray, others: np.ndarray) -> float:
@@ -81,7 +81,7 @@ def welch_test(values: np.ndarray, others: np.ndarray) -> float:
         return 1.0 if difference == 0 else 0.0
     shares = (errors / error) ** 2
     freedom = 1 / float(np.sum(shares**2 / (np.array([len(values), len(others)]) - 1)))
-    return float(2 * stdtr(freedom, -abs(difference) / error))
+    return float(2 * special.stdtr(freedom, -abs(difference) / error))
 
 
 def holm(p_values: Sequence[float], level: float) -> list[bool]:
@@ -120,7 +120,7 @@ def bootstrap_interval(value: float, drawn: np.ndarray, count: int, level: float
     """
     if count < 2:
         return Estimate(value, None, None, count)
-    tail = float(ndtr(-np.sqrt(count / (count - 1)) * t_quantile(1 - level / 2, count - 1)))
+    tail = float(special.ndtr(-np.sqrt(count / (count - 1)) * t_quantile(1 - level / 2, count - 1)))
     ordered = np.sort(np.where(np.isnan(drawn), np.inf, drawn))
     low = ordered[int(np.floor(tail * (len(ordered) - 1)))]
     high = ordered[int(np.ceil((1 - tail) * (len(ordered) - 1)))]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from ptbench.io.cells import Cell, Result, Study
@@ -101,15 +101,20 @@ def swept_by(study: Study | None) -> str:
 
 def dimension(cell: Cell, name: str) -> str | None:
     """What a cell has of an axis, a setting or a tunable, as text; None: it has no such tunable."""
-    settings = {
-        "scene": cell.scene,
-        "backend": cell.backend,
-        "resolution": cell.resolution_text,
-        "depth": str(cell.depth),
-        "spp": str(cell.spp),
-    }
-    tunables = {tunable: str(value) for tunable, value in cell.tunables.items()}
-    return {**tunables, **cell.axes, **settings}.get(name)
+    if name in _SETTINGS:
+        return _SETTINGS[name](cell)
+    if name in cell.axes:
+        return cell.axes[name]
+    return str(cell.tunables[name]) if name in cell.tunables else None
+
+
+_SETTINGS: dict[str, Callable[[Cell], str]] = {
+    "scene": lambda cell: cell.scene,
+    "backend": lambda cell: cell.backend,
+    "resolution": lambda cell: cell.resolution_text,
+    "depth": lambda cell: str(cell.depth),
+    "spp": lambda cell: str(cell.spp),
+}
 
 
 def varying_dimensions(cells: Sequence[Cell], question: Question | None, swept: str = "depth") -> list[str]:

@@ -11,7 +11,8 @@ from collections.abc import Mapping
 
 from ptbench.errors import FindingError
 from ptbench.io.cells import Cell, Result
-from ptbench.studies.questions import dimension, usual_baseline
+from ptbench.io.older import usual_baselines
+from ptbench.studies.questions import dimension
 
 _SETTINGS = ("scene", "depth", "resolution", "spp", "backend")
 
@@ -36,7 +37,8 @@ def cells_of(result: Result, chosen: Mapping[str, str]) -> list[Cell]:
     known = {name for cell in result.cells for name in (*cell.axes, *cell.tunables)} | {*_SETTINGS, "study"}
     if unknown := [name for name in chosen if name not in known]:
         raise FindingError(f"{result.path}: no cell has {', '.join(unknown)}")
-    found = [cell for cell in result.cells if _is_named(result, cell, chosen)]
+    standard = usual_baselines(result.baselines)
+    found = [cell for cell in result.cells if _is_named(standard, cell, chosen)]
     if not found:
         raise FindingError(f"{result.path}: no cell is {_text(chosen)}")
     return found
@@ -54,14 +56,15 @@ def cell_of(result: Result, chosen: Mapping[str, str]) -> Cell:
     return found[0]
 
 
-def _is_named(result: Result, cell: Cell, chosen: Mapping[str, str]) -> bool:
+def _is_named(standard: Mapping[str, str], cell: Cell, chosen: Mapping[str, str]) -> bool:
+    """`standard`: the file's baseline of each axis."""
     if chosen.get("study", "*") not in (*cell.studies, "*"):
         return False
-    axes_at_baseline = all(
-        choice == usual_baseline(result, axis) for axis, choice in cell.axes.items() if axis not in chosen
+    return (
+        all(value == "*" or dimension(cell, name) == value for name, value in chosen.items() if name != "study")
+        and all(choice == standard.get(axis) for axis, choice in cell.axes.items() if axis not in chosen)
+        and cell.tuned.keys() <= chosen.keys()
     )
-    named = all(value == "*" or dimension(cell, name) == value for name, value in chosen.items() if name != "study")
-    return named and axes_at_baseline and cell.tuned.keys() <= chosen.keys()
 
 
 def _text(chosen: Mapping[str, str]) -> str:

@@ -6,6 +6,8 @@ import argparse
 import re
 from pathlib import Path
 
+from ptbench.command import Command
+
 
 def _word(text: str) -> str:
     if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.-]*", text):
@@ -25,9 +27,7 @@ def _shards(text: str) -> int:
     return int(text)
 
 
-def add_submit(commands) -> None:
-    """Adds the subcommands `submit` and `collect` with their options."""
-    parser = commands.add_parser("submit", help="run a suite on a cluster: a Slurm job array of shards")
+def _add_submit(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--suite", required=True, metavar="S", help="by name or .json file")
     parser.add_argument("--slurm", action="store_true", required=True, help="by sbatch files, which may be changed")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="a folder that every node sees")
@@ -46,5 +46,25 @@ def add_submit(commands) -> None:
     )
     parser.add_argument("--binary", type=Path, default=Path("build/ptbench"), metavar="PTBENCH")
     parser.add_argument("--dry-run", action="store_true", help="write the files, submit nothing")
-    collect = commands.add_parser("collect", help="merge what came back of `submit`, and say what is missing")
-    collect.add_argument("folder", type=Path, metavar="DIR", help="the --out of `submit`")
+
+
+def _add_collect(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("folder", type=Path, metavar="DIR", help="the --out of `submit`")
+
+
+def _load_submit():
+    from ptbench.submit.command import submit_command
+
+    return submit_command
+
+
+def _load_collect():
+    from ptbench.submit.command import collect_command
+
+    return lambda options: collect_command(options.folder)
+
+
+COMMANDS = (
+    Command("submit", "run a suite on a cluster: a Slurm job array of shards", _add_submit, _load_submit),
+    Command("collect", "merge what came back of `submit`, and say what is missing", _add_collect, _load_collect),
+)

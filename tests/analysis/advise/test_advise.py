@@ -10,17 +10,17 @@ import pytest
 from builder import Builder
 from conftest import ROOT
 
-from ptbench.advise.advice import advise_on, lines_of, models_of, settings_of
-from ptbench.advise.check import GOOD, NOT_GOOD, OPEN, closest, judged
-from ptbench.advise.command import machine_of
-from ptbench.advise.evidence import DECISIONS, SCHEDULE, choice_text, read_book
-from ptbench.advise.features import Content, Features, content_of, distance, features_of
-from ptbench.advise.mapped import whole_book
-from ptbench.advise.model import model_of
 from ptbench.errors import InputError
+from ptbench.extras.advise.advice import advise_on, lines_of, models_of, settings_of
+from ptbench.extras.advise.check import GOOD, NOT_GOOD, OPEN, closest, judged
+from ptbench.extras.advise.command import machine_of
+from ptbench.extras.advise.evidence import DECISIONS, SCHEDULE, choice_text, read_book
+from ptbench.extras.advise.features import Content, Features, content_of, distance, features_of
+from ptbench.extras.advise.mapped import whole_book
+from ptbench.extras.advise.model import model_of
+from ptbench.extras.maps.definition import read_map
+from ptbench.extras.maps.measuring import Sheet, write_sheet
 from ptbench.io.results import load
-from ptbench.maps.definition import read_map
-from ptbench.maps.measuring import Sheet, write_sheet
 from ptbench.program import Program
 
 NONE = frozenset()

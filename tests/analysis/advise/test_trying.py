@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 from builder import Builder
 
-from ptbench.advise.trying import MOST_LOAD, RANGES, drawn_scenes, everything, summary_of
+from ptbench.extras.advise.trying import MOST_LOAD, RANGES, drawn_scenes, everything, summary_of
+from ptbench.extras.maps.scenes import RULES
 from ptbench.io.validate import complaints
-from ptbench.maps.scenes import RULES
 
 
 def test_scenes_are_the_same_for_a_seed_and_within_their_ranges():

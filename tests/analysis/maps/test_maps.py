@@ -14,11 +14,11 @@ from builder import Builder
 from conftest import COMMITTED, ROOT
 
 from ptbench.errors import InputError
+from ptbench.extras.maps.definition import STATISTICS, Definition, maps_in, read_map
+from ptbench.extras.maps.measuring import BUDGET, SETTLED, Sheet, measured_by, refine, sheet_of, write_sheet
+from ptbench.extras.maps.refining import ABOVE, BELOW, OPEN, Axis, brackets_of, next_cells, spans_of, verdict_of
+from ptbench.extras.maps.scenes import RULES, balls, lamps, openness
 from ptbench.io.validate import schema, validate
-from ptbench.maps.definition import STATISTICS, Definition, maps_in, read_map
-from ptbench.maps.measuring import BUDGET, SETTLED, Sheet, measured_by, refine, sheet_of, write_sheet
-from ptbench.maps.refining import ABOVE, BELOW, OPEN, Axis, brackets_of, next_cells, spans_of, verdict_of
-from ptbench.maps.scenes import RULES, balls, lamps, openness
 from ptbench.program import Program
 from ptbench.stats.estimates import Estimate
 

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+from ptbench.compare.choices import FAIL_ON
 from ptbench.compare.gate import Outcome
-from ptbench.compare.options import FAIL_ON
 from ptbench.errors import InputError, bad_value
 from ptbench.io.nodes import read_json
 from ptbench.io.stability import NOT_APPLICABLE, Row, Stability, is_stability, stability_of

@@ -7,9 +7,10 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 
 from ptbench.compare.match import MACHINE_KEYS, PROGRAM_KEYS
-from ptbench.compare.sections import Section, Table
 from ptbench.compare.stability.matching import Against, Pair, StabilityCompared
 from ptbench.compare.text import MARKS, device_of, differing
+from ptbench.document.blocks import Section, section
+from ptbench.document.table import table_of
 from ptbench.io.files import one_line
 from ptbench.io.stability import BROKEN, FAILED, KNOWN_LIMIT, NOT_APPLICABLE, PASSED, Row, Stability
 from ptbench.stability.layout import Layout, point_label, short_power
@@ -58,7 +59,7 @@ def _files(files: Sequence[Stability]) -> Section:
         if len(set(said)) > 1:
             else_differs.append(f"{key}: " + "; ".join(map(" ".join, zip(MARKS, said, strict=False))))
     after = ("What else differs between the files:", *else_differs) if else_differs else ()
-    return Section("Files", (), Table(columns, tuple(rows), frozenset({"Rows"})), after)
+    return section("Files", (), table_of(columns, rows, {"Rows"}), after)
 
 
 def _tallied(rows: Iterable[Row]) -> Counter:
@@ -80,7 +81,7 @@ def _tallies(against: Against, mark: str) -> Section:
     changes = {what: other[what] - one[what] for what in TALLIES}
     table = tuple((what, str(one[what]), str(other[what]), f"{by:+d}" if by else "0") for what, by in changes.items())
     columns = ("Rows", "A", mark, "Change")
-    return Section(f"{mark} against A", tuple(lines), Table(columns, table, frozenset(columns[1:])))
+    return section(f"{mark} against A", tuple(lines), table_of(columns, table, columns[1:]))
 
 
 def _numbers(against: Against) -> Iterable[str]:
@@ -135,7 +136,7 @@ def _families(against: Against, mark: str) -> Section | None:
         return None
     columns = ("Family", *TALLIES)
     heading = f"Families whose tallies differ, A → {mark}"
-    return Section(heading, (), Table(columns, tuple(rows), frozenset(TALLIES)))
+    return section(heading, (), table_of(columns, rows, TALLIES))
 
 
 def _changes(against: Against, mark: str, whole: bool) -> Section | None:
@@ -161,7 +162,7 @@ def _changes(against: Against, mark: str, whole: bool) -> Section | None:
     columns = ("Case", "Point", "Variant", "Quantity", "A", mark, *numeric, "Reason")
     rest = len(against.changed) - len(shown)
     after = (f"And {rest} more rows (--out and --json have all).",) if rest else ()
-    return Section(f"Rows of another status, {mark} against A", (), Table(columns, rows, frozenset(numeric)), after)
+    return section(f"Rows of another status, {mark} against A", (), table_of(columns, rows, numeric), after)
 
 
 def _quantity(pair: Pair) -> str:
@@ -193,7 +194,7 @@ def _alone(against: Against, mark: str) -> Section:
         (case, str(counts[case, True]), str(counts[case, False])) for case in dict.fromkeys(case for case, _ in counts)
     )
     columns = ("Case", "A alone", f"{mark} alone")
-    return Section(f"Rows that only one of A and {mark} has", (), Table(columns, rows, frozenset(columns[1:])))
+    return section(f"Rows that only one of A and {mark} has", (), table_of(columns, rows, columns[1:]))
 
 
 def stability_json(compared: StabilityCompared) -> dict:

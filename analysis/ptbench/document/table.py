@@ -1,0 +1,21 @@
+"""Tables as values, so that one table is Markdown in a summary, text on a terminal and HTML in a report."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Table:
+    """Texts in rows; `numeric` says by column which are numbers, for alignment and sorting."""
+
+    head: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    numeric: tuple[bool, ...]
+
+
+def table_of(head: Sequence[str], rows: Iterable[Sequence[str]], numeric: Iterable[str] = ()) -> Table:
+    """`numeric` names the columns that are numbers."""
+    names = set(numeric)
+    return Table(tuple(head), tuple(tuple(row) for row in rows), tuple(name in names for name in head))

@@ -1,0 +1,50 @@
+"""A document for a terminal: wrapped sentences and aligned tables."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterable
+
+from ptbench.document.blocks import Block, Bullets, Section
+from ptbench.document.table import Table
+from ptbench.io.files import one_line
+
+_WIDTH = 118  # of lines on a terminal; tables may be wider
+
+
+def as_text(sections: Iterable[Section]) -> str:
+    """Sections of sentences and tables, wrapped and aligned; ends with one line break."""
+    return "\n\n".join("\n".join(_lines(section)) for section in sections) + "\n"
+
+
+def _lines(section: Section) -> Iterable[str]:
+    yield section.title
+    for index, block in enumerate(section.blocks):
+        # Sentences follow their heading at once.
+        if index or isinstance(block, Table):
+            yield ""
+        yield from _block(block)
+
+
+def _block(block: Block) -> Iterable[str]:
+    match block:
+        case Bullets(items):
+            return (line for item in items for line in _wrapped(item))
+        case Table():
+            return _aligned(block)
+    raise TypeError(f"no text for {type(block).__name__}")
+
+
+def _wrapped(line: str) -> list[str]:
+    return textwrap.wrap(line, _WIDTH, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)
+
+
+def _aligned(table: Table) -> Iterable[str]:
+    rows = [table.head, *(tuple(map(one_line, row)) for row in table.rows)]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(table.head))]
+    for row in rows:
+        parts = [
+            text.rjust(width) if is_number else text.ljust(width)
+            for text, width, is_number in zip(row, widths, table.numeric, strict=True)
+        ]
+        yield "  ".join(parts).rstrip()

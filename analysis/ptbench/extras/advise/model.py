@@ -1,0 +1,225 @@
+"""Foretells what a choice costs on a scene that nobody measured: the mean of what it cost on scenes that are near.
+
+The weight of a measurement falls off as a power of its distance (Shepard 1968). The power, the error that is told and
+how far a scene may be off are all found by leaving out one scene after the other.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ptbench.extras.advise.evidence import Choice, Decision, Point
+from ptbench.extras.advise.features import Features, distance
+from ptbench.stats.estimates import CONFIDENCE
+
+POWERS = (1.0, 2.0, 4.0, 8.0)
+SAME = 0.1  # a distance that is none: so far are two renders of one scene
+WITHIN = 0.05  # of the best: as good as the best
+LEAST_SCENES = 3  # that a model has seen before it is believed
+ALIKE = 0.02  # forecasts that are no reason to prefer one
+# How much farther a measurement is for each axis that was not at what the scene is to be rendered with.
+ANOTHER_CHOICE = 0.5
+# A choice whose nearest measurement is so much farther off than the nearest of all is not held against the others.
+_MOST_BEHIND = 2.0
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What a forecast is for: a scene, and the choices of other axes."""
+
+    features: Features
+    context: Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Near:
+    """A measurement, how far off it is, and its share of the forecast."""
+
+    point: Point
+    distance: float
+    share: float
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """A choice's cost over the reference's, with the error of forecasts for scenes that were left out."""
+
+    choice: Choice
+    ratio: float
+    low: float | None
+    high: float | None
+    near: tuple[Near, ...]  # the nearest first
+
+    @property
+    def distance(self) -> float:
+        """Distance of the nearest measurement."""
+        return self.near[0].distance if self.near else 0.0
+
+
+@dataclass(frozen=True)
+class Trial:
+    """What came of leaving out each scene in turn."""
+
+    scenes: int
+    factor: float | None  # forecasts were off by no more than this, of 95 in 100; None: too few scenes
+    forecasts: int
+    good: int  # settings in which the pick was within 5 % of the best that was measured there
+    settings: int
+    reach: float  # how far the nearest measurement was at most
+
+    @property
+    def is_good(self) -> bool:
+        """Whether it may overrule the reference: right in half of its trials, of enough scenes."""
+        return self.scenes >= LEAST_SCENES and 0 < self.settings <= 2 * self.good
+
+
+@dataclass(frozen=True)
+class Model:
+    """The measurements of one decision, and what is known of forecasts from them."""
+
+    decision: Decision
+    points: tuple[Point, ...]
+    power: float
+    trial: Trial
+
+    def forecasts(
+        self, features: Features, barred: Iterable[tuple[str, str]] = (), context: Mapping[str, str] | None = None
+    ) -> list[Forecast]:
+        """Every choice that was measured near enough, the best first; the reference is one of them, at 1.
+
+        `barred` are (axis, choice) that do not apply, `context` is what else is chosen.
+        """
+        out = set(barred)
+        reference = () if out & set(self.decision.reference.items()) else (Forecast((), 1.0, 1.0, 1.0, ()),)
+        found = [
+            _forecast(choice, points, Wanted(features, context or {}), self.decision, self.power, self.trial.factor)
+            for choice, points in _by_choice(self.points).items()
+            if not out & set(choice)
+        ]
+        nearest = min((one.distance for one in found), default=0.0)
+        known = [one for one in found if one.distance <= nearest + _MOST_BEHIND]
+        ordered = sorted([*known, *reference], key=lambda one: one.ratio)
+        if not self.trial.is_good and reference:
+            return [*reference, *(one for one in ordered if one.choice)]
+        return _plainest_first(ordered)
+
+    def is_far(self, forecasts: Sequence[Forecast]) -> bool:
+        """Whether no measurement is as near as one was whenever the model was tried."""
+        nearest = min((one.distance for one in forecasts if one.near), default=math.inf)
+        return nearest > self.trial.reach
+
+
+def _plainest_first(ordered: Sequence[Forecast]) -> list[Forecast]:
+    """Puts first, among those that are foretold about as good as the best, the one with the fewest changes."""
+    if not ordered:
+        return []
+    alike = [one for one in ordered if one.ratio <= ordered[0].ratio * (1 + ALIKE)]
+    first = min(alike, key=lambda one: (len(one.choice), one.ratio))
+    return [first, *(one for one in ordered if one is not first)]
+
+
+def model_of(decision: Decision, points: Sequence[Point]) -> Model | None:
+    """None where nothing was measured."""
+    if not points:
+        return None
+    tried = {power: _left_out(decision, points, power) for power in POWERS}
+    power = min(POWERS, key=lambda one: _mean_square(tried[one].values()))
+    return Model(decision, tuple(points), power, _trial(decision, points, tried[power]))
+
+
+def _forecast(
+    choice: Choice, points: Sequence[Point], wanted: Wanted, decision: Decision, power: float, factor: float | None
+) -> Forecast:
+    distances = np.array([_off(point, wanted, decision) for point in points])
+    weights = ((distances**2 + SAME**2) / (distances.min() ** 2 + SAME**2)) ** (-power / 2)
+    weights *= _of_each_scene(points, distances)
+    shares = weights / weights.sum()
+    ratio = math.exp(float(np.dot(shares, [point.log_ratio for point in points])))
+    order = np.argsort(distances, kind="stable")
+    near = tuple(Near(points[index], float(distances[index]), float(shares[index])) for index in order if shares[index])
+    low, high = (None, None) if factor is None else (ratio / factor, ratio * factor)
+    return Forecast(choice, ratio, low, high, near)
+
+
+def _of_each_scene(points: Sequence[Point], distances: np.ndarray) -> np.ndarray:
+    """Points that count: only the nearest of each scene, together as one, so a scene measured often is one scene."""
+    kept: dict[str, list[int]] = {}
+    for index in np.argsort(distances, kind="stable"):
+        found = kept.setdefault(points[index].family, [])
+        if not found or distances[index] <= distances[found[0]] + SAME:
+            found.append(int(index))
+    weights = np.zeros(len(points))
+    for found in kept.values():
+        weights[found] = 1 / len(found)
+    return weights
+
+
+def _off(point: Point, wanted: Wanted, decision: Decision) -> float:
+    others = sum(wanted.context.get(axis, choice) != choice for axis, choice in point.context.items())
+    return math.hypot(distance(point.features, wanted.features, decision.features), ANOTHER_CHOICE * math.sqrt(others))
+
+
+def _by_choice(points: Iterable[Point]) -> dict[Choice, list[Point]]:
+    found: dict[Choice, list[Point]] = {}
+    for point in points:
+        found.setdefault(point.choice, []).append(point)
+    return found
+
+
+def _left_out(decision: Decision, points: Sequence[Point], power: float) -> dict[int, float]:
+    """Forecasts of points' logarithms without their own scene, by the point's number; none without another scene."""
+    told = {}
+    for indices in _by_choice_indices(points).values():
+        for index in indices:
+            others = [points[other] for other in indices if points[other].family != points[index].family]
+            if others:
+                wanted = Wanted(points[index].features, points[index].context)
+                one = _forecast((), others, wanted, decision, power, None)
+                told[index] = math.log(one.ratio) - points[index].log_ratio
+    return told
+
+
+def _by_choice_indices(points: Sequence[Point]) -> dict[Choice, list[int]]:
+    found: dict[Choice, list[int]] = {}
+    for index, point in enumerate(points):
+        found.setdefault(point.choice, []).append(index)
+    return found
+
+
+def _mean_square(errors: Iterable[float]) -> float:
+    squares = [error**2 for error in errors]
+    return sum(squares) / len(squares) if squares else math.inf
+
+
+def _trial(decision: Decision, points: Sequence[Point], errors: Mapping[int, float]) -> Trial:
+    sizes = np.abs(list(errors.values()))
+    # The quantile is the largest of fewer than 20.
+    factor = math.exp(float(np.quantile(sizes, CONFIDENCE, method="higher"))) if len(sizes) else None
+    settings: dict[tuple, dict[Choice, tuple[float, float]]] = {}
+    for index, error in errors.items():
+        point = points[index]
+        place = settings.setdefault((*point.rest, point.file), {(): (0.0, 0.0)})
+        place[point.choice] = (point.log_ratio + error, point.log_ratio)
+    good = 0
+    for place in settings.values():
+        limit = min(told for told, _ in place.values()) + math.log1p(ALIKE)
+        alike = [choice for choice, (told, _) in place.items() if told <= limit]
+        _, picked = place[min(alike, key=lambda choice: (len(choice), place[choice][0]))]
+        good += picked <= min(truth for _, truth in place.values()) + math.log1p(WITHIN)
+    scenes = len({point.family for point in points})
+    return Trial(scenes, factor, len(sizes), good, len(settings), _reach(decision, points))
+
+
+def _reach(decision: Decision, points: Sequence[Point]) -> float:
+    """The largest distance of a scene to the nearest of the others."""
+    places = list({(point.family, point.setting): point for point in points}.values())
+    nearest = [
+        min((distance(one.features, other.features, decision.features) for other in places
+             if other.family != one.family), default=0.0)
+        for one in places
+    ]  # fmt: skip
+    return max(nearest, default=0.0)

@@ -1,0 +1,38 @@
+"""The command line of `explain`."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from ptbench.command import Command, positive, resolution
+
+
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("result", type=Path, metavar="RESULT.json")
+    parser.add_argument("a", metavar="A", help='a variant\'s name, or parts that name one: "wavefront layout=soa"')
+    parser.add_argument("b", metavar="B", help="the variant that is held against A")
+    parser.add_argument("--scene", default="", help="default: every scene in which both ran")
+    parser.add_argument("--depth", type=positive, metavar="N", help="default: every depth")
+    parser.add_argument("--resolution", type=resolution, metavar="WxH", help="default: every resolution")
+    parser.add_argument(
+        "--counters", type=Path, action="append", default=[], metavar="INSPECT.json",
+        help="what `ptbench inspect --counters --json` measured of the variants",
+    )  # fmt: skip
+    parser.add_argument("--out", type=Path, metavar="DIR", help="default: figures/explain-... beside the result file")
+
+
+def _load():
+    from ptbench.extras.explain.command import explain
+    from ptbench.extras.explain.found import Choice
+
+    def run(options: argparse.Namespace) -> int:
+        choice = Choice(options.scene, options.depth, options.resolution)
+        return explain(options.result, options.a, options.b, choice, options.counters, options.out)
+
+    return run
+
+
+COMMANDS = (
+    Command("explain", "where the time of two variants differs, and what goes with that", _add_arguments, _load),
+)

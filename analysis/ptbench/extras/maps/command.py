@@ -1,0 +1,200 @@
+"""`map`: measures or looks up crossover maps, says where their lines are, and writes docs/maps."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from datetime import datetime, timezone
+from pathlib import Path
+
+from jinja2 import Environment, StrictUndefined, TemplateError
+
+from ptbench.errors import FindingError
+from ptbench.extras.maps.definition import Definition, maps_in
+from ptbench.extras.maps.figure import can_be_drawn, draw, words_of
+from ptbench.extras.maps.measuring import Sheet, measured_by, refine, sheet_of, write_sheet
+from ptbench.extras.maps.refining import OPEN, Bracket, spans_of, verdict_of
+from ptbench.figures import style
+from ptbench.figures.saving import svg_of
+from ptbench.io.cells import Result
+from ptbench.io.files import write_text
+from ptbench.io.nodes import read_json
+from ptbench.numbers import figures, interval
+from ptbench.program import Program
+from ptbench.stats.estimates import CONFIDENCE
+from ptbench.terminal import say
+
+_DIGITS = 3
+CUT_SHORT = "the run was cut short"
+_ADVICE = "run python3 -m ptbench map --write"
+
+
+@dataclass(frozen=True)
+class Call:
+    """The options of one call."""
+
+    root: Path = Path()
+    names: Sequence[str] = ()
+    results: Path | None = None  # None: the checkout's own
+    binary: Path | None = None  # None: the checkout's own
+    budget_s: float | None = None  # None: each map's own
+    run: bool = False
+    write: bool = False
+    check: bool = False
+
+
+@dataclass(frozen=True)
+class Told:
+    """A map with what one machine measured of it; without a sheet nothing was."""
+
+    definition: Definition
+    machine: str = ""
+    sheet: Sheet | None = None
+
+    @property
+    def figure(self) -> str:
+        """The name of its figure's file; empty: there is none."""
+        is_drawn = self.sheet is not None and can_be_drawn(self.sheet)
+        return f"{self.definition.name}_{self.machine}.svg" if is_drawn else ""
+
+    @property
+    def sentences(self) -> list[str]:
+        """What was found, a line each."""
+        return [] if self.sheet is None else list(_sentences(self.sheet))
+
+    @property
+    def command(self) -> str:
+        """What measures it."""
+        return f"python3 -m ptbench map {self.definition.name} --run"
+
+    @property
+    def variants(self) -> tuple[str, str]:
+        """The two choices that the map compares, as the program takes them."""
+        return words_of(self.definition["choice"]), words_of(self.definition["over"])
+
+
+def maps(call: Call) -> int:
+    """Exit code: 0 told or written, 1 a page does not match."""
+    definitions = maps_in(call.root / "maps", call.names)
+    results = call.results or call.root / "results"
+    if call.run:
+        _run(call, definitions, results)
+    told = [one for definition in definitions for one in told_of(definition, results)]
+    for one in told:
+        where = f" on {one.sheet.device}" if one.sheet is not None else f": not measured yet ({one.command})"
+        say(f"{one.definition.name}{where}")
+        for sentence in one.sentences:
+            say(f"  {sentence}")
+    if not call.write and not call.check:
+        return 0
+    everything = [one for definition in maps_in(call.root / "maps") for one in told_of(definition, results)]
+    return _pages(call, everything)
+
+
+def told_of(definition: Definition, results: Path) -> list[Told]:
+    """What each machine measured of a map."""
+    files = sorted(results.glob(f"*/maps/{definition.name}.json"))
+    return [Told(definition, file.parts[-3], sheet_of(definition, file)) for file in files] or [Told(definition)]
+
+
+def _run(call: Call, definitions: Sequence[Definition], results: Path) -> None:
+    program = Program(call.binary or call.root / "build" / "ptbench")
+    machine = program.machine()
+    for definition in definitions:
+        file = results / machine / "maps" / f"{definition.name}.json"
+        sheet = sheet_of(definition, file)
+        load = [round(one, 2) for one in os.getloadavg()]
+        sheet.sessions = [*sheet.sessions, {"date": datetime.now(timezone.utc).isoformat("T", "seconds"), "load": load}]
+
+        def heard(result: Result, sheet: Sheet = sheet) -> None:
+            sheet.device = result.about("cuda_device" if sheet.definition["backend"] == "cuda" else "cpu_model")
+            sheet.sessions[-1] |= {key: result.about(key) for key in ("git_sha", "git_dirty")}
+
+        def kept(sheet: Sheet, file: Path = file) -> None:
+            write_sheet(sheet, file)
+            say(f"{sheet.definition.name}: {len(sheet.cells)} cells, {sheet.seconds:.0f} s")
+
+        refine(sheet, measured_by(program, heard), call.budget_s or definition["budget_s"], kept)
+        say(f"{definition.name}: {sheet.ended}")
+
+
+def _sentences(sheet: Sheet) -> Iterator[str]:
+    known = sheet.known
+    numbers = [one for one in known.values() if one is not None]
+    disturbed = sum(run["disturbed"] for run in sheet.runs.values())
+    failed = [run["failed"] for run in sheet.runs.values() if run["failed"]]
+    sides = [verdict_of(one) for one in numbers]
+    counts = ", ".join(f"{sides.count(side)} {side}" for side in dict.fromkeys(sides))
+    yield f"{len(known)} cells: {counts}; {sheet.ended or CUT_SHORT} ({figures(sheet.seconds, _DIGITS)} s)"
+    if disturbed:
+        yield f"{disturbed} runs were disturbed by other processes: they settle nothing until they are measured again"
+    if failed:
+        yield f"{len(failed)} runs failed: {failed[0]}"
+    if numbers:
+        low, high = (pick(numbers, key=lambda one: one.value) for pick in (min, max))
+        ends = [f"{figures(one.value, _DIGITS)} {interval(one.low, one.high, _DIGITS)}" for one in (low, high)]
+        yield f"ratios from {ends[0]} to {ends[1]}"
+    spans = spans_of(sheet.definition.axes, known)
+    for one in spans:
+        yield _span_text(sheet, one)
+    if numbers and not spans:
+        yield f"no row or column has cells on both sides of 1 ({sides.count(OPEN)} of {len(sides)} are {OPEN})"
+
+
+def _span_text(sheet: Sheet, one: Bracket) -> str:
+    along, other = sheet.definition.axes[one.along], sheet.definition.axes[1 - one.along]
+    wide = ""
+    if one.width > sheet.definition["bracket"]:
+        between = [
+            cell for cell in sheet.known if cell[1 - one.along] == one.at and one.low < cell[one.along] < one.high
+        ]
+        wide = f", wider than asked{': the cells between are open' if between else ''}"
+    return (
+        f"at {other.name} {figures(one.at, _DIGITS)} the line lies between {along.name} {figures(one.low, _DIGITS)} "
+        f"and {figures(one.high, _DIGITS)}{wide}"
+    )
+
+
+def advice_in(results: Path) -> list[dict]:
+    """What `advise --try` wrote, of every machine."""
+    files = sorted(results.glob("*/advice.json"))
+    return [{**read_json(file).fields(), "file": file.relative_to(results).as_posix()} for file in files]
+
+
+def pages_of(root: Path, told: Sequence[Told], advice: Sequence[dict]) -> dict[str, str]:
+    """Every file of docs/maps by its name."""
+    template = root / "docs" / "templates" / "maps" / "README.md"
+    environment = Environment(
+        undefined=StrictUndefined, keep_trailing_newline=True, trim_blocks=True, lstrip_blocks=True
+    )
+    try:
+        page = environment.from_string(template.read_text(encoding="utf-8")).render(
+            told=told, advice=advice, confidence=f"{CONFIDENCE:.0%}".replace("%", " %")
+        )
+    except (OSError, TemplateError) as error:
+        raise FindingError(f"{template}: {error}") from error
+    with style.applied():
+        drawn = {one.figure: svg_of(draw(one.sheet)) for one in told if one.figure and one.sheet is not None}
+    return {"README.md": page, **drawn}
+
+
+def _pages(call: Call, told: Sequence[Told]) -> int:
+    folder = call.root / "docs" / "maps"
+    pages = pages_of(call.root, told, advice_in(call.results or call.root / "results"))
+    there = {path.name for path in folder.glob("*") if path.suffix in (".md", ".svg")}
+    if call.write:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, text in pages.items():
+            write_text(folder / name, text)
+        for name in there - pages.keys():
+            (folder / name).unlink()
+        say(f"{folder}: {len(pages)} files")
+        return 0
+    faults = [f"{folder / name}: no map has it; {_ADVICE}" for name in sorted(there - pages.keys())]
+    for name, text in pages.items():
+        if name not in there or (folder / name).read_text(encoding="utf-8") != text:
+            faults.append(f"{folder / name}: not what maps and results say; {_ADVICE}")
+    for fault in faults:
+        say(fault)
+    return 1 if faults else 0

@@ -1,0 +1,137 @@
+"""A map is a file, maps/NAME.json: two choices, two axes, the rule that makes a cell's scene, and what may be spent."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from ptbench.convergence.costs import TIME, VARIANCE
+from ptbench.errors import InputError, bad_value
+from ptbench.extras.maps.refining import Axis, Place
+from ptbench.extras.maps.scenes import RULES
+from ptbench.io.nodes import read_json, shown
+from ptbench.io.validate import complaints
+
+# The statistic that adds the time of the builds to that of so many samples a pixel.
+TO_IMAGE = "time to an image"
+STATISTICS = (TIME, VARIANCE, TO_IMAGE)
+# What an axis may set besides a parameter of the scene's rule ("scene.NAME") and a tunable of both ("tunable.NAME").
+# "side": pixels along each side of a square image.
+_INTEGERS = ("depth", "side", "spp")
+_SETTINGS = (*_INTEGERS, "samples")
+
+
+@dataclass(frozen=True)
+class Definition:
+    """One file, checked."""
+
+    name: str
+    document: dict
+    axes: tuple[Axis, Axis]
+    sets: tuple[str, str]
+
+    def __getitem__(self, key: str):
+        return self.document[key]
+
+    @property
+    def of_error(self) -> bool:
+        """Whether it needs error curves."""
+        return self["statistic"] == VARIANCE
+
+    def values(self, place: Place, prefix: str) -> dict[str, float]:
+        """What the axes set of the scene, or of the tunables."""
+        pairs = zip(self.sets, place, strict=True)
+        return {name.removeprefix(prefix): value for name, value in pairs if name.startswith(prefix)}
+
+    def scene(self, place: Place) -> dict:
+        """A cell's scene."""
+        about = self["scene"]
+        fixed = {key: value for key, value in about.items() if key != "rule"}
+        return RULES[about["rule"]](**{**fixed, **self.values(place, "scene.")})
+
+    def study(self, place: Place, scene: str) -> dict:
+        """A cell's study of a suite: both choices in one scene."""
+        setting, tuned = self["setting"], self.values(place, "tunable.")
+        variants = [
+            {"axes": {axis: [value] for axis, value in one["axes"].items()},
+             "tunables": {name: [int(value)] for name, value in {**one.get("tunables", {}), **tuned}.items()}}
+            for one in (self["choice"], self["over"])
+        ]  # fmt: skip
+        study = {
+            "name": "cell", "scenes": [scene], "variants": [_bare(one) for one in variants],
+            "resolution": self._resolution(place), "spp": int(self.values(place, "spp").get("", setting["spp"])),
+            "depth": int(self.values(place, "depth").get("", setting["depth"])),
+        }  # fmt: skip
+        if self.of_error:
+            study |= {"type": "convergence", "figure": "convergence", "without_checkpoints": False,
+                      "reference": setting["reference"]}  # fmt: skip
+        return study
+
+    def _resolution(self, place: Place) -> list[int]:
+        side = self.values(place, "side").get("")
+        return self["setting"]["resolution"] if side is None else [int(side), int(side)]
+
+    def samples(self, place: Place) -> float:
+        """For how many samples a pixel the time to an image is asked."""
+        return self.values(place, "samples").get("", float(self["setting"]["spp"]))
+
+    def measured_alike(self, document: Mapping) -> bool:
+        """Whether cells of another version of the file are cells of this one."""
+        free = ("title", "question", "budget_s", "bracket", "description")
+        return all(document.get(key) == value for key, value in self.document.items() if key not in free)
+
+
+def _bare(variant: Mapping) -> dict:
+    return {key: value for key, value in variant.items() if value}
+
+
+def read_map(path: Path) -> Definition:
+    """One file, checked; raises InputError."""
+    root = read_json(path)
+    if found := list(complaints(root.value, "map")):
+        raise InputError(f"{path}: {found[0]}")
+    return definition_of(path, root.value)
+
+
+def definition_of(path: Path, document: dict) -> Definition:
+    """A map's document, which is as its schema says, with what the schema does not; raises InputError."""
+    if document["scene"]["rule"] not in RULES:
+        raise bad_value(path, "$.scene.rule", shown(document["scene"]["rule"]), ", ".join(RULES))
+    axes = tuple(_axis(path, document, key) for key in ("x", "y"))
+    definition = Definition(path.stem, document, axes, (document["x"]["sets"], document["y"]["sets"]))
+    try:
+        definition.scene((axes[0].low, axes[1].low))
+    except TypeError as error:
+        raise bad_value(path, "$.scene", str(error), "the parameters of its rule, from the file or an axis") from error
+    if definition.of_error and "reference" not in document["setting"]:
+        raise bad_value(path, "$.setting.reference", "nothing", "a reference, as studies of type convergence have it")
+    return definition
+
+
+def _axis(path: Path, document: Mapping, key: str) -> Axis:
+    about = document[key]
+    sets = about["sets"]
+    if sets not in _SETTINGS and not sets.startswith(("scene.", "tunable.")):
+        allowed = f"scene.NAME, tunable.NAME, {', '.join(_SETTINGS)}"
+        raise bad_value(path, f"$.{key}.sets", shown(sets), allowed)
+    if sets == "samples" and document["statistic"] != TO_IMAGE:
+        raise bad_value(path, f"$.{key}.sets", shown(sets), f'with "statistic": "{TO_IMAGE}" only')
+    if sets == "spp" and document["statistic"] == TO_IMAGE:
+        raise bad_value(path, f"$.{key}.sets", shown(sets), f'"samples" with "statistic": "{TO_IMAGE}"')
+    if sets in _INTEGERS and not (about.get("integer", False) and about["from"] >= 1):
+        raise bad_value(path, f"$.{key}", f'{sets} without "integer": true or from below 1', "integers from 1")
+    low, high = about["from"], about["to"]
+    if not low < high:
+        raise bad_value(path, f"$.{key}", f"from {low:g} to {high:g}", "a first value below the last")
+    return Axis(about["label"], float(low), float(high), about["cells"], about.get("integer", False))
+
+
+def maps_in(folder: Path, names: tuple[str, ...] = ()) -> list[Definition]:
+    """Every map, or those of these names; raises InputError for one that is not there or not as it must be."""
+    files = {path.stem: path for path in sorted(folder.glob("*.json"))}
+    if not files:
+        raise bad_value(folder, "folder", "no map", "the root of a checkout as --root")
+    if unknown := [name for name in names if name not in files]:
+        raise bad_value(folder, "map", ", ".join(unknown), ", ".join(files))
+    return [read_map(files[name]) for name in (dict.fromkeys(names) if names else files)]

@@ -1,0 +1,25 @@
+"""The command line of `map`."""
+
+from __future__ import annotations
+
+import argparse
+
+from ptbench.command import Command, add_ledger, call_of, positive
+
+
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("names", nargs="*", metavar="NAME", help="default: all maps")
+    parser.add_argument("--run", action="store_true", help="measure on this machine, or go on with it")
+    parser.add_argument(
+        "--budget", dest="budget_s", type=positive, metavar="S", help="seconds a map, with --run (default: the map's)"
+    )
+    add_ledger(parser, "docs/maps", "docs/maps")
+
+
+def _load():
+    from ptbench.extras.maps.command import Call, maps
+
+    return lambda options: maps(call_of(Call, options))
+
+
+COMMANDS = (Command("map", "where the better of two choices changes, over two axes", _add_arguments, _load),)

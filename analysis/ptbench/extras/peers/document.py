@@ -1,0 +1,170 @@
+"""The file of a run (schema/ptbench-peers.schema.json), read, and its table for a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ptbench.crosscheck.document import AGREES
+from ptbench.extras.peers.statistics import Measured, by_round
+from ptbench.io.cells import GPU_BACKEND, MOST_HOST_SHARE
+from ptbench.numbers import figures, interval
+from ptbench.stats.estimates import Estimate, interval_of_ratio
+
+SCHEMA = "ptbench-peers-1"
+# Share of a render's wall time: if other processes took more, its time may be wrong for it.
+MOST_FOREIGN = 0.1
+
+
+@dataclass(frozen=True)
+class Peer:
+    """A peer in one scene, as the file has it."""
+
+    value: dict
+    on_gpu: bool
+
+    @property
+    def name(self) -> str:
+        """As the tables call it."""
+        return self.value["name"]
+
+    @property
+    def kind(self) -> str:
+        """ptbench, mitsuba or program."""
+        return self.value["kind"]
+
+    @property
+    def estimator(self) -> str:
+        """nee_mis or off."""
+        return self.value["estimator"]
+
+    @property
+    def verdict(self) -> str:
+        """What its picture is, held against the first peer's; why there is none, where it failed."""
+        if self.value["status"] != "ok":
+            return f"failed: {self.value['reason']}"
+        return self.value["picture"]["verdict"] if "picture" in self.value else "not measured"
+
+    @property
+    def compares(self) -> bool:
+        """Whether a ratio may be given: it ran, was timed, and its picture was found to be the same."""
+        return self.verdict == AGREES and self.has_times
+
+    @property
+    def has_times(self) -> bool:
+        """Whether it was timed."""
+        return bool(self.value["samples"])
+
+    @cached_property
+    def measured(self) -> Measured:
+        """What ratios are made of."""
+        return Measured(by_round(self.value["samples"]), np.array(self.value["picture"]["variance_of_seeds"]))
+
+    @property
+    def disturbed(self) -> int:
+        """Number of its renders from which other processes took processors; unknown ones count."""
+        return sum(_is_disturbed(sample, self.on_gpu) for sample in self.value["samples"])
+
+
+def _is_disturbed(sample: dict, on_gpu: bool) -> bool:
+    foreign, device = sample["foreign_cpu_ms"], sample["device_ms"]
+    # Other processes can only make a GPU's host late; a peer that counts its kernels alone does not notice.
+    if on_gpu and (device is None or 1 - device / sample["ms"] <= MOST_HOST_SHARE):
+        return False
+    # A tick of the system's clock is no evidence.
+    return foreign is None or foreign > max(10.0, MOST_FOREIGN * sample["wall_ms"])
+
+
+@dataclass(frozen=True)
+class Scene:
+    """All peers of one scene."""
+
+    value: dict
+    on_gpu: bool
+
+    @property
+    def name(self) -> str:
+        """The scene's name or file, as it was asked for."""
+        return self.value["scene"]
+
+    @cached_property
+    def peers(self) -> tuple[Peer, ...]:
+        """In the order asked for: the first is the reference."""
+        return tuple(Peer(value, self.on_gpu) for value in self.value["peers"])
+
+    @property
+    def reference(self) -> Peer:
+        """The peer that pictures and efficiencies are held against."""
+        return self.peers[0]
+
+    def base_of(self, peer: Peer) -> Peer | None:
+        """ptbench's first variant with the same estimator."""
+        own = (one for one in self.peers if one.kind == "ptbench" and one.estimator == peer.estimator and one.compares)
+        return next(own, None)
+
+    def time_over(self, peer: Peer) -> Estimate | None:
+        """Time a sample over that of ptbench's first variant with the same estimator; None where none may be given."""
+        base = self.base_of(peer)
+        return peer.measured.time_over(base.measured) if base is not None and peer.compares else None
+
+    def cost_over(self, peer: Peer) -> Estimate | None:
+        """Variance times time over the reference's; None where none may be given."""
+        return peer.measured.cost_over(self.reference.measured) if peer.compares and self.reference.compares else None
+
+
+def scenes_of(document: dict) -> list[Scene]:
+    """In the file's order."""
+    on_gpu = document["settings"]["backend"] == GPU_BACKEND
+    return [Scene(value, on_gpu) for value in document["scenes"]]
+
+
+def shown_ratio(estimate: Estimate | None) -> str:
+    """ "25.1 [24.9, 25.3]", or a dash."""
+    if estimate is None:
+        return "—"
+    return f"{figures(estimate.value, 3)} {interval_of_ratio(estimate)}".rstrip()
+
+
+def shown_with_interval(estimate: Estimate) -> str:
+    """ "1.41 [1.40, 1.42]"."""
+    return f"{figures(estimate.value, 3)} {interval(estimate.low, estimate.high, 3)}"
+
+
+HEAD = ("peer", "ms a spp", "variance a sample", "time over ptbench's", "cost over the first's", "picture")
+RULE = (
+    "time over ptbench's: of its first variant with the same estimator. cost: variance times time, the reciprocal of "
+    "efficiency, over that of the first peer. Above 1: that one is ahead. No ratio unless the pictures agree."
+)
+
+
+def row_of(scene: Scene, peer: Peer) -> tuple[str, ...]:
+    """The cells of a table."""
+    timed = peer.has_times and "picture" in peer.value
+    return (
+        peer.name,
+        shown_with_interval(peer.measured.time) if timed else "—",
+        shown_with_interval(peer.measured.noise) if timed else "—",
+        "1" if peer is scene.base_of(peer) else shown_ratio(scene.time_over(peer)),
+        "1" if peer is scene.reference and peer.compares else shown_ratio(scene.cost_over(peer)),
+        peer.verdict,
+    )
+
+
+def as_text(document: dict) -> list[str]:
+    """A table a scene, and what its columns mean."""
+    lines: list[str] = []
+    for scene in scenes_of(document):
+        lines += [scene.name, *_table([HEAD, *(row_of(scene, peer) for peer in scene.peers)]), ""]
+    disturbed = sum(peer.disturbed for scene in scenes_of(document) for peer in scene.peers)
+    renders = sum(len(peer.value["samples"]) for scene in scenes_of(document) for peer in scene.peers)
+    return [*lines, RULE, f"disturbed by other processes: {disturbed} of {renders} timed renders"]
+
+
+def _table(rows: Sequence[Sequence[str]]) -> list[str]:
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        "  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows
+    ]

@@ -1,0 +1,174 @@
+"""The peers: ptbench's own variants by `ptbench render`, all others as processes that stay and answer."""
+
+from __future__ import annotations
+
+import json
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ptbench.crosscheck.renders import WHEEL
+from ptbench.errors import InputError
+from ptbench.extras.peers.mitsuba_peer import MISSING
+from ptbench.extras.peers.process import PeerFailed, Talker, busy_ms, process_ms
+from ptbench.extras.peers.wanted import Call, Wanted
+from ptbench.io.images import read_pfm
+from ptbench.program import Program, said_by
+
+_FIELDS = ("ms", "wall_ms", "compile_ms")
+
+
+@dataclass(frozen=True)
+class Place:
+    """A scene as it is rendered; `xml` is Mitsuba's, or None where it has no such scene."""
+
+    scene: str
+    xml: Path | None
+    meshes: int  # objects that show one
+    folder: Path  # for what is written
+
+
+@dataclass(frozen=True)
+class Timed:
+    """One timed render: `ms` is what counts."""
+
+    ms: float
+    wall_ms: float
+    compile_ms: float
+    device_ms: float | None  # the part of it in which the device worked, where it has a clock
+    foreign_cpu_ms: float | None
+
+
+class OwnVariant:
+    """A variant of ptbench; `ms` is its render wall time, from the first launch to the end of the last."""
+
+    def __init__(self, wanted: Wanted, call: Call) -> None:
+        self.wanted, self._call = wanted, call
+        self.about: dict = {}
+        self._place: Place | None = None
+
+    def load(self, place: Place) -> float | None:
+        """Nothing: each call reads the scene."""
+        self._place = place
+        return None
+
+    def image(self, spp: int, seed: int) -> tuple[np.ndarray, float]:
+        """The picture of a seed, and its milliseconds."""
+        summary = self._rendered(spp, seed, 0)
+        return read_pfm(self._target), 1e3 * summary["render_seconds"]
+
+    def times(self, spp: int, seed: int, repetitions: int) -> list[Timed]:
+        """The first render of a process warms up."""
+        summary = self._rendered(spp, seed, repetitions)
+        return [_timed_here(one, 1e3 * summary["compile_seconds"]) for one in summary["repetitions"]]
+
+    def close(self) -> None:
+        """Nothing stays."""
+
+    @property
+    def _target(self) -> Path:
+        return self._place.folder / "own.pfm"
+
+    def _rendered(self, spp: int, seed: int, repetitions: int) -> dict:
+        call = self._call
+        asked = ["render", "--scene", self._place.scene, "--out", self._target]
+        asked += ["--resolution", call.size, "--spp", spp, "--seed", seed, "--backend", call.backend]
+        asked += [] if call.depth is None else ["--depth", call.depth]
+        asked += [word for axis in self.wanted.axes for word in ("--axis", axis)]
+        asked += ["--repetitions", repetitions] if repetitions else []
+        done = Program(call.binary).called(*asked)
+        if done.returncode != 0:
+            raise PeerFailed(said_by(done)[-1])
+        summary = json.loads(done.stdout)
+        self.about = {name: summary[name] for name in ("scene_hash", "variant", "variant_id", "backend", "depth")}
+        return summary
+
+
+def _timed_here(said: dict, compile_ms: float) -> Timed:
+    wall, device, foreign = (1e3 * said[f"{name}_seconds"] for name in ("render", "device", "foreign_cpu"))
+    return Timed(wall, wall, compile_ms, device, foreign)
+
+
+class Talking:
+    """A process of its own, Mitsuba's or another's, which says what its `ms` is."""
+
+    def __init__(self, wanted: Wanted, call: Call) -> None:
+        self.wanted, self._call = wanted, call
+        self._talker = Talker(wanted.command, call.most_seconds)
+        try:
+            said = self._talker.ask(do="about")
+            self.about = {name: value for name, value in said.items() if isinstance(value, (str, int, float))}
+        except PeerFailed as error:
+            if self._talker.close() == MISSING and wanted.kind == "mitsuba":
+                where = f"{wanted.command[0]} -m pip install {WHEEL}"
+                raise InputError(
+                    f"Mitsuba 3 is not installed ({error}): {where}, or --python of one that has it"
+                ) from error
+            raise
+        self._place: Place | None = None
+
+    def load(self, place: Place) -> float | None:
+        """Milliseconds that it took."""
+        if place.xml is None and self.wanted.kind == "mitsuba":
+            raise PeerFailed("Mitsuba has no such scene")
+        self._place = place
+        said = self._talker.ask(
+            do="load",
+            scene=place.scene,
+            xml=None if place.xml is None else str(place.xml),
+            resolution=list(self._call.resolution),
+            depth=self._call.depth,
+        )
+        return _number(said, "load_ms") if "load_ms" in said else None
+
+    def image(self, spp: int, seed: int) -> tuple[np.ndarray, float]:
+        """The picture of a seed, and its milliseconds."""
+        target = self._place.folder / "other.pfm"
+        target.unlink(missing_ok=True)
+        said = self._talker.ask(do="image", spp=spp, seed=seed, file=str(target))
+        if not target.is_file():
+            raise PeerFailed("wrote no picture")
+        try:
+            return read_pfm(target), _timed(said, None).ms
+        except InputError as error:
+            raise PeerFailed(str(error)) from error
+
+    def times(self, spp: int, seed: int, repetitions: int) -> list[Timed]:
+        """By its own clock, which no request is in."""
+        begun, before, own_before = time.perf_counter(), busy_ms(), process_ms(self._talker.pid)
+        renders = self._talker.ask(do="times", spp=spp, seed=seed, repetitions=repetitions).get("renders")
+        whole = 1e3 * (time.perf_counter() - begun)
+        after, own_after = busy_ms(), process_ms(self._talker.pid)
+        if not isinstance(renders, list) or len(renders) != repetitions:
+            raise PeerFailed(f"{repetitions} renders were asked for, others were answered")
+        foreign = None
+        if None not in (before, own_before, after, own_after):
+            foreign = max(0.0, after - before - (own_after - own_before)) / whole
+        return [_timed(one, foreign) for one in renders]
+
+    def close(self) -> None:
+        """Ends it."""
+        self._talker.close()
+
+
+def _timed(said: object, foreign: float | None) -> Timed:
+    if not isinstance(said, dict):
+        raise PeerFailed("a render is no JSON object")
+    ms, wall, compiled = (_number(said, name) for name in _FIELDS)
+    if ms <= 0 or wall <= 0:
+        raise PeerFailed(f"a render that took {min(ms, wall):g} ms")
+    return Timed(ms, wall, compiled, None, None if foreign is None else foreign * wall)
+
+
+def _number(said: dict, name: str) -> float:
+    value = said.get(name)
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 <= value < float("inf"):
+        raise PeerFailed(f"{name}: found {json.dumps(value)}, allowed: milliseconds")
+    return float(value)
+
+
+def started(wanted: Wanted, call: Call) -> OwnVariant | Talking:
+    """The peer, ready to load a scene; raises PeerFailed or InputError."""
+    return OwnVariant(wanted, call) if wanted.kind == "ptbench" else Talking(wanted, call)

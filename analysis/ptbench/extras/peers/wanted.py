@@ -1,0 +1,128 @@
+"""What a call of `peers` asks for: the renderers that are held against each other, by their names."""
+
+from __future__ import annotations
+
+import shlex
+from dataclasses import dataclass
+from pathlib import Path
+
+from ptbench.io.files import package_file
+
+MEGAKERNEL, EVALUATED = "megakernel", "evaluated"
+# Whoever samples lights and weighs both by the balance of their densities, and whoever meets them by chance.
+LIGHTS, CHANCE = "nee_mis", "off"
+_OWN_ESTIMATOR = "direct_light="
+_MOST_IN_TURN = 16  # objects with meshes: above, a tree over them (renderer.h: most_objects_in_turn)
+OF_MITSUBA = {"path": LIGHTS, "bsdf": CHANCE}
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """A peer by its name; what it leaves out is told beside its times."""
+
+    name: str
+    kind: str  # ptbench, mitsuba, program
+    estimator: str
+    axes: tuple[str, ...] = ()  # ptbench's
+    command: tuple[str, ...] = ()  # of a process that stays
+    leaves_out: str = ""
+    most_lanes: int = 1 << 30  # samples of all pixels in one render
+
+
+@dataclass(frozen=True)
+class Call:
+    """What holds for every peer."""
+
+    binary: Path
+    backend: str
+    resolution: tuple[int, int]
+    depth: int | None
+    most_seconds: float  # for one answer
+
+    @property
+    def size(self) -> str:
+        """As the programs take it."""
+        return f"{self.resolution[0]}x{self.resolution[1]}"
+
+
+def own_variants(backend: str, meshes: int) -> list[Wanted]:
+    """What is timed where the call names no variant: the fastest known, and on the CPU Embree's trees.
+
+    `meshes`: how many objects show one. A tree over objects costs time where there are few.
+    """
+    if backend == "cuda":
+        return _own_on_gpu(meshes)
+    if not meshes:
+        faces = ("integrator=packet", f"direct_light={LIGHTS}", "light_sampling=projected")
+        return [_own(f"packet {LIGHTS} projected", *faces)] + [
+            _own(f"{name} {light}", f"integrator={name}", f"direct_light={light}")
+            for light in (LIGHTS, CHANCE)
+            for name in ("packet", "depth_first")
+        ]
+    base = ("integrator=depth_first", "levels=two_level")
+    own = [
+        _own(f"bvh8 {light}", *base, "accelerator=bvh8", f"direct_light={light}") for light in (LIGHTS, CHANCE)
+    ]  # fmt: skip
+    embree = ("integrator=depth_first", "accelerator=embree_native")
+    return [*own, *(_own(f"embree_native {light}", *embree, f"direct_light={light}") for light in (LIGHTS, CHANCE))]
+
+
+def _own_on_gpu(meshes: int) -> list[Wanted]:
+    base, lit = ("arithmetic=precise",), (f"direct_light={LIGHTS}", "light_sampling=projected")
+    by_tree = meshes > _MOST_IN_TURN
+    kernel = ("integrator=persistent", *base)
+    if meshes:
+        # Lanes put their leaves off until all have one: over large meshes the quickest order in one kernel.
+        kernel += ("accelerator=cwbvh", "traversal=speculative", *(("levels=two_level",) if by_tree else ()))
+    own = [_own(f"persistent {LIGHTS} projected", *kernel, *lit)]
+    own += [_own(f"persistent {light}", *kernel, f"direct_light={light}") for light in (LIGHTS, CHANCE)]
+    if not meshes or by_tree:
+        return own
+    # A queue whose warps fetch rays is as quick or quicker over large meshes; its kernel meets objects in turn.
+    queue = ("integrator=wavefront", "compaction=cub_select_flagged", "layout=soa", *base)
+    queue += ("accelerator=cwbvh", "traversal=persistent")
+    return [*own, _own(f"queue {LIGHTS} projected", *queue, *lit), _own(f"queue {CHANCE}", *queue, "direct_light=off")]
+
+
+def _own(name: str, *axes: str) -> Wanted:
+    lights = [axis.removeprefix(_OWN_ESTIMATOR) for axis in axes if axis.startswith(_OWN_ESTIMATOR)]
+    leaves_out = "reading the scene, building trees, compiling kernels"
+    return Wanted(name, "ptbench", lights[0] if lights else CHANCE, axes, leaves_out=leaves_out)
+
+
+def mitsubas(texts: list[str], backend: str, python: Path) -> list[Wanted]:
+    """The peers of `--mitsuba`, or the usual ones of the backend."""
+    usual = {"cuda": ["cuda_ad_rgb", "cuda_ad_rgb:bsdf", "cuda_ad_rgb:path:evaluated"]}
+    usual["cpu"] = ["llvm_ad_rgb", "llvm_ad_rgb:bsdf", "llvm_ad_rgb:path:evaluated", "scalar_rgb"]
+    return [_mitsuba(text, python) for text in (texts or usual[backend]) if text != "none"]
+
+
+def _mitsuba(text: str, python: Path) -> Wanted:
+    variant, estimator, mode = (*text.split(":"), *["", ""])[:3]
+    estimator, mode = estimator or "path", mode or MEGAKERNEL
+    script = str(package_file("extras", "peers", "mitsuba_peer.py"))
+    name = " ".join(["Mitsuba", variant, estimator, *([] if mode == MEGAKERNEL else [mode])])
+    compiles = "scalar" not in variant
+    leaves_out = "reading the scene, building trees"
+    leaves_out += ", tracing and compiling kernels, launching them" if compiles else ""
+    # A megakernel holds nothing of a path in memory; evaluated loops hold all of every path.
+    lanes = 1 << (24 if mode == EVALUATED else 28)
+    command = (str(python), script, variant, estimator, mode)
+    return Wanted(name, "mitsuba", OF_MITSUBA[estimator], (), command, leaves_out, lanes)
+
+
+def programs(texts: list[str]) -> list[Wanted]:
+    """The peers of `--program`: NAME[:ESTIMATOR]=COMMAND."""
+    found = []
+    for text in texts:
+        named, _, command = text.partition("=")
+        name, _, estimator = named.partition(":")
+        words = tuple(shlex.split(command))
+        found.append(Wanted(name, "program", estimator or CHANCE, (), words, "what its own clock leaves out"))
+    return found
+
+
+def chosen_variants(texts: list[str]) -> list[Wanted]:
+    """The peers of `--variant`: NAME:AXIS=CHOICE,.."""
+    pairs = (text.split(":", 1) for text in texts)
+    return [_own(name, *axes.split(",")) for name, axes in pairs]

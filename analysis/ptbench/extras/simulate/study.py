@@ -1,0 +1,172 @@
+"""The simulation itself: efficiencies by ranks, samples and partition, and what each assumption costs. Seeded."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ptbench.extras.simulate.model import (
+    BANDS,
+    DYNAMIC,
+    PARTITIONS,
+    SAMPLES,
+    TILES,
+    Case,
+    Network,
+    added_up_ms,
+    efficiency,
+    finer,
+    of_blocks,
+    times_ms,
+)
+from ptbench.extras.simulate.parts import Parts, Point
+from ptbench.io.cells import Cell
+from ptbench.io.results import load
+
+# A list of thousands of blocks is gone through for each trial.
+_DYNAMIC_TRIALS = 20
+
+
+@dataclass(frozen=True)
+class Spread:
+    """The median over trials, and the middle 90 % of them."""
+
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Study:
+    """All that is told; efficiencies by (partition, spp, ranks) at the smallest image over the far network."""
+
+    parts: Parts
+    side: int
+    efficiencies: Mapping[tuple[str, int, int], Spread]
+    reductions: Mapping[tuple[int, int], float]  # ms by (side, ranks), over the far network
+    even: Mapping[tuple[int, int], int | None]  # least spp at which samples are as fast as tiles, by (side, ranks)
+    stragglers: Mapping[int, float]  # the slowest of so many renders over the median, the median of trials
+    slow_one: Mapping[tuple[str, int], float]  # efficiency where one GPU is slow, by (partition, ranks)
+    imbalance: Mapping[tuple[str, int], float]  # the greatest share of work over the mean, by (partition, ranks)
+    checks: tuple[Point, ...]  # efficiencies of several GPUs that were measured
+
+    @property
+    def far(self) -> Network:
+        """The network between hosts."""
+        return self.parts.networks[self.parts.definition["far"]]
+
+
+def study_of(parts: Parts) -> Study:
+    """Simulates; the same parts give the same numbers."""
+    about = parts.definition
+    sides, ranks, spps = about["sides"], about["ranks"], about["spp"]
+    far = parts.networks[about["far"]]
+    noise = _Noise(parts.noise, about["seed"], about["trials"])
+    side = sides[0]
+    efficiencies = {
+        (partition, spp, count): _spread(
+            efficiency(Case(side * side, spp, count, partition), parts.work, parts.cost, far, noise(partition, count))
+        )
+        for partition in PARTITIONS
+        for spp in spps
+        for count in ranks
+    }
+    many = [count for count in ranks if count > 1]
+    return Study(
+        parts,
+        side,
+        efficiencies,
+        {(one, count): added_up_ms(far, count, one * one) for one in sides for count in many},
+        {(one, count): _even(parts, far, noise, one, count) for one in sides for count in many},
+        {count: float(np.median(noise(SAMPLES, count).max(axis=1))) for count in ranks},
+        {
+            (partition, count): _slow_one(parts, far, noise, Case(side * side, max(spps), count, partition))
+            for partition in PARTITIONS
+            for count in many
+        },
+        {
+            (partition, count): float(of_blocks(parts.work, count, partition).max() * count)
+            for partition in (TILES, BANDS)
+            for count in many
+        },
+        _checks(parts),
+    )
+
+
+class _Noise:
+    """Factors of a rank's time by trial and rank, drawn from what was measured; for equal numbers of ranks equal."""
+
+    def __init__(self, measured: np.ndarray, seed: int, trials: int) -> None:
+        self._measured, self._seed, self._trials = measured, seed, trials
+
+    def __call__(self, partition: str, ranks: int) -> np.ndarray:
+        drawn = np.random.default_rng([self._seed, ranks]).integers(0, self._measured.size, (self._trials, ranks))
+        factors = self._measured[drawn]
+        return factors[:_DYNAMIC_TRIALS] if partition == DYNAMIC else factors
+
+
+def _spread(values: np.ndarray) -> Spread:
+    low, middle, high = np.percentile(values, [5, 50, 95])
+    return Spread(float(middle), float(low), float(high))
+
+
+def _even(parts: Parts, network: Network, noise: _Noise, side: int, ranks: int) -> int | None:
+    work = finer(parts.work, side // parts.definition["sides"][0])
+    for power in range(21):
+        one, other = (
+            float(np.median(times_ms(Case(side * side, 2**power, ranks, partition), work, parts.cost, network,
+                                     noise(partition, ranks))))
+            for partition in (SAMPLES, TILES)
+        )  # fmt: skip
+        if one <= other:
+            return 2**power
+    return None
+
+
+def _slow_one(parts: Parts, network: Network, noise: _Noise, case: Case) -> float:
+    factors = noise(case.partition, case.ranks).copy()
+    factors[:, 0] /= parts.definition["slow"]
+    return float(np.median(efficiency(case, parts.work, parts.cost, network, factors)))
+
+
+def _checks(parts: Parts) -> tuple[Point, ...]:
+    """Efficiencies of several GPUs of one host, simulated and measured; empty where nobody measured them."""
+    if parts.devices is None:
+        return ()
+    return device_checks(parts, load(Path(parts.devices)).cells)
+
+
+def device_checks(parts: Parts, cells: tuple[Cell, ...]) -> tuple[Point, ...]:
+    """Checks by cells with the axes `devices` and `partition`: one GPU's time over N times that of N, at equal work.
+
+    The measured efficiency is over one GPU's own time in the same file; the simulated one has the parts' line for both.
+    """
+    near = parts.networks[parts.definition["near"]]
+    noise = _Noise(parts.noise, parts.definition["seed"], parts.definition["trials"])
+    found = []
+    for cell in cells:
+        count = int(cell.axes.get("devices", "1"))
+        alone = next((other for other in cells if count > 1 and _is_alone(cell, other)), None)
+        if alone is None or cell.scene != parts.work_scene:
+            continue
+        partition = cell.axes["partition"]
+        case = Case(cell.pixels, cell.spp, count, partition)
+        said = efficiency(case, parts.work, parts.cost, near, noise(partition, count))
+        measured = float(np.median(alone.ms_per_spp) / (count * np.median(cell.ms_per_spp)))
+        found.append(Point(f"{count} GPUs, {partition}, {cell.spp} spp", float(np.median(said)), measured))
+    return tuple(found)
+
+
+def _is_alone(cell: Cell, other: Cell) -> bool:
+    """Whether the other is the same render on one GPU."""
+    own, its = ({k: v for k, v in one.axes.items() if k not in ("devices", "partition")} for one in (cell, other))
+    same = (cell.scene, cell.spp, cell.depth, cell.resolution, own)
+    return (
+        other.measured
+        and cell.measured
+        and other.axes.get("devices", "1") == "1"
+        and (other.scene, other.spp, other.depth, other.resolution, its) == same
+    )

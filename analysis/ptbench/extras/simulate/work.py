@@ -1,0 +1,65 @@
+"""Measures how many rays a path has, by block of pixels: `python3 -m ptbench simulate --work SCENE`.
+
+The scene is rendered once with all colours replaced: every surface reflects all light and emits 1, lights emit 1, and
+so does what lies around. Directions do not depend on colours, so each path is the same, and its radiance is the number
+of its rays.
+"""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from ptbench.errors import InputError
+from ptbench.extras.simulate.parts import WORK
+from ptbench.io.files import write_text
+from ptbench.io.images import read_pfm
+from ptbench.io.nodes import read_json
+from ptbench.program import Program
+
+BLOCK = 16
+_ONE = [1, 1, 1]
+# What of a material says what it reflects or lets through.
+_COLOURS = ("albedo", "reflectance", "tint")
+_COUNTED = ("diffuse", "mirror", "mix", "emitter", "rough_conductor")
+
+
+def counting(scene: dict) -> dict:
+    """The scene whose radiance counts rays; raises InputError for a material of which that is not known."""
+    counted = json.loads(json.dumps(scene))
+    for name, material in counted["materials"].items():
+        if material["type"] not in _COUNTED:
+            raise InputError(f"--work: found the material {name} ({material['type']}), allowed: {', '.join(_COUNTED)}")
+        if material["type"] == "emitter":
+            material["radiance"] = _ONE
+            continue
+        material |= {colour: _ONE for colour in _COLOURS if colour in material}
+        material["emission"] = _ONE
+    return counted | {"environment": _ONE}
+
+
+def measure_work(binary: Path, scene_file: Path, spp: int, out: Path) -> dict:
+    """Renders, and writes the map; what was written. Raises InputError."""
+    scene = read_json(scene_file).fields()
+    with tempfile.TemporaryDirectory() as folder:
+        made, film = Path(folder) / "counting.json", Path(folder) / "counting.pfm"
+        made.write_text(json.dumps(counting(scene)), encoding="utf-8")
+        Program(binary).output("render", "--scene", made, "--backend", "cpu", "--spp", spp, "--out", film)
+        image = read_pfm(film)[..., 0].astype(float)
+    document = {
+        "schema": WORK, "scene": scene["name"], "resolution": [image.shape[1], image.shape[0]], "spp": spp,
+        "block": BLOCK, "rays_per_path": np.round(blocks_of(image, BLOCK), 5).tolist(),
+    }  # fmt: skip
+    write_text(out, json.dumps(document) + "\n")
+    return document
+
+
+def blocks_of(image: np.ndarray, side: int) -> np.ndarray:
+    """Means of blocks of pixels; raises InputError where they do not fit."""
+    height, width = image.shape
+    if height % side or width % side:
+        raise InputError(f"--work: found {width}x{height} pixels, allowed: multiples of {side}")
+    return image.reshape(height // side, side, width // side, side).mean(axis=(1, 3))

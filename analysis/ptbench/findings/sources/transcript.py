@@ -1,0 +1,18 @@
+"""What a command printed, committed as it was."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ptbench.findings.source import TEXT, Source
+
+
+class Transcript(Source, form=TEXT):
+    """A page shows it as a block."""
+
+    def __init__(self, results: Path, file: str) -> None:
+        super().__init__(results, file)
+        self._text = (results / file).read_text(encoding="utf-8").rstrip("\n")
+
+    def __str__(self) -> str:
+        return self._text

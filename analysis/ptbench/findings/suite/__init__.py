@@ -1,0 +1,1 @@
+"""A result of `ptbench run` as a page asks it, by what is asked."""

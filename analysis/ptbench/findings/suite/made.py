@@ -1,0 +1,80 @@
+"""What cells of a result are made of, as a page asks it: trees, kernels, paths and films."""
+
+from __future__ import annotations
+
+from ptbench.errors import FindingError
+from ptbench.figures.time_to_image import Way, sibling_meshes, ways
+from ptbench.findings.quantities import Quantity
+from ptbench.findings.suite.builders import Built, Crossed, built, crossed
+from ptbench.findings.suite.cells import Cells
+from ptbench.io.cells import Kernel, MeshFacts
+from ptbench.stats.estimates import Estimate
+from ptbench.studies.selection import cell_of, parsed
+
+
+class Made(Cells):
+    """What renders used and left."""
+
+    def built(self, selection: str) -> list[Built]:
+        """What each builder's tree costs and is worth, in every cell of a selection with a mesh."""
+        return built(self._ways(selection))
+
+    def crossings(self, selection: str) -> list[Crossed]:
+        """From how many samples a pixel on one builder's image is there before another's."""
+        return crossed(self._ways(selection))
+
+    def meshes(self, selection: str) -> MeshFacts:
+        """What the cell's meshes and trees are made of."""
+        facts = self.cell(selection).meshes
+        if facts is None:
+            raise FindingError(f"{self.result.path}: {selection} has no mesh")
+        return facts
+
+    def sah(self, selection: str) -> Quantity:
+        """SAH cost of the cell's largest tree."""
+        return Quantity(Estimate(self.meshes(selection).sah_cost, None, None, 1), selection)
+
+    def alive_percent(self, selection: str) -> float:
+        """Per cent of the slots of all rounds, where ended paths stay, that are alive."""
+        cell = self.cell(selection)
+        alive = None if cell.instrumented is None else cell.instrumented.live_share(cell.depth)
+        if alive is None:
+            raise FindingError(f"{self.result.path}: {selection} has no counts of live paths")
+        return 100 * alive
+
+    def same_film(self, selection: str, over: str) -> bool:
+        """Whether both sides of that ratio left the same film, bit for bit."""
+        base = cell_of(self.result, {**self._chosen(selection), **parsed(over)})
+        return self.cell(selection).film_hash == base.film_hash
+
+    def films_of(self, older: Cells) -> tuple[int, int]:
+        """How many of the cells that an older program has too, by what they render, left the same film; and all."""
+        theirs = {cell.shown: cell.film_hash for cell in older.result.cells if cell.measured}
+        same = [theirs[cell.shown] == cell.film_hash for cell in self.result.cells if cell.shown in theirs]
+        if not same:
+            raise FindingError(f"{self.result.path}: no cell in common with {older.result.path}")
+        return sum(same), len(same)
+
+    def registers(self, selection: str, kernel: str) -> int:
+        """Registers a thread of a kernel."""
+        return self._kernel(selection, kernel).registers
+
+    def local_bytes(self, selection: str, kernel: str) -> int:
+        """Local memory a thread of a kernel, bytes."""
+        return self._kernel(selection, kernel).local_bytes
+
+    def path_state_bytes(self, selection: str) -> int:
+        """One copy of a path in the queue, bytes."""
+        cuda = self.cell(selection).cuda
+        if cuda is None or cuda.path_state_bytes is None:
+            raise FindingError(f"{self.result.path}: {selection} tells no bytes of a path")
+        return cuda.path_state_bytes
+
+    def _ways(self, selection: str) -> list[Way]:
+        return ways(self.cells(selection), sibling_meshes(self.result.path))
+
+    def _kernel(self, selection: str, kernel: str) -> Kernel:
+        cuda = self.cell(selection).cuda
+        if cuda is None or kernel not in cuda.kernels:
+            raise FindingError(f"{self.result.path}: {selection} has no kernel {kernel}")
+        return cuda.kernels[kernel]

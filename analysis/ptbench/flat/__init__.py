@@ -1,0 +1,1 @@
+"""Rows of result files as one table."""

@@ -1,0 +1,28 @@
+"""The command line of `flat`."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from ptbench.command import Command
+from ptbench.tidy.columns import GROUPS
+
+
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("results", type=Path, nargs="+", metavar="RESULT", help="a result file, or a folder of some")
+    parser.add_argument("--out", type=Path, required=True, metavar="FILE", help=".csv, or .parquet where pyarrow is")
+    parser.add_argument(
+        "--table", choices=GROUPS, default="", metavar="NAME",
+        help=f"one of {', '.join(GROUPS)} (default: samples; of files of stability and rays theirs)",
+    )  # fmt: skip
+
+
+def _load():
+    from ptbench.flat.command import flat
+
+    return lambda options: flat(options.results, options.out, options.table)
+
+
+_HELP = "rows of result files as one CSV or Parquet table (docs/columns.md)"
+COMMANDS = (Command("flat", _HELP, _add_arguments, _load),)

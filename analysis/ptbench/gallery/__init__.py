@@ -1,0 +1,1 @@
+"""Pairs of pictures on one labelled sheet."""
