@@ -245,7 +245,7 @@ def test_an_output_name_that_is_taken_by_a_folder_leaves_no_half_files(tmp_path,
     ("arguments", "message"),
     [
         ([], "plots|report|compare|fleet|crosscheck|peers|explain|findings|claims|map|advise|gallery|flat|validate"),
-        (["pie"], 'found the command "pie", allowed: plots, compare, '),
+        (["pie"], 'found the command "pie", allowed: plots, report, compare, '),
         (["plots"], "the following arguments are required: RESULT.json"),
         (["plots", "a.json", "--size", "3"], 'plots: found the option "--size", allowed: --help, --out'),
         (

@@ -108,7 +108,7 @@ def test_a_peers_file_under_another_name_is_refused(tmp_path):
 
 def test_tables_are_of_their_kinds_of_file():
     with pytest.raises(InputError, match="of `ptbench rays`"):
-        ptbench.load_kept(RESULTS / "nvidia-h200/first_bounce.json").rows("rays")
+        ptbench.load(RESULTS / "nvidia-h200/first_bounce.json").rows("rays")
     with pytest.raises(InputError, match="a result of `ptbench run`"):
         ptbench.load(CHECK).rows("cells")
     assert len(ptbench.load(CHECK).frame()) == len(ptbench.load(CHECK).rows("rays"))
