@@ -295,6 +295,15 @@ def test_plain_walks_are_the_baseline_of_guided_ones_with_several_settings(tmp_p
     assert baseline_among(result, group).cell.axes["subsurface_sampling"] == "classical"
 
 
+def test_a_file_may_have_an_axis_that_the_package_does_not_know(tmp_path):
+    builder = convergence_study(on_gpu())
+    builder.baselines["own_axis"] = "usual"
+    for choice in ("other", "usual"):
+        convergence_cell(builder, exact(), axes={"own_axis": choice})
+    result, group = group_of(builder, tmp_path)
+    assert baseline_among(result, group).cell.axes["own_axis"] == "usual"
+
+
 def test_where_one_axis_varies_its_choices_are_the_names(tmp_path):
     builder = convergence_study(on_gpu())
     for choice in ("off", "nee"):

@@ -22,6 +22,8 @@ from ptbench.studies.disturbed import doubt_of
 from ptbench.studies.questions import usual_baseline
 
 COMPANION = "_without_checkpoints"
+# The axes whose choices decide the error; a file may have axes that this package does not know.
+_DECIDE_ERROR = {name for name, axis in known_axes().items() if axis.decides_error}
 # A plateau is in reach of no time from here on: e^2 - B^2 of less than this share of e^2 is noise of the fit.
 _NEAR_PLATEAU = 1e-3
 # Share of a plateau's squared error from which on the last error counts as having come to the plateau.
@@ -91,7 +93,7 @@ def baseline_among(result: Result, group: Sequence[Assessment]) -> Assessment | 
         to_others = sum(len(_changes(cell, other.cell)) for other in fitted)
         return (
             not is_plain,
-            sum(known_axes()[axis].decides_error for axis in unusual),
+            len(set(unusual) & _DECIDE_ERROR),
             to_others,
             len(unusual),
             len(cell.tuned),
