@@ -1,15 +1,28 @@
-// Smooth dielectric boundary: Snell's law and the exact unpolarised Fresnel reflectance, with total internal
+// A smooth boundary, and reflection and refraction at it: Snell's law and the exact unpolarised Fresnel reflectance, with total internal
 // reflection. Stable form (docs/numerics.md S26): with n = index ahead / index behind, c = cosine of incidence, k =
 // (n-1)(n+1), q = sqrt(k + c^2) = n cos(theta_t):  r_s = -k / (c + q)^2,  r_p = r_s (c q - s^2) / (c q + s^2),  s^2 =
 // (1-c)(1+c). It is right to 6e-7 for every n >= 1 where the textbook's 1 - cos^2 turns index 1 into a mirror at
 // grazing angles. q^2 itself is n^2 - s^2 near normal incidence, where k + c^2 would cancel for n far below 1.
 #pragma once
 
-#include "kernels/material.h"
-#include "kernels/mirror.h"
+#include "kernels/config.h"
 #include "kernels/naive.h"
 
 namespace pt {
+
+// A dielectric boundary seen from one side. relative_ior = ior ahead / ior behind; `k` = (n - 1)(n + 1) is formed in
+// double at load, where 1 - n^2 cannot cancel.
+template <class Real>
+struct Boundary {
+    Real relative_ior;
+    Real inverse_relative_ior;
+    Real k;
+};
+
+template <class Real>
+PT_HD inline Vec3<Real> reflect(const Vec3<Real>& direction, const Vec3<Real>& normal) {
+    return renormalize(direction - normal * (Real(2) * dot(direction, normal)));
+}
 
 template <class Real>
 struct Refraction {
@@ -59,47 +72,6 @@ PT_HD inline Vec3<Real> refract(const Boundary<Real>& boundary, const Vec3<Real>
 template <class Real>
 PT_HD inline Real cosine_of_incidence(const Vec3<Real>& direction, const Vec3<Real>& normal) {
     return clamp(-dot(direction, normal), Real(0), Real(1));
-}
-
-// The absorbing medium that the path runs in once it has crossed the surface at the vertex, as a material's number, or
-// no_medium.
-template <class Real>
-PT_HD inline std::uint32_t medium_behind(const Vertex<Real>& vertex, const Material<Real>& material) {
-    return vertex.inside || material.absorbs == 0 ? Path<Real>::no_medium : vertex.material;
-}
-
-// u picks reflection or transmission in proportion to their energy, so the weight of either is 1 (and the tint of the
-// transmission). Radiance is not scaled by n^2: what enters must leave, and sources inside are not compared with
-// outside.
-template <class Config>
-PT_HD inline void scatter_dielectric(Path<typename Config::Real>& path, const Vertex<typename Config::Real>& vertex,
-                                     const Material<typename Config::Real>& material, typename Config::Real u) {
-    using Real = typename Config::Real;
-    const Boundary<Real>& boundary = vertex.inside ? material.leaving : material.entering;
-    const Real cosine = cosine_of_incidence(path.direction, vertex.normal());
-    const Refraction<Real> refraction = fresnel<Config>(boundary, cosine);
-    if (u < refraction.reflectance) {
-        leave_on_same_side(path, vertex, reflect(path.direction, vertex.normal()));
-        return;
-    }
-    path.throughput *= material.tint;
-    leave_on_other_side(path, vertex, refract(boundary, path.direction, vertex.normal(), cosine, refraction.q));
-    if constexpr (has<Config>(Feature::absorption)) {
-        path.medium = medium_behind(vertex, material);
-    }
-}
-
-// Transmittance of an absorbing medium over a distance in scene units, by Beer-Lambert.
-template <class Real>
-PT_HD inline Vec3<Real> transmittance(const Material<Real>& medium, Real distance) {
-    return {exponential(-medium.sigma_a.x * distance), exponential(-medium.sigma_a.y * distance),
-            exponential(-medium.sigma_a.z * distance)};
-}
-
-// Absorbs the path's throughput along the segment that ends now, which ran `distance` through the medium.
-template <class Real>
-PT_HD inline void attenuate(Path<Real>& path, const Material<Real>& medium, Real distance) {
-    path.throughput *= transmittance(medium, distance);
 }
 
 }  // namespace pt
