@@ -8,7 +8,6 @@
 
 #include "harness/bench/convergence_study.h"
 #include "harness/bench/error_table.h"
-#include "harness/bench/result_file.h"
 #include "variants/registry.h"
 #include "variants/variant_name.h"
 
@@ -165,15 +164,14 @@ bool is_baseline(const Cell& cell, const Question& question) { return value_of(c
 
 Times times_of(const Cell& cell, const Journal& journal) {
     Times times;
-    const std::vector<Json>& samples = journal.samples(cell.name);
+    const std::vector<Sample>& samples = journal.samples(cell.name);
     std::size_t disturbed = 0;
     bool has_clock = true;
-    for (const Json& sample : samples) {
-        const double wall = sample.at("pt_wall_ms").get<double>();
-        times.ms_per_spp.push_back(wall / cell.spp);
-        const double before = sample.value("pt_clock_mhz_before", 0.0), after = sample.value("pt_clock_mhz_after", 0.0);
-        has_clock = has_clock && before != 0 && after != 0 && sample.value("pt_clock_unknown", 0) == 0;
-        times.cycles.push_back(times.ms_per_spp.back() * (0.5 * (before + after)) / 1e3);
+    for (const Sample& sample : samples) {
+        times.ms_per_spp.push_back(sample.wall_ms / cell.spp);
+        const std::optional<double> clock = clock_of(sample);
+        has_clock = has_clock && clock;
+        times.cycles.push_back(times.ms_per_spp.back() * clock.value_or(0) / 1e3);
         const bool is_one = is_disturbed(sample, cell.backend);
         disturbed += is_one ? 1u : 0u;
         times.is_throttled = times.is_throttled || (is_one && is_throttled(sample));

@@ -35,8 +35,8 @@ std::size_t samples_for(const Times& times, const Times& baseline) {
 
 double seconds_of_a_sample(const Cell& cell, const Journal& journal) {
     std::vector<double> ms;
-    for (const Json& sample : journal.samples(cell.name)) {
-        ms.push_back(sample.value("pt_end_to_end_ms", sample.at("pt_wall_ms").get<double>()));
+    for (const Sample& sample : journal.samples(cell.name)) {
+        ms.push_back(sample.end_to_end_ms.value_or(sample.wall_ms));
     }
     return 1e-3 * median_of(ms);
 }

@@ -22,9 +22,7 @@
 namespace pt {
 namespace {
 
-Json sample(double wall, double foreign = 0) {
-    return {{"pt_wall_ms", wall}, {"cpu_ms", wall}, {"pt_foreign_cpu_ms", foreign}};
-}
+Sample sample(double wall, double foreign = 0) { return {.wall_ms = wall, .cpu_ms = wall, .foreign_cpu_ms = foreign}; }
 
 Study study_of(const std::string& name, const std::string& figure) {
     Study study;
@@ -67,7 +65,7 @@ struct CommittedRun {
             return a.at("repetition_index").get<int>() < b.at("repetition_index").get<int>();
         });
         for (const Json& row : rows) {
-            journal.add_sample(row.at("run_name"), row);
+            journal.add_sample(row.at("run_name"), sample_of_result(row));
         }
     }
 
@@ -82,7 +80,8 @@ struct CommittedRun {
         cell.convergence->checkpoints = convergence->at("checkpoints").get<std::vector<std::uint32_t>>();
         cell.convergence->reference.scene = scene_called(reference.at("scene"));
         cell.convergence->reference.depth = reference.at("depth");
-        journal.set_cell(cell.name, {{"status", facts.at("status")}, {"convergence", *convergence}});
+        journal.set_cell(cell.name,
+                         {.status = facts.at("status"), .convergence = Json(*convergence).get<ConvergenceFacts>()});
     }
 
     static Cell cell_of(const Json& facts) {
@@ -265,7 +264,7 @@ TEST_F(TableTest, HasALineACellWithItsVerdict) {
     add({{"layout", "soa"}, {"compaction", "thrust_remove_if"}}, 18, 3);
     add({{"sorting", "bucket"}, {"compaction", "thrust_remove_if"}}, 18);    // its baseline was not run
     add({{"sorting", "bucket"}, {"compaction", "thrust_partition"}}, 1, 0);  // interrupted before it
-    journal.set_cell(add({{"compaction", "thrust_copy_if_index"}}, 1).name, {{"status", "failed"}});
+    journal.set_cell(add({{"compaction", "thrust_copy_if_index"}}, 1).name, {.status = CellStatus::failed});
     EXPECT_EQ(table(),
               "box 20x10, depth 4, 2 spp on cpu: ratio to compaction=none, all else equal\n"
               "    ms/spp   ratio  95 % interval     verdict   variant\n"
@@ -289,13 +288,12 @@ TEST_F(TableTest, ACellThatFailedHasNoErrorAndNoEfficiency) {
         cell.convergence->checkpoints = {1, 2};
         cell.convergence->reference.scene = cell.scene;
         for (int i = 0; i < 9; ++i) {
-            Json row = sample(2);
-            row["pt_checkpoints"] = {{{"mse_dual", 1}, {"rel_mse_dual", 1}},
-                                     {{"mse_dual", 0.5}, {"rel_mse_dual", 0.5}}};
+            Sample row = sample(2);
+            row.checkpoints = {{.mse_dual = 1, .rel_mse_dual = 1}, {.mse_dual = 0.5, .rel_mse_dual = 0.5}};
             journal.add_sample(cell.name, row);
         }
-        journal.set_cell(cell.name, {{"status", cell.variant["layout"] == "soa" ? "failed" : "ok"},
-                                     {"convergence", {{"independent_samples", true}, {"biases", Json::array()}}}});
+        journal.set_cell(cell.name, {.status = cell.variant["layout"] == "soa" ? CellStatus::failed : CellStatus::ok,
+                                     .convergence = ConvergenceFacts{.independent_samples = true}});
     }
     const std::string text = table();
     EXPECT_NE(text.find("  baseline   wavefront\n"), std::string::npos) << text;
@@ -379,9 +377,9 @@ TEST_F(TableTest, MoreThanATenthOfTheSamplesDisturbedIsNoVerdict) {
 
 // A busy host can only make a render longer than the device worked.
 TEST(DisturbedTest, OnAGpuTheDevicesClockTells) {
-    Json late = sample(200, 190), in_time = sample(200, 190);
-    late["pt_device_ms"] = 195;
-    in_time["pt_device_ms"] = 197;
+    Sample late = sample(200, 190), in_time = sample(200, 190);
+    late.device_ms = 195;
+    in_time.device_ms = 197;
     EXPECT_TRUE(is_disturbed(late, Backend::cuda));
     EXPECT_FALSE(is_disturbed(in_time, Backend::cuda));
     EXPECT_TRUE(is_disturbed(in_time, Backend::cpu));
@@ -390,25 +388,24 @@ TEST(DisturbedTest, OnAGpuTheDevicesClockTells) {
 
 // The device's clock goes on while the device waits, so it cannot tell.
 TEST(DisturbedTest, ARenderThatWaitsForABusyHostIsDisturbed) {
-    Json waiting = sample(200, 190), alone = sample(200, 10);
-    waiting["pt_device_ms"] = alone["pt_device_ms"] = 200;
+    Sample waiting = sample(200, 190), alone = sample(200, 10);
+    waiting.device_ms = alone.device_ms = 200;
     EXPECT_FALSE(is_disturbed(waiting, Backend::cuda));
-    waiting["pt_host_waits"] = alone["pt_host_waits"] = 1;
+    waiting.host_waits = alone.host_waits = 1;
     EXPECT_TRUE(is_disturbed(waiting, Backend::cuda));
     EXPECT_FALSE(is_disturbed(alone, Backend::cuda));
 }
 
 // However little else ran: the system itself withheld the time.
 TEST(DisturbedTest, ASampleThatAQuotaThrottledIsDisturbed) {
-    Json throttled = sample(200), not_once = sample(200);
-    throttled["pt_throttled_periods"] = 1;
-    throttled["pt_throttled_ms"] = 0.01;
-    not_once["pt_throttled_periods"] = 0;
+    Sample throttled = sample(200), not_once = sample(200);
+    throttled.throttled_periods = 1;
+    throttled.throttled_ms = 0.01;
     EXPECT_TRUE(is_disturbed(throttled, Backend::cpu));
     EXPECT_FALSE(is_disturbed(not_once, Backend::cpu));
-    throttled["pt_device_ms"] = 200;
+    throttled.device_ms = 200;
     EXPECT_FALSE(is_disturbed(throttled, Backend::cuda));
-    throttled["pt_host_waits"] = 1;
+    throttled.host_waits = 1;
     EXPECT_TRUE(is_disturbed(throttled, Backend::cuda));
 
     const test::TemporaryFolder folder;
@@ -416,9 +413,8 @@ TEST(DisturbedTest, ASampleThatAQuotaThrottledIsDisturbed) {
     Plan plan;
     plan.cells.resize(1);
     plan.cells[0].name = "a";
-    journal.set_cell("a", {{"status", "ok"}});
-    for (Json facts : {throttled, not_once, sample(200, 190)}) {
-        facts["film_hash"] = "0123456789abcdef";
+    journal.set_cell("a", {});
+    for (const Sample& facts : {throttled, not_once, sample(200, 190)}) {
         journal.add_sample("a", facts);
     }
     EXPECT_EQ(to_retake(plan.cells[0], journal, 9), (std::vector<std::size_t>{0, 2}));
@@ -436,14 +432,14 @@ TEST(DisturbedTest, AsManyAreTakenAgainAsTheLimitAllows) {
     plan.cells.resize(2);
     plan.cells[0].name = "busy";
     plan.cells[1].name = "quiet";
-    const auto numbered = [](int seed, double foreign) {
-        Json facts = sample(200, foreign);
-        facts["pt_seed"] = seed;
+    const auto numbered = [](std::uint64_t seed, double foreign) {
+        Sample facts = sample(200, foreign);
+        facts.seed = seed;
         return facts;
     };
     for (const Cell& cell : plan.cells) {
-        journal.set_cell(cell.name, {{"status", "ok"}});
-        for (const int seed : {5, 6, 7}) {
+        journal.set_cell(cell.name, {});
+        for (const std::uint64_t seed : {5, 6, 7}) {
             journal.add_sample(cell.name, numbered(seed, cell.name == "busy" && seed != 6 ? 190 : 10));
         }
     }
@@ -472,7 +468,7 @@ TEST(DisturbedTest, AsManyAreTakenAgainAsTheLimitAllows) {
     EXPECT_EQ(file.at("samples")[2].at("cell"), "busy");
     EXPECT_EQ(file.at("samples")[2].at("repetition_index"), 2);
     EXPECT_EQ(file.at("samples")[2].at("sample").at("pt_foreign_cpu_ms"), 190);
-    journal.set_cell("busy", {{"status", "failed"}});
+    journal.set_cell("busy", {.status = CellStatus::failed});
     journal.retake_sample("busy", numbered(7, 190));
     EXPECT_TRUE(to_retake(plan.cells[0], journal, 9).empty());  // nobody knows what it times
 }
@@ -484,11 +480,10 @@ TEST(DisturbedTest, ARunCountsWhatItsVerdictsCount) {
     plan.cells.resize(1);
     plan.cells[0].name = "cell";
     plan.cells[0].backend = Backend::cuda;
-    for (const int waits : {0, 0, 2}) {
-        Json contended = sample(200, 190);
-        contended["pt_device_ms"] = 200;
-        contended["pt_host_waits"] = waits;
-        contended["film_hash"] = "0123456789abcdef";
+    for (const std::uint64_t waits : {0, 0, 2}) {
+        Sample contended = sample(200, 190);
+        contended.device_ms = 200;
+        contended.host_waits = waits;
         journal.add_sample("cell", contended);
     }
     EXPECT_EQ(in_words(disturbance_of(plan, journal)).substr(0, 55),
