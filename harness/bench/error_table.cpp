@@ -11,6 +11,7 @@
 
 #include "harness/bench/convergence_study.h"
 #include "harness/error/distributions.h"
+#include "limits.h"  // generated from analysis/ptbench/io/limits.json
 #include "variants/registry.h"
 #include "variants/variant_name.h"
 
@@ -59,7 +60,7 @@ std::optional<ErrorEfficiency> efficiency(const LastErrors& own, const LastError
     };
     ErrorEfficiency found{.value = ratio_of_drawn()};
     BootstrapRandom random;
-    std::vector<double> ratios(resamples);
+    std::vector<double> ratios(limits::resamples);
     for (double& ratio : ratios) {
         for (std::uint32_t& seed : drawn) {
             seed = random.below(static_cast<std::uint32_t>(count));

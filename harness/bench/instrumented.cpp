@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "limits.h"  // generated from analysis/ptbench/io/limits.json
+
 namespace pt {
 
 namespace {
@@ -30,7 +32,7 @@ InstrumentedFacts pass_of(const Cell& cell, const RenderResult& result) {
         staged += ms;
     }
     pass.unaccounted_ms = result.wall_ms - staged;
-    pass.stages_add_up = std::abs(pass.unaccounted_ms) <= 0.05 * result.wall_ms;
+    pass.stages_add_up = std::abs(pass.unaccounted_ms) <= limits::stages_add_up_within * result.wall_ms;
     return pass;
 }
 

@@ -269,6 +269,7 @@ Merged merge_parsed(const std::vector<ShardResult>& shards, const std::string& o
     if (own.contains("retakes")) {  // of one program all have them
         own["retakes"] = merged_retakes(shards);
     }
+    own.erase("comparisons");  // a shard's own: a baseline may be another one's
     own["shards"] = std::move(parts);
     merged.result = {{"context", merged_context(shards, command_line)}, {"benchmarks", rows}, {"ptbench", own}};
     return merged;

@@ -360,6 +360,7 @@ std::string result_json(const Plan& plan, const Suite& suite, const Journal& jou
                                {"studies", studies_json(suite)},
                                {"baselines", baselines},
                                {"cells", cells},
+                               {"comparisons", OrderedJson(facts.comparisons)},
                                {"retakes", retakes_json(plan, journal, facts.most_retakes)},
                                {"not_applicable", not_applicable}}}};
     return rows_on_lines(result) + "\n";

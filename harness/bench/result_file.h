@@ -3,6 +3,7 @@
 // why.
 #pragma once
 
+#include "harness/bench/facts/comparison.h"
 #include "harness/bench/journal.h"
 #include "harness/bench/suite.h"
 
@@ -17,6 +18,7 @@ struct RunFacts {
     int repetitions = 1;
     int most_retakes = 0;  // a cell
     RunRecord run = {};    // less its sessions
+    std::vector<ComparisonFacts> comparisons = {};
 };
 
 struct Aggregates {

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "limits.h"  // generated from analysis/ptbench/io/limits.json
+
 #include "harness/bench/convergence_study.h"
 #include "harness/text_file.h"
 
@@ -236,8 +238,9 @@ void check_names(const Suite& suite, const std::string& file) {
 void check_repetitions(const Suite& suite, const JsonObject& root) {
     const bool has_convergence = std::any_of(suite.studies.begin(), suite.studies.end(),
                                              [](const Study& s) { return s.convergence.has_value(); });
-    if (has_convergence && suite.repetitions < fewest_seeds) {
-        root.at("repetitions").fail(fmt::format("{} or more: the suite has a study of type convergence", fewest_seeds));
+    if (has_convergence && suite.repetitions < limits::fewest_seeds) {
+        root.at("repetitions")
+            .fail(fmt::format("{} or more: the suite has a study of type convergence", limits::fewest_seeds));
     }
 }
 

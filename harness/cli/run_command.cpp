@@ -16,6 +16,7 @@
 #include "harness/ranks/ranks.h"
 #include "harness/say.h"
 #include "harness/scene/places.h"
+#include "limits.h"  // generated from analysis/ptbench/io/limits.json
 
 namespace pt {
 
@@ -82,9 +83,9 @@ void check_error_against_time(const RunArguments& arguments, const RunOptions& o
         throw InputError("command line", "options", "--error-against-time beside --suite",
                          "--scene; a suite says of each study whether it is of type convergence");
     }
-    if (options.repetitions > 0 && options.repetitions < fewest_seeds) {
+    if (options.repetitions > 0 && options.repetitions < limits::fewest_seeds) {
         throw InputError("command line", "--repetitions", std::to_string(options.repetitions),
-                         fmt::format("{} or more with --error-against-time", fewest_seeds));
+                         fmt::format("{} or more with --error-against-time", limits::fewest_seeds));
     }
 }
 

@@ -190,21 +190,30 @@ std::string content_of_result(const std::string& file) {
     return content;
 }
 
-// Bit for bit: one generator of random numbers, one order of operations.
+// Python judges files that hold no comparisons: the pairs and ratios are these, bit for bit. Its intervals have other
+// random numbers, so an end may lie at another value; where that decides, one of the two is UNSURE.
 TEST(ComparisonsTest, CommittedResultsHaveTheVerdictsThatPythonGivesThem) {
     const Json expected = Json::parse(test::content_of(test::in_source("tests/support/run_verdicts.json")));
     ASSERT_GE(expected.size(), 4u);
+    std::size_t count = 0, same_word = 0;
     for (const auto& [file, pairs] : expected.items()) {
         const CommittedRun run(Json::parse(content_of_result(file)));
         const Json found = run.pairs();
         ASSERT_EQ(found.size(), pairs.size()) << file;
         for (std::size_t i = 0; i < pairs.size(); ++i) {
-            EXPECT_EQ(found[i], pairs[i]) << file;
+            for (const std::size_t place : {0, 1, 2, 3}) {
+                EXPECT_EQ(found[i][place], pairs[i][place]) << file << ": " << pairs[i];
+            }
+            count += 1;
+            same_word += found[i][6] == pairs[i][6] ? 1 : 0;
+            EXPECT_TRUE(found[i][6] == pairs[i][6] || found[i][6] == "UNSURE" || pairs[i][6] == "UNSURE") << pairs[i];
         }
     }
+    EXPECT_GE(same_word, count - count / 50) << "of " << count;
 }
 
-// To rounding: NumPy adds in another order.
+// Errors and efficiencies to rounding, as NumPy adds in another order; the intervals' ends by the width of a
+// bootstrap's own noise, as Python draws other random numbers.
 TEST(ComparisonsTest, CommittedResultsHaveTheErrorsAndEfficienciesThatPythonGivesThem) {
     const Json expected = Json::parse(test::content_of(test::in_source("tests/support/run_errors.json")));
     ASSERT_GE(expected.size(), 1u);
@@ -216,7 +225,9 @@ TEST(ComparisonsTest, CommittedResultsHaveTheErrorsAndEfficienciesThatPythonGive
             for (std::size_t k = 0; k < rows[i].size(); ++k) {
                 if (rows[i][k].is_number_float()) {
                     const double value = rows[i][k];
-                    EXPECT_NEAR(found[i][k].get<double>(), value, 1e-9 * std::abs(value)) << file << ": " << rows[i];
+                    const bool is_end = k == 5 || k == 6 || k == 9 || k == 10;
+                    EXPECT_NEAR(found[i][k].get<double>(), value, (is_end ? 0.05 : 1e-9) * std::abs(value))
+                        << file << ": " << rows[i];
                 } else {
                     EXPECT_EQ(found[i][k], rows[i][k]) << file << ": " << rows[i];
                 }
@@ -252,7 +263,7 @@ protected:
         }
         return plan.cells.back();
     }
-    std::string table() const { return verdict_table(plan, suite, journal); }
+    std::string table() const { return verdict_table(plan, suite, journal, comparisons_of(plan, suite, journal)); }
 };
 
 TEST_F(TableTest, HasALineACellWithItsVerdict) {
@@ -299,6 +310,31 @@ TEST_F(TableTest, ACellThatFailedHasNoErrorAndNoEfficiency) {
     EXPECT_NE(text.find("  baseline   wavefront\n"), std::string::npos) << text;
     EXPECT_NE(text.find("  FAILED     wavefront layout=soa\n"), std::string::npos) << text;
     EXPECT_EQ(text.find("1.000 ["), std::string::npos) << text;
+}
+
+TEST_F(TableTest, TheFileHoldsEveryComparisonOrWhyThereIsNone) {
+    suite.studies[0].figure = "compaction";
+    suite.studies.push_back(study_of("b", "remaining_paths"));  // compares nothing
+    add({}, 10);
+    add({{"compaction", "thrust_remove_if"}}, 30).studies = {"a", "b"};
+    add({{"layout", "soa"}}, 20);
+    add({{"layout", "soa"}, {"compaction", "thrust_remove_if"}}, 18, 3);
+    add({{"sorting", "bucket"}, {"compaction", "thrust_remove_if"}}, 18);
+    add({{"sorting", "bucket"}, {"layout", "soa"}}, 1, 0);
+    add({{"sorting", "bucket"}, {"layout", "soa"}, {"compaction", "thrust_partition"}}, 18);
+    Json found = Json::array();
+    for (const Comparison& comparison : comparisons_of(plan, suite, journal)) {
+        found.push_back(comparison.facts());
+    }
+    EXPECT_EQ(found, Json::parse(R"([
+        {"study": "a", "cell": "1", "baseline": "0", "ratio": 3.0, "interval": [3.0, 3.0], "word": "SLOWER",
+         "reason_code": "", "in_time": "SLOWER", "in_cycles": null},
+        {"study": "a", "cell": "3", "baseline": "2", "ratio": 0.9, "interval": [0.9, 0.9], "word": "UNSURE",
+         "reason_code": "few_samples", "in_time": "UNSURE", "in_cycles": null},
+        {"study": "a", "cell": "4", "baseline": null, "ratio": null, "interval": null, "word": null,
+         "reason_code": "no_baseline", "in_time": null, "in_cycles": null},
+        {"study": "a", "cell": "6", "baseline": "5", "ratio": null, "interval": null, "word": null,
+         "reason_code": "baseline_not_measured", "in_time": null, "in_cycles": null}])"));
 }
 
 TEST_F(TableTest, ScenesAndSettingsStandTogetherAndStudiesHaveTheirTitles) {
@@ -421,8 +457,7 @@ TEST(DisturbedTest, ASampleThatAQuotaThrottledIsDisturbed) {
     EXPECT_TRUE(times_of(plan.cells[0], journal).is_throttled);
     const Disturbance found = disturbance_of(plan, journal);
     EXPECT_EQ(in_words(found), "disturbed: 2 of 3 samples (other processes 1, CPU quota 1, low clock 0)");
-    EXPECT_EQ(verdict_of({}, times_of(plan.cells[0], journal), {}).reason.find("a CPU quota or other processes took"),
-              0u);
+    EXPECT_EQ(verdict_of({}, times_of(plan.cells[0], journal), {}).reason, WordReason::throttled);
 }
 
 TEST(DisturbedTest, AsManyAreTakenAgainAsTheLimitAllows) {

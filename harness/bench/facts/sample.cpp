@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "limits.h"  // generated from analysis/ptbench/io/limits.json
+
 namespace pt {
 
 namespace {
 
 using OrderedJson = nlohmann::ordered_json;
-
-// How far a device's clock may be from the host's: crystals differ by 1e-4 at most.
-constexpr double clocks_differ = 1e-3;
 
 constexpr const char* low_clock_key = "pt_low_clock";
 
@@ -59,12 +58,12 @@ Sample sample_of_result(const Json& row) {
 bool is_throttled(const Sample& sample) { return sample.throttled_periods > 0; }
 
 bool is_contended(const Sample& sample) {
-    return is_throttled(sample) || sample.foreign_cpu_ms > std::max(20.0, 0.1 * sample.cpu_ms);
+    return is_throttled(sample) || sample.foreign_cpu_ms > std::max<double>(limits::most_foreign_ms,
+                                                                            limits::most_foreign_share * sample.cpu_ms);
 }
 
 bool is_disturbed(const Sample& sample, Backend backend) {
-    constexpr double most_host_share = 0.02;
-    const bool was_late = 1 - sample.device_ms.value_or(0) / sample.wall_ms > most_host_share;
+    const bool was_late = 1 - sample.device_ms.value_or(0) / sample.wall_ms > limits::most_host_share;
     // The device's time goes on while its host is late with the answer that it waits for.
     const bool was_waited_for = sample.host_waits > 0;
     return is_contended(sample) && (backend != Backend::cuda || was_late || was_waited_for);
@@ -82,7 +81,7 @@ double highest_clock(const Sample& sample) {
 
 bool has_low_clock(const Sample& sample, double highest_of_run) {
     return std::min(sample.clock_mhz_before.value_or(highest_of_run), sample.clock_mhz_after.value_or(highest_of_run)) <
-           0.9 * highest_of_run;
+           limits::low_clock_share * highest_of_run;
 }
 
 std::string fault_of_sample(const Sample& sample) {
@@ -101,7 +100,7 @@ std::string fault_of_sample(const Sample& sample) {
     if (sample.end_to_end_ms && !(*sample.end_to_end_ms > 0)) {
         return fmt::format("pt_end_to_end_ms {}, not above 0", *sample.end_to_end_ms);
     }
-    if (sample.device_ms && *sample.device_ms > wall * (1 + clocks_differ)) {
+    if (sample.device_ms && *sample.device_ms > wall * (1 + limits::clocks_differ)) {
         return fmt::format("pt_device_ms {} above its pt_wall_ms {}", *sample.device_ms, wall);
     }
     if (sample.end_to_end_ms && *sample.end_to_end_ms < wall) {
