@@ -22,16 +22,6 @@ bool is_axis(const std::string& name) {
     return std::find(std::begin(axis_names), std::end(axis_names), name) != std::end(axis_names);
 }
 
-// The axis of figures that are named for what lies along them.
-std::string axis_of_figure(const std::string& figure) {
-    for (const char* axis : {axes::sorting, axes::first_bounce}) {
-        if (figure == std::string(axis) + "_by_depth") {
-            return axis;
-        }
-    }
-    return is_axis(figure) ? figure : "";
-}
-
 std::string first_varying_axis(const Cells& cells) {
     for (const std::string_view axis : axis_names) {
         const auto differs = [&](const Cell* cell) { return cell->variant[axis] != cells.front()->variant[axis]; };
@@ -131,10 +121,10 @@ std::optional<Question> question_of(const Study& study, const Cells& cells) {
     if (cells.empty() || study.convergence) {
         return std::nullopt;
     }
-    const bool is_sweep = study.figure.starts_with("scaling_by_");
-    const std::string axis = is_sweep ? first_varying_axis(cells) : axis_of_figure(study.figure);
-    if (axis.empty()) {
-        return is_sweep ? std::nullopt : question_of_tunable(study.figure, cells);
+    const bool is_open = study.compares.empty() && !study.along.empty();
+    const std::string axis = is_open ? first_varying_axis(cells) : study.compares;
+    if (!is_axis(axis)) {
+        return question_of_tunable(axis, cells);
     }
     const std::string usual = Registry::instance().baseline(cells.front()->backend)[axis];
     const bool was_run =

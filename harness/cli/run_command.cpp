@@ -56,7 +56,6 @@ constexpr std::uint64_t most_reference_spp = 1u << 20;
 void ask_for_errors(Study& study) {
     study.convergence =
         ConvergenceSettings{.variance = any_variance, .most_spp = most_reference_spp, .without_checkpoints = true};
-    study.figure = "convergence";
     study.spp_on = {{Backend::cpu, 256}, {Backend::cuda, 4096}};
 }
 
@@ -214,7 +213,7 @@ int run(const RunArguments& arguments, const CLI::App& command, const std::strin
     for (Study& study : suite.studies) {
         override_study(study, arguments, backend);
         if (arguments.suite.empty() && !study.convergence) {
-            study.figure = compared_axis(study.axes);
+            study.compares = compared_axis(study.axes);
         }
     }
     options.backend = backend;

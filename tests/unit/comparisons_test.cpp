@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "harness/bench/error_table.h"
+#include "harness/bench/older_suites.h"
 #include "harness/bench/result_file.h"
 #include "harness/bench/retakes.h"
 #include "harness/bench/short_names.h"
@@ -24,11 +25,12 @@ namespace {
 
 Sample sample(double wall, double foreign = 0) { return {.wall_ms = wall, .cpu_ms = wall, .foreign_cpu_ms = foreign}; }
 
-Study study_of(const std::string& name, const std::string& figure) {
+Study study_of(const std::string& name, const std::string& compares, const std::string& along = "") {
     Study study;
     study.name = name;
     study.title = "The " + name;
-    study.figure = figure;
+    study.compares = compares;
+    study.along = along;
     return study;
 }
 
@@ -48,7 +50,13 @@ struct CommittedRun {
 
     explicit CommittedRun(const Json& file) {
         for (const Json& study : file.at("ptbench").at("studies")) {
-            suite.studies.push_back(study_of(study.at("name"), study.at("figure")));
+            suite.studies.push_back(study_of(study.at("name"), ""));
+            if (const Json figure = study.at(older_figure_key); figure != "" && figure != "convergence") {
+                const std::vector<std::string> tunables = tunables_of_run(file);
+                const Compared compared = compared_by_figure(JsonValue(figure, "", "$"), tunables);
+                suite.studies.back().compares = compared.compares;
+                suite.studies.back().along = compared.along;
+            }
         }
         for (const Json& facts : file.at("ptbench").at("cells")) {
             plan.cells.push_back(cell_of(facts));
@@ -67,6 +75,17 @@ struct CommittedRun {
         for (const Json& row : rows) {
             journal.add_sample(row.at("run_name"), sample_of_result(row));
         }
+    }
+
+    static std::vector<std::string> tunables_of_run(const Json& file) {
+        std::vector<std::string> names;
+        for (const Json& cell : file.at("ptbench").at("cells")) {
+            const Json tunables = cell.value("tunables", Json::object());
+            for (const auto& [name, value] : tunables.items()) {
+                names.push_back(name);
+            }
+        }
+        return names;
     }
 
     // Adds the reference that a cell's images were compared with, if it is of a study of error.
@@ -267,7 +286,7 @@ protected:
 };
 
 TEST_F(TableTest, HasALineACellWithItsVerdict) {
-    suite.studies[0].figure = "compaction";
+    suite.studies[0].compares = "compaction";
     add({}, 10);
     add({{"compaction", "thrust_remove_if"}}, 30);
     add({{"compaction", "thrust_partition"}}, 10);
@@ -313,8 +332,8 @@ TEST_F(TableTest, ACellThatFailedHasNoErrorAndNoEfficiency) {
 }
 
 TEST_F(TableTest, TheFileHoldsEveryComparisonOrWhyThereIsNone) {
-    suite.studies[0].figure = "compaction";
-    suite.studies.push_back(study_of("b", "remaining_paths"));  // compares nothing
+    suite.studies[0].compares = "compaction";
+    suite.studies.push_back(study_of("b", live_paths));  // compares nothing
     add({}, 10);
     add({{"compaction", "thrust_remove_if"}}, 30).studies = {"a", "b"};
     add({{"layout", "soa"}}, 20);
@@ -338,7 +357,7 @@ TEST_F(TableTest, TheFileHoldsEveryComparisonOrWhyThereIsNone) {
 }
 
 TEST_F(TableTest, ScenesAndSettingsStandTogetherAndStudiesHaveTheirTitles) {
-    suite.studies.push_back(study_of("b", "remaining_paths"));
+    suite.studies.push_back(study_of("b", live_paths));
     add({}, 1).settings.depth = 8;
     add({}, 2).studies = {"a", "b"};
     add({{"layout", "soa"}}, 2).settings.depth = 8;
@@ -358,7 +377,7 @@ TEST_F(TableTest, ScenesAndSettingsStandTogetherAndStudiesHaveTheirTitles) {
 }
 
 TEST_F(TableTest, ATunableIsHeldAgainstItsStandard) {
-    suite.studies[0].figure = "jitters";
+    suite.studies[0].compares = "jitters";
     add({{"first_bounce", "cached_jitters"}}, 2).variant.tuning["jitters"] = 2;
     add({{"first_bounce", "cached_jitters"}}, 1);
     EXPECT_NE(table().find(": ratio to jitters=16, all else equal\n"), std::string::npos) << table();
@@ -368,7 +387,7 @@ TEST_F(TableTest, ATunableIsHeldAgainstItsStandard) {
 }
 
 TEST_F(TableTest, AStudyWithoutTheUsualBaselineIsHeldAgainstItsFirstChoice) {
-    suite.studies[0].figure = "scaling_by_depth";
+    suite.studies[0] = study_of("a", "", along_depth);
     add({{"compaction", "thrust_remove_if"}}, 2);
     add({{"compaction", "thrust_partition"}}, 1);
     EXPECT_NE(table().find(": ratio to compaction=thrust_remove_if, all else equal\n"), std::string::npos) << table();
@@ -380,7 +399,7 @@ TEST_F(TableTest, ASortKeyNeedsNoBaselineOfItsOwn) {
     if (!test::cuda_is_built()) {
         GTEST_SKIP() << "there is one key on the CPU";
     }
-    suite.studies[0].figure = "sorting";
+    suite.studies[0].compares = "sorting";
     backend = Backend::cuda;
     add({}, 1);
     add({{"sorting", "bucket"}, {"sort_key", "ray"}}, 2);

@@ -22,7 +22,7 @@ protected:
 
     DecideTest() {
         suite.studies[0].name = "a";
-        suite.studies[0].figure = "compaction";
+        suite.studies[0].compares = "compaction";
         plan.cells.reserve(9);
     }
 

@@ -49,7 +49,7 @@ protected:
     void SetUp() override {
         suite.studies.push_back({.name = "a",
                                  .title = "Title",
-                                 .figure = "compaction",
+                                 .compares = "compaction",
                                  .scenes = {},
                                  .axes = {},
                                  .tunables = {},
@@ -236,8 +236,9 @@ TEST_F(ResultFileTest, HasTheBaselineOfEveryAxis) {
 }
 
 TEST_F(ResultFileTest, StudiesAndWhatDoesNotApply) {
-    EXPECT_EQ(result.at("ptbench").at("studies"),
-              Json::parse(R"([{"name": "a", "title": "Title", "figure": "compaction", "type": "time"}])"));
+    EXPECT_EQ(
+        result.at("ptbench").at("studies"),
+        Json::parse(R"([{"name": "a", "title": "Title", "compares": "compaction", "along": "", "type": "time"}])"));
     const Json& entries = result.at("ptbench").at("not_applicable");
     ASSERT_EQ(entries.size(), 1u);
     EXPECT_EQ(entries[0].at("study"), "a");

@@ -304,6 +304,7 @@ class Study:
     figure: str
     title: str
     type: str = "time"
+    compares: str = ""  # the axis or tunable that the file names; empty in older files, and where nothing is compared
 
     @property
     def is_convergence(self) -> bool:

@@ -13,6 +13,7 @@ from hashlib import blake2b
 from pathlib import Path
 
 from ptbench.errors import bad_value
+from ptbench.io.asked import LIVE_PATHS, figure_of
 from ptbench.io.cells import (
     CELL_STATUSES,
     CLAIMS,
@@ -166,12 +167,15 @@ def _refuse_twins(array: Node, names: list[str], key: str) -> None:
 
 
 def _study(node: Node) -> Study:
-    kind = node.maybe("type")
+    kind = "time" if node.maybe("type") is None else node.need("type").one_of(STUDY_TYPES)
+    compares, along = node.optional_text("compares"), node.optional_text("along")
+    asked = figure_of(compares, along, is_convergence=kind == "convergence")
     return Study(
         name=node.need("name").name(),
-        figure=node.optional_text("figure"),
+        figure=asked if node.maybe("figure") is None else node.optional_text("figure"),
         title=node.optional_text("title"),
-        type="time" if kind is None else kind.one_of(STUDY_TYPES),
+        type=kind,
+        compares="" if compares == LIVE_PATHS else compares,
     )
 
 
