@@ -9,9 +9,11 @@ import pytest
 from builder import Builder
 
 from ptbench.errors import InputError
+from ptbench.io.asked import figure_of
 from ptbench.io.results import load
 from ptbench.io.validate import validate
 from ptbench.studies.disturbed import CONTENDED, THROTTLED
+from ptbench.studies.questions import question_of
 from ptbench.studies.rows import measure
 
 STUDY = "compaction"
@@ -151,3 +153,42 @@ def test_validate_knows_comparisons(tmp_path):
     document["ptbench"]["comparisons"][0]["mood"] = 1
     path.write_text(json.dumps(document))
     assert [line for line in validate(path) if "mood" in line]
+
+
+@pytest.mark.parametrize(
+    ("compares", "along", "figure"),
+    [
+        ("live_paths", "", "remaining_paths"),
+        ("sorting", "", "sorting"),
+        ("sorting", "depth", "sorting_by_depth"),
+        ("first_bounce", "depth", "first_bounce_by_depth"),
+        ("compaction", "depth", "scaling_by_depth"),
+        ("sorting", "materials", "scaling_by_materials"),
+        ("block", "", "block"),
+        ("", "", ""),
+    ],
+)
+def test_the_figure_is_chosen_by_what_is_compared(compares, along, figure):
+    assert figure_of(compares, along, is_convergence=False) == figure
+    assert figure_of("", "", is_convergence=True) == "convergence"
+
+
+def test_a_study_along_something_compares_what_it_names(tmp_path):
+    """Two axes vary; a file that names a figure leaves open which of them is meant."""
+    builder = Builder()
+    builder.study(STUDY, figure="scaling_by_depth")
+    for compaction in ("none", "thrust_remove_if"):
+        for layout in ("aos", "soa"):
+            for depth in (4, 8):
+                builder.cell(STUDY, depth=depth, axes={"compaction": compaction, "layout": layout})
+    document = builder.document()
+    path = tmp_path / "result.json"
+
+    def asked(study: dict) -> str:
+        document["ptbench"]["studies"] = [{"name": STUDY, "title": "T"} | study]
+        path.write_text(json.dumps(document))
+        result = load(path)
+        return question_of(result, result.studies[0]).axis
+
+    assert asked({"figure": "scaling_by_depth"}) == "compaction"
+    assert asked({"compares": "layout", "along": "depth", "type": "time"}) == "layout"

@@ -52,8 +52,8 @@ struct CommittedRun {
         for (const Json& study : file.at("ptbench").at("studies")) {
             suite.studies.push_back(study_of(study.at("name"), ""));
             if (const Json figure = study.at(older_figure_key); figure != "" && figure != "convergence") {
-                const std::vector<std::string> tunables = tunables_of_run(file);
-                const Compared compared = compared_by_figure(JsonValue(figure, "", "$"), tunables);
+                // A tunable may be one that no cell on this backend has.
+                const Compared compared = compared_by_figure(JsonValue(figure, "", "$"), {figure});
                 suite.studies.back().compares = compared.compares;
                 suite.studies.back().along = compared.along;
             }
@@ -75,17 +75,6 @@ struct CommittedRun {
         for (const Json& row : rows) {
             journal.add_sample(row.at("run_name"), sample_of_result(row));
         }
-    }
-
-    static std::vector<std::string> tunables_of_run(const Json& file) {
-        std::vector<std::string> names;
-        for (const Json& cell : file.at("ptbench").at("cells")) {
-            const Json tunables = cell.value("tunables", Json::object());
-            for (const auto& [name, value] : tunables.items()) {
-                names.push_back(name);
-            }
-        }
-        return names;
     }
 
     // Adds the reference that a cell's images were compared with, if it is of a study of error.
