@@ -5,36 +5,13 @@
 
 #include <fmt/format.h>
 
+#include "limits.h"  // generated from analysis/ptbench/io/limits.json
+
 namespace pt {
 
-std::uint32_t BootstrapRandom::next() {
-    if (high_half_) {
-        const std::uint32_t half = *high_half_;
-        high_half_.reset();
-        return half;
-    }
-    constexpr State multiplier = (State{0x2360ed051fc65da4u} << 64) | 0x4385df649fccf645u;
-    state_ = state_ * multiplier + increment_;
-    const auto high = static_cast<std::uint64_t>(state_ >> 64), low = static_cast<std::uint64_t>(state_);
-    const auto turn = static_cast<unsigned>(high >> 58);
-    const std::uint64_t folded = high ^ low;
-    const std::uint64_t bits = (folded >> turn) | (folded << ((64 - turn) & 63));
-    high_half_ = static_cast<std::uint32_t>(bits >> 32);
-    return static_cast<std::uint32_t>(bits);
-}
-
 std::uint32_t BootstrapRandom::below(std::uint32_t count) {
-    if (count == 1) {
-        return 0;  // drawn from nothing
-    }
-    std::uint64_t product = std::uint64_t{next()} * count;
-    if (static_cast<std::uint32_t>(product) < count) {
-        const std::uint32_t threshold = (0u - count) % count;
-        while (static_cast<std::uint32_t>(product) < threshold) {
-            product = std::uint64_t{next()} * count;
-        }
-    }
-    return static_cast<std::uint32_t>(product >> 32);
+    __extension__ using Product = unsigned __int128;
+    return static_cast<std::uint32_t>((Product{generator_()} * count) >> 64);
 }
 
 double median_of(std::vector<double> values) {
@@ -46,7 +23,7 @@ double median_of(std::vector<double> values) {
 namespace {
 
 std::vector<double> resampled_medians(const std::vector<double>& values, BootstrapRandom& random) {
-    std::vector<double> medians(resamples), drawn(values.size());
+    std::vector<double> medians(limits::resamples), drawn(values.size());
     for (double& median : medians) {
         for (double& value : drawn) {
             value = values[random.below(static_cast<std::uint32_t>(values.size()))];
@@ -56,14 +33,9 @@ std::vector<double> resampled_medians(const std::vector<double>& values, Bootstr
     return medians;
 }
 
-// A percentile of sorted values, linear between the two values that it lies between, from the nearer of them, as
-// numpy.percentile has it.
-double percentile(const std::vector<double>& sorted, double percent) {
-    const double place = static_cast<double>(sorted.size() - 1) * (percent / 100);
-    const auto below = static_cast<std::size_t>(place);
-    const double part = place - std::floor(place);
-    const double low = sorted[below], high = sorted[std::min(below + 1, sorted.size() - 1)];
-    return part >= 0.5 ? high - (high - low) * (1 - part) : low + (high - low) * part;
+// The value below which this share of the sorted values lies.
+double quantile(const std::vector<double>& sorted, double share) {
+    return sorted[static_cast<std::size_t>(std::lround(share * static_cast<double>(sorted.size() - 1)))];
 }
 
 // Whether `text` lies on the same side of a limit as the value that it shows.
@@ -72,16 +44,12 @@ bool is_on_its_side(double value, const std::string& text, double limit) {
     return (value < limit) == (shown < limit) && (value > limit) == (shown > limit);
 }
 
-std::string one_side_text(const TimeVerdict& time, const TimeVerdict& cycles) {
-    return fmt::format("{} in time but {} in cycles: the clocks differed", to_text(time.word), to_text(cycles.word));
-}
-
 TimeVerdict verdict_of_ratio(const RatioEstimate& ratio) {
-    if (ratio.samples < fewest_samples || !ratio.interval) {
-        return {Word::unsure, fmt::format("n = {}, a verdict needs {}", ratio.samples, fewest_samples)};
+    if (ratio.samples < limits::fewest_samples || !ratio.interval) {
+        return {Word::unsure, WordReason::few_samples};
     }
     const Word word = word_of(*ratio.interval);
-    return {word, word == Word::unsure ? "the interval reaches both sides of a 1 % limit" : ""};
+    return {word, word == Word::unsure ? WordReason::wide : WordReason::none};
 }
 
 }  // namespace
@@ -99,8 +67,8 @@ RatioEstimate ratio_estimate(const std::vector<double>& values, const std::vecto
         ratios[i] /= below[i];
     }
     std::sort(ratios.begin(), ratios.end());
-    const double tail = 50 * (1 - 0.95);
-    estimate.interval = {percentile(ratios, tail), percentile(ratios, 100 - tail)};
+    const double tail = 0.5 * (1 - limits::confidence);
+    estimate.interval = {quantile(ratios, tail), quantile(ratios, 1 - tail)};
     return estimate;
 }
 
@@ -119,7 +87,7 @@ std::string to_text(Word word) {
 }
 
 Word word_of(const RatioInterval& interval) {
-    const double lower = 1 - least_difference, upper = 1 + least_difference;
+    const double lower = 1 - limits::least_difference, upper = 1 + limits::least_difference;
     if (interval.high < lower) {
         return Word::faster;
     }
@@ -138,26 +106,72 @@ std::string interval_text(const RatioInterval& interval) {
         const auto tells = [&](double limit) {
             return is_on_its_side(interval.low, low, limit) && is_on_its_side(interval.high, high, limit);
         };
-        if (digits == 18 || (tells(1 - least_difference) && tells(1 + least_difference))) {
+        if (digits == 18 || (tells(1 - limits::least_difference) && tells(1 + limits::least_difference))) {
             return fmt::format("[{}, {}]", low, high);
         }
     }
 }
 
+std::string to_code(WordReason reason) {
+    switch (reason) {
+        case WordReason::few_samples:
+            return "few_samples";
+        case WordReason::wide:
+            return "wide";
+        case WordReason::contended:
+            return "contended";
+        case WordReason::throttled:
+            return "throttled";
+        case WordReason::clocks_differed:
+            return "clocks_differed";
+        case WordReason::no_baseline:
+            return "no_baseline";
+        case WordReason::baseline_not_measured:
+            return "baseline_not_measured";
+        case WordReason::none:
+            break;
+    }
+    return "";
+}
+
+std::string in_words(const TimeVerdict& verdict, std::size_t samples) {
+    switch (verdict.reason) {
+        case WordReason::few_samples:
+            return fmt::format("n = {}, a verdict needs {}", samples, limits::fewest_samples);
+        case WordReason::wide:
+            return fmt::format("the interval reaches both sides of a {} % limit", 100 * limits::least_difference);
+        case WordReason::contended:
+            return "other processes took CPU time during more than a tenth of the samples";
+        case WordReason::throttled:
+            return "a CPU quota or other processes took CPU time during more than a tenth of the samples";
+        case WordReason::clocks_differed:
+            return fmt::format("{} in time but {} in cycles: the clocks differed", to_text(verdict.in_time),
+                               to_text(verdict.in_cycles.value()));
+        case WordReason::no_baseline:
+            return "no cell with the baseline and all else equal";
+        case WordReason::baseline_not_measured:
+            return "the baseline has no times";
+        case WordReason::none:
+            break;
+    }
+    return "";
+}
+
 TimeVerdict verdict_of(const RatioEstimate& ratio, const Times& times, const Times& baseline) {
+    TimeVerdict verdict = verdict_of_ratio(ratio);
+    verdict.in_time = verdict.word;
+    if (!times.cycles.empty() && !baseline.cycles.empty()) {
+        verdict.in_cycles = verdict_of_ratio(ratio_estimate(times.cycles, baseline.cycles)).word;
+    }
     if (times.is_contended || baseline.is_contended) {
-        const bool has_quota = times.is_throttled || baseline.is_throttled;
-        return {Word::unsure,
-                has_quota ? "a CPU quota or other processes took CPU time during more than a tenth of the samples"
-                          : "other processes took CPU time during more than a tenth of the samples"};
+        verdict.word = Word::unsure;
+        verdict.reason = times.is_throttled || baseline.is_throttled ? WordReason::throttled : WordReason::contended;
+    } else if (verdict.word != Word::unsure && verdict.in_cycles.value_or(Word::unsure) != Word::unsure &&
+               verdict.in_cycles != verdict.word) {
+        verdict.word = Word::unsure;
+        verdict.reason = WordReason::clocks_differed;
     }
-    const TimeVerdict in_time = verdict_of_ratio(ratio);
-    if (times.cycles.empty() || baseline.cycles.empty() || in_time.word == Word::unsure) {
-        return in_time;
-    }
-    const TimeVerdict in_cycles = verdict_of_ratio(ratio_estimate(times.cycles, baseline.cycles));
-    const bool agree = in_cycles.word == Word::unsure || in_cycles.word == in_time.word;
-    return agree ? in_time : TimeVerdict{Word::unsure, one_side_text(in_time, in_cycles)};
+    return verdict;
 }
 
 }  // namespace pt

@@ -1,35 +1,26 @@
-// Ratios of medians with their intervals, and the verdict that they allow: the rule of analysis/ptbench/stats/
-// estimates.py, number for number, so that the table at the end of a run and the pages drawn from its file never
-// disagree. The interval is the percentile bootstrap of the median (Efron 1979).
+// Ratios of medians with their intervals, and the verdict that they allow. The interval is the percentile bootstrap of
+// the median (Efron 1979). A run's verdicts are computed here, once: its file holds them. Pairs across files and files
+// that hold none are judged by analysis/ptbench/stats/estimates.py, by the same limits.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <random>
 #include <string>
 #include <vector>
 
 namespace pt {
 
-inline constexpr std::size_t resamples = 10000;
-inline constexpr std::size_t fewest_samples = 9;     // on both sides of a ratio, for a verdict
-inline constexpr double least_difference = 0.01;     // of a ratio from 1
-inline constexpr double most_disturbed_share = 0.1;  // of a cell's samples
-
-// The random generator of the bootstrap: NumPy's default_rng(1986), PCG64 (O'Neill 2014, XSL-RR), whose 64 bits are
-// handed out as two halves, the low one first.
+// The random numbers of a bootstrap, of one seed: one set of samples always has one interval.
 class BootstrapRandom {
 public:
-    // A whole number from 0 to `count` - 1, all equally likely (Lemire 2019). Precondition: 1 <= count < 2^32.
+    // A whole number from 0 to `count` - 1. Some are likelier than others by a share of count / 2^64 at most.
+    // Precondition: 1 <= count < 2^32.
     std::uint32_t below(std::uint32_t count);
 
 private:
-    std::uint32_t next();
-    __extension__ using State = unsigned __int128;
-    // The generator's state and increment as NumPy's SeedSequence derives them from the seed.
-    State state_ = (State{0x25f9e8be20ac44e0u} << 64) | 0xece195b0c628c17cu;
-    State increment_ = (State{0x515d7956003607f8u} << 64) | 0xc7a947b5eca38d2du;
-    std::optional<std::uint32_t> high_half_;
+    std::mt19937_64 generator_{1986};
 };
 
 struct RatioInterval {
@@ -51,17 +42,35 @@ enum class Word { faster, slower, same, unsure };
 // The verdict's word as results show it, "FASTER" for instance.
 std::string to_text(Word word);
 
+// Why a verdict is UNSURE, or why there is none.
+enum class WordReason {
+    none,
+    few_samples,            // on one side or both
+    wide,                   // the interval reaches both sides of a limit
+    contended,              // other processes took CPU time during too many samples
+    throttled,              // a quota of CPU time did, or other processes
+    clocks_differed,        // the ratio in cycles has another word
+    no_baseline,            // no cell has the baseline's choice and all else equal
+    baseline_not_measured,  // that cell has no times
+};
+// The reason's code in a result file, "few_samples" for instance; of none it is "".
+std::string to_code(WordReason reason);
+
 struct TimeVerdict {
     Word word = Word::unsure;
-    std::string reason = {};  // of an unsure one
+    WordReason reason = WordReason::none;
+    Word in_time = Word::unsure;         // whatever the clocks and other processes did
+    std::optional<Word> in_cycles = {};  // the word on the ratio in cycles, where the clocks are known
 };
+// The reason of an unsure verdict in words. `samples` is those of the ratio.
+std::string in_words(const TimeVerdict& verdict, std::size_t samples);
 
 // The samples of one side of a ratio.
 struct Times {
     std::vector<double> ms_per_spp;
     std::vector<double> cycles;  // millions a sample per pixel; empty where a clock was not measured
     bool is_throttled = false;   // a quota of CPU time disturbed one of them
-    bool is_contended = false;   // other processes disturbed more than most_disturbed_share of them
+    bool is_contended = false;   // other processes disturbed more than limits::most_disturbed_share of them
 };
 
 // The verdict on an interval of a ratio, however many samples are behind it.

@@ -8,7 +8,7 @@
 
 #include "harness/bench/convergence_study.h"
 #include "harness/bench/error_table.h"
-#include "harness/bench/result_file.h"
+#include "limits.h"  // generated from analysis/ptbench/io/limits.json
 #include "variants/registry.h"
 #include "variants/variant_name.h"
 
@@ -20,16 +20,6 @@ using Tunables = std::map<std::string, std::uint32_t>;
 
 bool is_axis(const std::string& name) {
     return std::find(std::begin(axis_names), std::end(axis_names), name) != std::end(axis_names);
-}
-
-// The axis of figures that are named for what lies along them.
-std::string axis_of_figure(const std::string& figure) {
-    for (const char* axis : {axes::sorting, axes::first_bounce}) {
-        if (figure == std::string(axis) + "_by_depth") {
-            return axis;
-        }
-    }
-    return is_axis(figure) ? figure : "";
 }
 
 std::string first_varying_axis(const Cells& cells) {
@@ -131,10 +121,10 @@ std::optional<Question> question_of(const Study& study, const Cells& cells) {
     if (cells.empty() || study.convergence) {
         return std::nullopt;
     }
-    const bool is_sweep = study.figure.starts_with("scaling_by_");
-    const std::string axis = is_sweep ? first_varying_axis(cells) : axis_of_figure(study.figure);
-    if (axis.empty()) {
-        return is_sweep ? std::nullopt : question_of_tunable(study.figure, cells);
+    const bool is_open = study.compares.empty() && !study.along.empty();
+    const std::string axis = is_open ? first_varying_axis(cells) : study.compares;
+    if (!is_axis(axis)) {
+        return question_of_tunable(axis, cells);
     }
     const std::string usual = Registry::instance().baseline(cells.front()->backend)[axis];
     const bool was_run =
@@ -165,15 +155,14 @@ bool is_baseline(const Cell& cell, const Question& question) { return value_of(c
 
 Times times_of(const Cell& cell, const Journal& journal) {
     Times times;
-    const std::vector<Json>& samples = journal.samples(cell.name);
+    const std::vector<Sample>& samples = journal.samples(cell.name);
     std::size_t disturbed = 0;
     bool has_clock = true;
-    for (const Json& sample : samples) {
-        const double wall = sample.at("pt_wall_ms").get<double>();
-        times.ms_per_spp.push_back(wall / cell.spp);
-        const double before = sample.value("pt_clock_mhz_before", 0.0), after = sample.value("pt_clock_mhz_after", 0.0);
-        has_clock = has_clock && before != 0 && after != 0 && sample.value("pt_clock_unknown", 0) == 0;
-        times.cycles.push_back(times.ms_per_spp.back() * (0.5 * (before + after)) / 1e3);
+    for (const Sample& sample : samples) {
+        times.ms_per_spp.push_back(sample.wall_ms / cell.spp);
+        const std::optional<double> clock = clock_of(sample);
+        has_clock = has_clock && clock;
+        times.cycles.push_back(times.ms_per_spp.back() * clock.value_or(0) / 1e3);
         const bool is_one = is_disturbed(sample, cell.backend);
         disturbed += is_one ? 1u : 0u;
         times.is_throttled = times.is_throttled || (is_one && is_throttled(sample));
@@ -181,8 +170,66 @@ Times times_of(const Cell& cell, const Journal& journal) {
     if (!has_clock) {
         times.cycles.clear();
     }
-    times.is_contended = static_cast<double>(disturbed) > most_disturbed_share * static_cast<double>(samples.size());
+    times.is_contended =
+        static_cast<double>(disturbed) > limits::most_disturbed_share * static_cast<double>(samples.size());
     return times;
+}
+
+ComparisonFacts Comparison::facts() const {
+    ComparisonFacts facts{.study = study, .cell = cell->name, .reason_code = to_code(verdict.reason)};
+    if (baseline != nullptr) {
+        facts.baseline = baseline->name;
+    }
+    if (ratio) {
+        facts.ratio = ratio->value;
+        facts.word = to_text(verdict.word);
+        facts.in_time = to_text(verdict.in_time);
+        if (ratio->interval) {
+            facts.interval = {ratio->interval->low, ratio->interval->high};
+        }
+        if (verdict.in_cycles) {
+            facts.in_cycles = to_text(*verdict.in_cycles);
+        }
+    }
+    return facts;
+}
+
+namespace {
+
+// A cell that failed does not count as measured: nobody knows what its samples timed.
+bool is_measured(const Cell& cell, const Journal& journal) {
+    return !journal.has_failed(cell.name) && !journal.samples(cell.name).empty();
+}
+
+Comparison compared(const Study& study, const Cell& cell, const Cells& cells, const Question& question,
+                    const Journal& journal) {
+    Comparison comparison{.study = study.name, .cell = &cell, .baseline = baseline_of(cell, cells, question)};
+    if (comparison.baseline == nullptr) {
+        comparison.verdict.reason = WordReason::no_baseline;
+    } else if (!is_measured(*comparison.baseline, journal)) {
+        comparison.verdict.reason = WordReason::baseline_not_measured;
+    } else {
+        const Times times = times_of(cell, journal), others = times_of(*comparison.baseline, journal);
+        comparison.ratio = ratio_estimate(times.ms_per_spp, others.ms_per_spp);
+        comparison.verdict = verdict_of(*comparison.ratio, times, others);
+    }
+    return comparison;
+}
+
+}  // namespace
+
+std::vector<Comparison> comparisons_of(const Plan& plan, const Suite& suite, const Journal& journal) {
+    std::vector<Comparison> comparisons;
+    for (const Study& study : suite.studies) {
+        const Cells cells = cells_of_study(plan, study.name);
+        const std::optional<Question> question = question_of(study, cells);
+        for (const Cell* const cell : question ? cells : Cells()) {
+            if (is_measured(*cell, journal) && !is_baseline(*cell, *question)) {
+                comparisons.push_back(compared(study, *cell, cells, *question, journal));
+            }
+        }
+    }
+    return comparisons;
 }
 
 namespace {
@@ -195,15 +242,17 @@ struct Row {
 
 class Table {
 public:
-    explicit Table(const Journal& journal) : journal_(journal) {}
+    Table(const Journal& journal, const std::vector<Comparison>& comparisons)
+        : journal_(journal), comparisons_(comparisons) {}
 
-    void add_study(const std::string& title, const Cells& cells, const std::optional<Question>& question) {
+    void add_study(const Study& study, const std::string& title, const Cells& cells) {
+        const std::optional<Question> question = question_of(study, cells);
         if (!title.empty()) {
             text_ += title + "\n";
         }
         std::string group;
         for (const Cell* const cell : ordered(cells)) {
-            const std::optional<Row> row = row_of(*cell, cells, question);
+            const std::optional<Row> row = row_of(study, *cell, question);
             if (!row) {
                 continue;
             }
@@ -247,48 +296,47 @@ private:
                          [&](const Cell* a, const Cell* b) { return ranks[group_of(*a)] < ranks[group_of(*b)]; });
         return sorted;
     }
-    // A cell that failed does not count as measured: nobody knows what its samples timed.
-    bool has_failed(const Cell& cell) const { return journal_.has_failed(cell.name); }
-    bool is_measured(const Cell& cell) const { return !has_failed(cell) && !journal_.samples(cell.name).empty(); }
-
-    std::optional<Row> row_of(const Cell& cell, const Cells& cells, const std::optional<Question>& question) {
-        if (has_failed(cell)) {
+    std::optional<Row> row_of(const Study& study, const Cell& cell, const std::optional<Question>& question) {
+        if (journal_.has_failed(cell.name)) {
             return Row{"", "", "", "FAILED"};
         }
-        if (!is_measured(cell)) {
+        if (!is_measured(cell, journal_)) {
             return std::nullopt;
         }
         const Times times = times_of(cell, journal_);
         Row row{fmt::format("{:.4g}", median_of(times.ms_per_spp)), "", "", ""};
         if (question && is_baseline(cell, *question)) {
             row.verdict = "baseline";
-        } else if (const Cell* const baseline = question ? baseline_of(cell, cells, *question) : nullptr;
-                   baseline != nullptr && is_measured(*baseline)) {
-            add_verdict(row, times, times_of(*baseline, journal_));
+        }
+        const auto comparison = std::find_if(comparisons_.begin(), comparisons_.end(), [&](const Comparison& one) {
+            return one.cell == &cell && one.study == study.name;
+        });
+        if (comparison != comparisons_.end() && comparison->ratio) {
+            add_verdict(row, *comparison->ratio, comparison->verdict);
         }
         return row;
     }
 
-    void add_verdict(Row& row, const Times& times, const Times& baseline) {
-        const RatioEstimate ratio = ratio_estimate(times.ms_per_spp, baseline.ms_per_spp);
-        const TimeVerdict verdict = verdict_of(ratio, times, baseline);
+    void add_verdict(Row& row, const RatioEstimate& ratio, const TimeVerdict& verdict) {
         row.ratio = ratio_text(ratio.value);
         row.interval = ratio.interval ? interval_text(*ratio.interval) : "";
         row.verdict = to_text(verdict.word);
         if (verdict.word == Word::unsure) {
-            reasons_[verdict.reason] += 1;
+            reasons_[in_words(verdict, ratio.samples)] += 1;
         }
     }
 
     const Journal& journal_;
+    const std::vector<Comparison>& comparisons_;
     std::string text_;
     std::map<std::string, int> reasons_;
 };
 
 }  // namespace
 
-std::string verdict_table(const Plan& plan, const Suite& suite, const Journal& journal) {
-    Table table(journal);
+std::string verdict_table(const Plan& plan, const Suite& suite, const Journal& journal,
+                          const std::vector<Comparison>& comparisons) {
+    Table table(journal, comparisons);
     for (const Study& study : suite.studies) {
         const Cells cells = cells_of_study(plan, study.name);
         const bool is_named = suite.studies.size() > 1 && !cells.empty();
@@ -296,7 +344,7 @@ std::string verdict_table(const Plan& plan, const Suite& suite, const Journal& j
         if (study.convergence) {
             table.add((is_named ? title + "\n" : "") + error_table(plan, cells, journal));
         } else {
-            table.add_study(title, cells, question_of(study, cells));
+            table.add_study(study, title, cells);
         }
     }
     return table.text();

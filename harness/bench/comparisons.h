@@ -1,5 +1,5 @@
-// Which cells of a run are held against which, and the table of verdicts that stands at its end. The pairs are those of
-// analysis/ptbench/studies (questions.py, rows.py), so the table says what the pages drawn from the file will say.
+// Which cells of a run are held against which, the verdicts on them, which its result file holds, and the table of
+// these that stands at the run's end.
 #pragma once
 
 #include <optional>
@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "harness/bench/bootstrap.h"
+#include "harness/bench/facts/comparison.h"
 #include "harness/bench/journal.h"
 #include "harness/bench/suite.h"
 
@@ -33,8 +34,23 @@ bool is_baseline(const Cell& cell, const Question& question);
 // The times of a cell's samples. Precondition: it has some.
 Times times_of(const Cell& cell, const Journal& journal);
 
+// A cell held against its study's baseline.
+struct Comparison {
+    std::string study;
+    const Cell* cell = nullptr;
+    const Cell* baseline = nullptr;  // null: there is none
+    std::optional<RatioEstimate> ratio = {};
+    TimeVerdict verdict = {};
+
+    ComparisonFacts facts() const;
+};
+// Every measured cell of each study that compares choices but for its baselines, in the order of the studies and the
+// plan.
+std::vector<Comparison> comparisons_of(const Plan& plan, const Suite& suite, const Journal& journal);
+
 // A line a cell, by study and scene: median, ratio to the baseline, interval and verdict; below it why verdicts are
-// unsure. Cells without samples are left out, but for those that failed.
-std::string verdict_table(const Plan& plan, const Suite& suite, const Journal& journal);
+// unsure. Cells without samples are left out, but for those that failed. `comparisons` are the run's.
+std::string verdict_table(const Plan& plan, const Suite& suite, const Journal& journal,
+                          const std::vector<Comparison>& comparisons);
 
 }  // namespace pt

@@ -6,8 +6,6 @@
 
 namespace pt {
 
-// Error bars come from seeds only, and a spread told from fewer is none (docs/numerics.md 1.6).
-inline constexpr int fewest_seeds = 8;
 // The endings of names of cells with checkpoints, and of studies of the same cells without them.
 inline constexpr std::string_view checkpoints_suffix = "/checkpoints:octaves";
 inline constexpr std::string_view without_checkpoints_suffix = "_without_checkpoints";

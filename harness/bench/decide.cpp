@@ -8,13 +8,14 @@
 
 #include "harness/bench/comparisons.h"
 #include "harness/counted.h"
+#include "limits.h"  // generated from analysis/ptbench/io/limits.json
 
 namespace pt {
 
 namespace {
 
 // Half the width of an interval that fits between the limits of SAME with room for where it lies.
-constexpr double wanted_half_width = 0.8 * least_difference;
+constexpr double wanted_half_width = 0.8 * limits::least_difference;
 
 bool is_good(const Cell& cell, const Journal& journal) {
     return journal.is_ok(cell.name) && !journal.samples(cell.name).empty();
@@ -24,7 +25,7 @@ bool is_good(const Cell& cell, const Journal& journal) {
 // reason.
 std::size_t samples_for(const Times& times, const Times& baseline) {
     const RatioEstimate ratio = ratio_estimate(times.ms_per_spp, baseline.ms_per_spp);
-    if (times.is_contended || baseline.is_contended || ratio.samples < fewest_samples || !ratio.interval ||
+    if (times.is_contended || baseline.is_contended || ratio.samples < limits::fewest_samples || !ratio.interval ||
         word_of(*ratio.interval) != Word::unsure) {
         return 0;
     }
@@ -35,8 +36,8 @@ std::size_t samples_for(const Times& times, const Times& baseline) {
 
 double seconds_of_a_sample(const Cell& cell, const Journal& journal) {
     std::vector<double> ms;
-    for (const Json& sample : journal.samples(cell.name)) {
-        ms.push_back(sample.value("pt_end_to_end_ms", sample.at("pt_wall_ms").get<double>()));
+    for (const Sample& sample : journal.samples(cell.name)) {
+        ms.push_back(sample.end_to_end_ms.value_or(sample.wall_ms));
     }
     return 1e-3 * median_of(ms);
 }

@@ -25,23 +25,6 @@ Halves halves_of(const Film& half, const Film& whole) {
     return halves;
 }
 
-Json json_of(const std::optional<Errors>& errors) {
-    if (!errors) {
-        Json none;
-        for (const char* name : {"me_rgb", "mse", "mse_dual", "rel_mse", "rel_mse_dual", "smape", "bias2"}) {
-            none[name] = nullptr;
-        }
-        return none;
-    }
-    return {{"me_rgb", errors->me_rgb},
-            {"mse", errors->mse},
-            {"mse_dual", errors->mse_dual},
-            {"rel_mse", errors->rel_mse},
-            {"rel_mse_dual", errors->rel_mse_dual},
-            {"smape", errors->smape},
-            {"bias2", errors->bias2 ? Json(*errors->bias2) : Json()}};
-}
-
 std::string file_name(std::string name) {
     for (char& c : name) {
         const bool is_plain = std::isalnum(static_cast<unsigned char>(c)) != 0 ||
@@ -115,19 +98,18 @@ std::string ErrorBook::refusal(const Cell& cell, double expected_mse) const {
         tasks_.at(right.name).most_spp);
 }
 
-Json ErrorBook::cell_facts(const Cell& cell) const {
-    Json metrics;
+ConvergenceFacts ErrorBook::cell_facts(const Cell& cell) const {
+    ConvergenceFacts facts{.biases = declared_biases(cell),
+                           .checkpoints = cell.convergence->checkpoints,
+                           .independent_samples = has_independent_samples(cell.variant, cell.backend),
+                           .reference = reference(cell).provenance()};
     for (const auto& [name, definition] : metric_definitions) {
-        metrics[std::string(name)] = definition;
+        facts.metrics[std::string(name)] = definition;
     }
-    return {{"checkpoints", cell.convergence->checkpoints},
-            {"independent_samples", has_independent_samples(cell.variant, cell.backend)},
-            {"reference", reference(cell).provenance()},
-            {"metrics", metrics},
-            {"biases", declared_biases(cell)}};
+    return facts;
 }
 
-Json ErrorBook::errors_json(const Cell& cell, const Hashed& whole, const Hashed& half) {
+std::optional<Errors> ErrorBook::errors_at(const Cell& cell, const Hashed& whole, const Hashed& half) {
     const Reference& right = reference(cell);
     const Film& film = whole.snapshot->film;
     const std::string key = fmt::format("{}/{}/{}/{}", right.hash, whole.snapshot->samples, whole.hash, half.hash);
@@ -135,31 +117,31 @@ Json ErrorBook::errors_json(const Cell& cell, const Hashed& whole, const Hashed&
     if (known != known_.end()) {
         return known->second;
     }
-    Json errors;
-    if (film.faults().nonfinite != 0) {
-        errors = json_of(std::nullopt);
-    } else if (half.snapshot != nullptr) {
+    std::optional<Errors> errors;
+    if (film.faults().nonfinite == 0 && half.snapshot != nullptr) {
         const Halves halves = halves_of(half.snapshot->film, film);
-        errors = json_of(errors_of(image_of(film), &halves, right.first, right.second));
-    } else {
-        errors = json_of(errors_of(image_of(film), nullptr, right.first, right.second));
+        errors = errors_of(image_of(film), &halves, right.first, right.second);
+    } else if (film.faults().nonfinite == 0) {
+        errors = errors_of(image_of(film), nullptr, right.first, right.second);
     }
-    return known_.emplace(key, std::move(errors)).first->second;
+    return known_.emplace(key, errors).first->second;
 }
 
-Json ErrorBook::rows(const Cell& cell, const std::vector<Snapshot>& snapshots) {
+std::vector<CheckpointFacts> ErrorBook::rows(const Cell& cell, const std::vector<Snapshot>& snapshots) {
     const bool has_halves = has_independent_samples(cell.variant, cell.backend);
     std::map<std::uint64_t, Hashed> by_samples;
-    Json rows = Json::array();
+    std::vector<CheckpointFacts> rows;
     for (const Snapshot& snapshot : snapshots) {
         const Hashed& whole = by_samples[snapshot.samples] = {&snapshot, snapshot.film.hash()};
         const auto half = by_samples.find(snapshot.samples / 2);
         const bool is_half = has_halves && half != by_samples.end() && snapshot.samples % 2 == 0;
-        Json row{{"spp", snapshot.samples},         {"wall_ms", snapshot.wall_ms},
-                 {"device_ms", snapshot.device_ms}, {"cpu_ms", snapshot.cpu_ms},
-                 {"film_hash", whole.hash},         {"nonfinite", snapshot.film.faults().nonfinite}};
-        row.update(errors_json(cell, whole, is_half ? half->second : Hashed{}));
-        rows.push_back(std::move(row));
+        rows.push_back({.spp = snapshot.samples,
+                        .wall_ms = snapshot.wall_ms,
+                        .device_ms = snapshot.device_ms,
+                        .cpu_ms = snapshot.cpu_ms,
+                        .film_hash = whole.hash,
+                        .nonfinite = snapshot.film.faults().nonfinite});
+        rows.back().set_errors(errors_at(cell, whole, is_half ? half->second : Hashed{}));
     }
     return rows;
 }
@@ -194,8 +176,8 @@ void replace_images(const std::string& result_file, const std::vector<std::strin
     std::filesystem::remove(fresh);
 }
 
-Json write_images(const std::string& images_folder, const Cell& cell, const Reference& reference,
-                  const std::vector<Snapshot>& snapshots) {
+ImageFacts write_images(const std::string& images_folder, const Cell& cell, const Reference& reference,
+                        const std::vector<Snapshot>& snapshots) {
     const std::filesystem::path folder(images_folder);
     std::string name_of_folder = folder.filename().string();
     if (name_of_folder.ends_with(unfinished_suffix)) {
@@ -206,9 +188,9 @@ Json write_images(const std::string& images_folder, const Cell& cell, const Refe
         write_pfm({image.begin(), image.end()}, cell.settings.width, cell.settings.height, (folder / file).string());
         return name_of_folder + "/" + file;
     };
-    Json names{{"reference", keep("reference/" + reference.name, reference.mean())}, {"by_spp", Json::object()}};
+    ImageFacts names{.reference = keep("reference/" + reference.name, reference.mean())};
     for (const Snapshot& snapshot : snapshots) {
-        names["by_spp"][std::to_string(snapshot.samples)] =
+        names.by_spp[std::to_string(snapshot.samples)] =
             keep(fmt::format("{}/at:{}", cell.name, snapshot.samples), image_of(snapshot.film));
     }
     return names;

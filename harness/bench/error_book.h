@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "harness/bench/facts/cell.h"
+#include "harness/bench/facts/sample.h"
 #include "harness/bench/suite.h"
 #include "harness/error/reference.h"
 
@@ -41,9 +43,10 @@ public:
     std::string refusal(const Cell& cell, double expected_mse) const;
 
     // The facts of a cell in a result file besides its errors.
-    Json cell_facts(const Cell& cell) const;
-    // The value of pt_checkpoints in a sample's row, without "shared", which the result file adds.
-    Json rows(const Cell& cell, const std::vector<Snapshot>& snapshots);
+    // Their `expected_mse` is left open.
+    ConvergenceFacts cell_facts(const Cell& cell) const;
+    // The checkpoints of a sample, without `shared`, which the result file adds.
+    std::vector<CheckpointFacts> rows(const Cell& cell, const std::vector<Snapshot>& snapshots);
 
 private:
     // A film with its hash: that of all samples so far or, where it was kept, of their first half.
@@ -51,13 +54,13 @@ private:
         const Snapshot* snapshot = nullptr;
         std::string hash;
     };
-    Json errors_json(const Cell& cell, const Hashed& whole, const Hashed& half);
+    std::optional<Errors> errors_at(const Cell& cell, const Hashed& whole, const Hashed& half);
 
     ReferenceMaker maker_;
     std::map<std::string, ReferenceTask> tasks_;  // by reference
     std::map<std::string, Reference> references_;
     std::map<std::string, std::string> failures_;
-    std::map<std::string, Json> known_;  // errors, by reference, samples and film
+    std::map<std::string, std::optional<Errors>> known_;  // by reference, samples and film
 };
 
 // The folder of a result's images, beside the result. While an earlier result is kept, the images go to a second
@@ -68,7 +71,7 @@ std::string images_folder(const std::string& result_file, bool keeps_earlier);
 void replace_images(const std::string& result_file, const std::vector<std::string>& earlier);
 // Writes a sample's images at its checkpoints and the reference as .pfm to a folder that images_folder named. Returns
 // the images' names by spp and the reference's, relative to the result file, as they are after replace_images.
-Json write_images(const std::string& images_folder, const Cell& cell, const Reference& reference,
-                  const std::vector<Snapshot>& snapshots);
+ImageFacts write_images(const std::string& images_folder, const Cell& cell, const Reference& reference,
+                        const std::vector<Snapshot>& snapshots);
 
 }  // namespace pt

@@ -11,6 +11,7 @@
 
 #include "harness/bench/convergence_study.h"
 #include "harness/error/distributions.h"
+#include "limits.h"  // generated from analysis/ptbench/io/limits.json
 #include "variants/registry.h"
 #include "variants/variant_name.h"
 
@@ -59,7 +60,7 @@ std::optional<ErrorEfficiency> efficiency(const LastErrors& own, const LastError
     };
     ErrorEfficiency found{.value = ratio_of_drawn()};
     BootstrapRandom random;
-    std::vector<double> ratios(resamples);
+    std::vector<double> ratios(limits::resamples);
     for (double& ratio : ratios) {
         for (std::uint32_t& seed : drawn) {
             seed = random.below(static_cast<std::uint32_t>(count));
@@ -95,9 +96,8 @@ std::vector<std::string> settings_in_which_differ(const Cell& cell, const Cell& 
     return names;
 }
 
-const Json* errors_of_last(const Json& sample, std::size_t checkpoints) {
-    const auto there = sample.find("pt_checkpoints");
-    return there != sample.end() && there->size() == checkpoints ? &there->back() : nullptr;
+const CheckpointFacts* errors_of_last(const Sample& sample, std::size_t checkpoints) {
+    return sample.checkpoints && sample.checkpoints->size() == checkpoints ? &sample.checkpoints->back() : nullptr;
 }
 
 std::string image_name(const Cell& cell) {
@@ -124,13 +124,13 @@ std::optional<LastErrors> errors_of(const Cell& cell, const Journal& journal) {
         return std::nullopt;
     }
     LastErrors found{.cell = &cell};
-    for (const Json& sample : journal.samples(cell.name)) {
-        const Json* const last = errors_of_last(sample, cell.convergence->checkpoints.size());
-        if (last == nullptr || !last->at("mse_dual").is_number() || !last->at("rel_mse_dual").is_number()) {
+    for (const Sample& sample : journal.samples(cell.name)) {
+        const CheckpointFacts* const last = errors_of_last(sample, cell.convergence->checkpoints.size());
+        if (last == nullptr || !last->mse_dual || !last->rel_mse_dual) {
             return std::nullopt;
         }
-        found.mse.push_back(last->at("mse_dual"));
-        found.rel_mse.push_back(last->at("rel_mse_dual"));
+        found.mse.push_back(*last->mse_dual);
+        found.rel_mse.push_back(*last->rel_mse_dual);
     }
     if (found.mse.size() < 2) {
         return std::nullopt;
@@ -176,8 +176,8 @@ std::vector<LastErrors> last_errors(const Plan& plan, const Cells& cells, const 
 const LastErrors* baseline_of(const std::vector<LastErrors>& group, const Journal& journal) {
     const auto unlikeness = [&](const LastErrors& errors) {
         const Cell& cell = *errors.cell;
-        const Json& facts = journal.cell(cell.name)->at("convergence");
-        const bool is_plain = facts.at("independent_samples").get<bool>() && facts.at("biases").empty();
+        const ConvergenceFacts& facts = journal.cell(cell.name)->convergence.value();
+        const bool is_plain = facts.independent_samples && facts.biases.empty();
         const Variant usual = Registry::instance().baseline(cell.backend);
         int unusual = 0, unusual_estimators = 0;
         for (const Axis& axis : axis_table) {

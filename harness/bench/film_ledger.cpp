@@ -47,9 +47,9 @@ std::string sample_in_words(std::size_t index, std::uint64_t seed) {
 FilmLedger::FilmLedger(const Plan& plan, const Journal& journal, std::uint64_t first_seed, Render render)
     : first_seed_(first_seed), render_(std::move(render)) {
     for (const Cell& cell : plan.cells) {
-        const std::vector<Json>& samples = journal.samples(cell.name);
+        const std::vector<Sample>& samples = journal.samples(cell.name);
         for (std::size_t index = 0; index < samples.size(); ++index) {
-            entries_[{bitwise_group(cell), index}].seen.push_back({&cell, imprint_of_sample(samples[index])});
+            entries_[{bitwise_group(cell), index}].seen.push_back({&cell, imprint_of(samples[index])});
         }
     }
 }

@@ -11,10 +11,8 @@ Imprint imprint_of(const RenderResult& result) {
     return {result.film.hash(), result.work.paths, result.work.rays + result.work.cache_hits, result.work.connections};
 }
 
-Imprint imprint_of_sample(const Json& facts) {
-    return {facts.at("film_hash").get<std::string>(), facts.at("pt_paths").get<std::uint64_t>(),
-            facts.at("pt_rays").get<std::uint64_t>() + facts.at("pt_cache_hits").get<std::uint64_t>(),
-            facts.at("pt_connections").get<std::uint64_t>()};
+Imprint imprint_of(const Sample& sample) {
+    return {sample.film_hash, sample.paths, sample.rays + sample.cache_hits, sample.connections};
 }
 
 std::string difference(const Imprint& found, const Imprint& right) {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "harness/json_reader.h"
+#include "harness/bench/facts/sample.h"
 #include "harness/render/renderer.h"
 
 namespace pt {
@@ -21,8 +21,7 @@ struct Imprint {
     bool operator==(const Imprint&) const = default;
 };
 Imprint imprint_of(const RenderResult& result);
-// The imprint of a sample's facts as take_sample.h writes them. Throws what nlohmann::json throws where they lack one.
-Imprint imprint_of_sample(const Json& facts);
+Imprint imprint_of(const Sample& sample);
 // What differs from what is right, as "film 1f.., not 3a..; 20475 rays, not 20478"; empty: nothing.
 std::string difference(const Imprint& found, const Imprint& right);
 

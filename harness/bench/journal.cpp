@@ -157,6 +157,14 @@ void Journal::check_identity(const Json& line, const Json& identity,
 }
 
 void Journal::read_line(const Json& line, std::size_t number) {
+    try {
+        keep_line(line, number);
+    } catch (const WrongFact& wrong) {
+        throw damaged(file_, number, fmt::format("a {} with {}", text_in(line, "type"), wrong.what()));
+    }
+}
+
+void Journal::keep_line(const Json& line, std::size_t number) {
     const std::string type = text_in(line, "type");
     const std::string cell = text_in(line, "cell");
     if (type == "sample" && !cell.empty() && line.contains("sample")) {
@@ -165,7 +173,7 @@ void Journal::read_line(const Json& line, std::size_t number) {
         keep_retake(cell, line.at("sample"));
     } else if (type == "cell" && !cell.empty() && line.contains("facts")) {
         cells_[cell] = line.at("facts");
-    } else if (type == "session" && line.contains("facts") && line.at("facts").is_object()) {
+    } else if (type == "session" && line.contains("facts")) {
         keep_session(line.at("facts"));
     } else {
         throw damaged(file_, number, "no line of a session, a cell or a sample");
@@ -181,11 +189,11 @@ std::string Journal::next_lines(const std::vector<Json>& lines) const {
     return text;
 }
 
-Json Journal::cell_line(const std::string& cell, const Json& facts) {
+Json Journal::cell_line(const std::string& cell, const CellFacts& facts) {
     return {{"type", "cell"}, {"cell", cell}, {"facts", facts}};
 }
 
-Json Journal::session_line(const Json& facts) { return {{"type", "session"}, {"facts", facts}}; }
+Json Journal::session_line(const SessionFacts& facts) { return {{"type", "session"}, {"facts", facts}}; }
 
 void Journal::append(const Json& line) {
     LineSeal seal = seal_;
@@ -204,87 +212,84 @@ void Journal::append(const Json& line) {
     seal_ = seal;
 }
 
-void Journal::keep_sample(const std::string& cell, const Json& sample) {
+void Journal::keep_sample(const std::string& cell, const Sample& sample) {
     samples_[cell].push_back(sample);
     count_sample();
 }
 
-void Journal::keep_retake(const std::string& cell, const Json& sample) {
+void Journal::keep_retake(const std::string& cell, const Sample& sample) {
     retaken_[cell].push_back(std::exchange(*taken_before(cell, sample), sample));
     count_sample();
 }
 
 void Journal::count_sample() {
     if (!sessions_.empty()) {
-        sessions_.back()["samples"] = sessions_.back().value("samples", 0) + 1;
+        sessions_.back().samples = sessions_.back().samples.value_or(0) + 1;
     }
 }
 
-Json* Journal::taken_before(const std::string& cell, const Json& sample) {
+Sample* Journal::taken_before(const std::string& cell, const Sample& sample) {
     const auto taken = samples_.find(cell);
-    if (taken == samples_.end() || !sample.is_object() || !sample.contains("pt_seed")) {
+    if (taken == samples_.end()) {
         return nullptr;
     }
-    for (Json& other : taken->second) {
-        if (other.is_object() && other.contains("pt_seed") && other["pt_seed"] == sample["pt_seed"]) {
-            return &other;
-        }
-    }
-    return nullptr;
+    const auto before = std::find_if(taken->second.begin(), taken->second.end(),
+                                     [&](const Sample& other) { return other.seed == sample.seed; });
+    return before == taken->second.end() ? nullptr : &*before;
 }
 
-void Journal::keep_session(Json facts) {
-    facts["samples"] = 0;
+void Journal::keep_session(SessionFacts facts) {
+    facts.samples = 0;
     sessions_.push_back(std::move(facts));
 }
 
-void Journal::add_sample(const std::string& cell, const Json& sample) {
+void Journal::add_sample(const std::string& cell, const Sample& sample) {
     append({{"type", "sample"}, {"cell", cell}, {"sample", sample}});
     keep_sample(cell, sample);
 }
 
-void Journal::retake_sample(const std::string& cell, const Json& sample) {
+void Journal::retake_sample(const std::string& cell, const Sample& sample) {
     append({{"type", "retake"}, {"cell", cell}, {"sample", sample}});
     keep_retake(cell, sample);
 }
 
-void Journal::set_cell(const std::string& cell, const Json& facts) {
+void Journal::set_cell(const std::string& cell, const CellFacts& facts) {
     append(cell_line(cell, facts));
     cells_[cell] = facts;
 }
 
-void Journal::add_session(const Json& facts) {
+void Journal::add_session(const SessionFacts& facts) {
     append(session_line(facts));
     keep_session(facts);
 }
 
 namespace {
 
-const std::vector<Json>& of_cell(const std::map<std::string, std::vector<Json>>& all, const std::string& cell) {
-    static const std::vector<Json> none;
+const std::vector<Sample>& of_cell(const std::map<std::string, std::vector<Sample>>& all, const std::string& cell) {
+    static const std::vector<Sample> none;
     const auto position = all.find(cell);
     return position == all.end() ? none : position->second;
 }
 
 }  // namespace
 
-const std::vector<Json>& Journal::samples(const std::string& cell) const { return of_cell(samples_, cell); }
+const std::vector<Sample>& Journal::samples(const std::string& cell) const { return of_cell(samples_, cell); }
 
-const std::vector<Json>& Journal::retaken(const std::string& cell) const { return of_cell(retaken_, cell); }
+const std::vector<Sample>& Journal::retaken(const std::string& cell) const { return of_cell(retaken_, cell); }
 
-const Json* Journal::cell(const std::string& cell) const {
+const CellFacts* Journal::cell(const std::string& cell) const {
     const auto position = cells_.find(cell);
     return position == cells_.end() ? nullptr : &position->second;
 }
 
 bool Journal::is_ok(const std::string& name) const {
-    const Json* const facts = cell(name);
-    return facts != nullptr && facts->value("status", "") == "ok";
+    const CellFacts* const facts = cell(name);
+    return facts != nullptr && facts->status == CellStatus::ok;
 }
 
 bool Journal::has_failed(const std::string& name) const {
-    const Json* const facts = cell(name);
-    return facts != nullptr && facts->value("status", "") == "failed";
+    const CellFacts* const facts = cell(name);
+    return facts != nullptr && facts->status == CellStatus::failed;
 }
 
 std::size_t Journal::sample_count() const {

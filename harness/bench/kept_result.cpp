@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "harness/files_read.h"
+#include "harness/machine/run_context.h"
 
 namespace pt {
 
@@ -10,6 +11,8 @@ namespace {
 
 // The JSON of a file; is_discarded() if it holds something else.
 Json parsed(const std::string& file) { return Json::parse(read_earlier_output(file, largest_result), nullptr, false); }
+
+const std::string status_place = std::string("/context/") + CallContext::status_key;
 
 // The text at a place of a document, or "".
 std::string text_at(const Json& document, const std::string& pointer) {
@@ -29,7 +32,8 @@ void add_images(std::vector<std::string>& names, const Json& cell) {
     if (!cell.is_object() || !cell.contains(place)) {
         return;
     }
-    for (const auto& [key, name] : cell.at(place).flatten().items()) {
+    const Json flat = cell.at(place).flatten();  // named, so that it outlives the loop over it
+    for (const auto& [key, name] : flat.items()) {
         if (name.is_string()) {
             names.push_back(name.get<std::string>());
         }
@@ -38,10 +42,10 @@ void add_images(std::vector<std::string>& names, const Json& cell) {
 
 }  // namespace
 
-bool is_complete_result(const Json& result) { return text_at(result, "/context/ptbench.status") == "completed"; }
+bool is_complete_result(const Json& result) { return text_at(result, status_place) == "completed"; }
 
 std::string describe_result(const Json& result) {
-    const std::string status = text_at(result, "/context/ptbench.status");
+    const std::string status = text_at(result, status_place);
     if (status.empty()) {
         return "a file that is no result of ptbench";
     }
@@ -66,7 +70,7 @@ void refuse_result(const std::string& file) {
         return;
     }
     const Json there = parsed(file);
-    if (!text_at(there, "/context/ptbench.status").empty()) {
+    if (!text_at(there, status_place).empty()) {
         throw InputError(file, "output file", describe_result(there),
                          "another name: only a result may take a result's place");
     }
@@ -78,7 +82,7 @@ void check_untouched(const std::string& file, const FileStamp& stamp, const std:
     }
 }
 
-EarlierResult earlier_result(const std::string& file, const nlohmann::ordered_json& run) {
+EarlierResult earlier_result(const std::string& file, const RunRecord& run) {
     EarlierResult earlier;
     earlier.stamp = stamp_of(file);
     earlier.is_there = earlier.stamp.exists;
@@ -88,8 +92,8 @@ EarlierResult earlier_result(const std::string& file, const nlohmann::ordered_js
     const Json result = parsed(file);
     earlier.is_complete = is_complete_result(result);
     earlier.description = describe_result(result);
-    earlier.is_of_this_run = text_at(result, "/ptbench/run/identity") == run.at("identity") &&
-                             text_at(result, "/ptbench/run/shard") == run.value("shard", "");
+    earlier.is_of_this_run = text_at(result, "/ptbench/run/identity") == run.identity &&
+                             text_at(result, "/ptbench/run/shard") == run.shard.value_or("");
     const Json::json_pointer cells("/ptbench/cells");
     if (result.is_object() && result.contains(cells) && result.at(cells).is_array()) {
         for (const Json& cell : result.at(cells)) {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "harness/json_reader.h"
+#include "harness/bench/facts/run.h"
 #include "harness/write_file.h"
 
 namespace pt {
@@ -17,7 +17,7 @@ std::string describe_result(const Json& result);
 // Throws InputError if `file` is a result, for commands that write something else.
 void refuse_result(const std::string& file);
 
-// What an earlier result at `file` is to a run of this `run` (ptbench.run of a result: run_identity.h).
+// What an earlier result at `file` is to a run of this `run`.
 struct EarlierResult {
     bool is_there = false;
     bool is_of_this_run = false;
@@ -34,7 +34,7 @@ struct EarlierResult {
 // Throws MachineError if another command wrote `file` since it had this stamp. `where` says where the run's own samples
 // are.
 void check_untouched(const std::string& file, const FileStamp& stamp, const std::string& where);
-EarlierResult earlier_result(const std::string& file, const nlohmann::ordered_json& run);
+EarlierResult earlier_result(const std::string& file, const RunRecord& run);
 
 // Throws InputError if `file` is there and the call does not say that it may be overwritten. The second form is for
 // callers who have read the earlier result, since a result takes seconds to parse.

@@ -10,6 +10,7 @@
 #include "harness/bench/journal.h"
 #include "harness/bench/result_check.h"
 #include "harness/bench/result_file.h"
+#include "harness/machine/run_context.h"
 #include "harness/say.h"
 
 namespace pt {
@@ -20,18 +21,11 @@ using OrderedJson = nlohmann::ordered_json;
 
 constexpr const char* a_shard = "a result of `ptbench run --shard`";
 
-// Whether a key of the context is a process's or a moment's own, and may differ between the shards of a run.
-bool is_own(const std::string& context_key) {
-    static const std::set<std::string> keys{"date",     "host_name",          "mhz_per_cpu",
-                                            "load_avg", "ptbench.rank_hosts", "ptbench.command_line"};
-    return keys.contains(context_key);
-}
-
 // The facts that all shards of one run have in common.
 Json common_of(const OrderedJson& result) {
     Json machine = Json::object();
     for (const auto& [key, value] : result.at("context").items()) {
-        if (!is_own(key)) {
+        if (!is_own_of_a_shard(key)) {
             machine[key] = value;
         }
     }
@@ -57,9 +51,9 @@ ShardResult read_shard(const std::string& file) {
         throw InputError(file, "$.ptbench.run.shard", "no shard of a run", a_shard);
     }
     shard.shard = parse_shard(shard.result.at(place));
-    const std::string status = shard.result.at("context").value("ptbench.status", "");
+    const std::string status = shard.result.at("context").value(CallContext::status_key, "");
     if (status != "completed") {
-        throw InputError(file, "$.context.ptbench.status", "\"" + status + "\"",
+        throw InputError(file, std::string("$.context.") + CallContext::status_key, "\"" + status + "\"",
                          "\"completed\"; go on with the shard's own command and --resume");
     }
     shard.positions = shard.result.at("ptbench").at("run").at("positions").get<std::vector<std::size_t>>();
@@ -183,7 +177,7 @@ OrderedJson cell_of(OrderedJson cell, const ShardResult& shard, const std::strin
 OrderedJson shard_json(const ShardResult& shard) {
     OrderedJson json{{"shard", shard.shard.name()}, {"cells", shard.positions.size()}};
     for (const auto& [key, value] : shard.result.at("context").items()) {
-        if (is_own(key)) {
+        if (is_own_of_a_shard(key)) {
             json[key] = value;
         }
     }
@@ -195,16 +189,16 @@ OrderedJson merged_context(const std::vector<ShardResult>& shards, const std::st
     std::vector<std::string> hosts;
     std::string date;
     for (const ShardResult& shard : shards) {
-        const std::string host = shard.result.at("context").at("host_name");
+        const std::string host = shard.result.at("context").at(BenchmarkContext::host_name_key);
         if (std::find(hosts.begin(), hosts.end(), host) == hosts.end()) {
             hosts.push_back(host);
         }
-        date = std::max(date, shard.result.at("context").at("date").get<std::string>());
+        date = std::max(date, shard.result.at("context").at(CallContext::date_key).get<std::string>());
     }
-    context["date"] = date;  // of the run's end
-    context["host_name"] = fmt::format("{}", fmt::join(hosts, ", "));
-    context["ptbench.command_line"] = command_line;
-    context.erase("ptbench.rank_hosts");  // each shard's
+    context[CallContext::date_key] = date;  // of the run's end
+    context[BenchmarkContext::host_name_key] = fmt::format("{}", fmt::join(hosts, ", "));
+    context[CallContext::command_line_key] = command_line;
+    context.erase(CallContext::rank_hosts_key);  // each shard's
     return context;
 }
 
@@ -275,6 +269,7 @@ Merged merge_parsed(const std::vector<ShardResult>& shards, const std::string& o
     if (own.contains("retakes")) {  // of one program all have them
         own["retakes"] = merged_retakes(shards);
     }
+    own.erase("comparisons");  // a shard's own: a baseline may be another one's
     own["shards"] = std::move(parts);
     merged.result = {{"context", merged_context(shards, command_line)}, {"benchmarks", rows}, {"ptbench", own}};
     return merged;

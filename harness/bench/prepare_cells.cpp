@@ -40,7 +40,7 @@ public:
         : seed_(seed), films_(films), errors_(errors) {}
 
     struct Prepared {
-        Json facts;                           // what the journal shall know of the cell
+        CellFacts facts;                      // what the journal shall know of the cell
         std::vector<FailedCell> others = {};  // that turned out wrong meanwhile
     };
 
@@ -50,12 +50,12 @@ public:
         Prepared prepared;
         try {
             prepared.facts = verified(cell, verifier);
-            if (prepared.facts.at("status") == "ok") {
+            if (prepared.facts.status == CellStatus::ok) {
                 add_instrumented_pass(cell, prepared);
             }
         } catch (const std::exception& exception) {
-            prepared.facts = {{"status", "failed"},
-                              {"reason", fmt::format("{}: {}", the_preparation, exception.what())}};
+            prepared.facts = {};
+            prepared.facts.fail(fmt::format("{}: {}", the_preparation, exception.what()));
         }
         return prepared;
     }
@@ -67,14 +67,16 @@ private:
         return verifiers_.try_emplace(key, *cell.scene, small, verification_spp, cell.backend).first->second;
     }
 
-    static Json verified(const Cell& cell, Verifier& verifier) {
+    static CellFacts verified(const Cell& cell, Verifier& verifier) {
         const Verdict verdict = verifier.check(cell.variant);
         const KernelChoice kernel = choose_kernel(*cell.scene, cell.variant, cell.backend);
-        return {{"claim_check", verdict.message},
-                {"kernel_features", feature_names(kernel.compiled)},
-                {"specialisation_note", kernel.note()},
-                {"status", verdict.holds ? "ok" : "failed"},
-                {"reason", verdict.holds ? "" : verdict.message}};
+        CellFacts facts{.claim_check = verdict.message,
+                        .kernel_features = feature_names(kernel.compiled),
+                        .specialisation_note = kernel.note()};
+        if (!verdict.holds) {
+            facts.fail(verdict.message);
+        }
+        return facts;
     }
 
     void add_instrumented_pass(const Cell& cell, Prepared& prepared) {
@@ -87,11 +89,10 @@ private:
         if (!has_the_bits(cell, result, prepared)) {
             return;
         }
-        Json& facts = prepared.facts;
-        facts.update(facts_of(cell, result));
+        add_facts(prepared.facts, cell, result);
         if (cell.convergence) {
-            facts["convergence"] = errors_.cell_facts(cell);
-            facts["convergence"]["expected_mse"] = errors_.expected_mse(cell, result.film);
+            prepared.facts.convergence = errors_.cell_facts(cell);
+            prepared.facts.convergence->expected_mse = errors_.expected_mse(cell, result.film);
         }
     }
 
@@ -109,13 +110,12 @@ private:
         }
         for (FailedCell& wrong : failed) {
             if (wrong.cell == &cell) {
-                prepared.facts["status"] = "failed";
-                prepared.facts["reason"] = wrong.reason;
+                prepared.facts.fail(wrong.reason);
             } else {
                 prepared.others.push_back(std::move(wrong));
             }
         }
-        return prepared.facts.at("status") == "ok";
+        return prepared.facts.status == CellStatus::ok;
     }
 
     // The request of a render at the cell's own size.
@@ -191,9 +191,8 @@ void prepare_cells(const Plan& plan, std::uint64_t seed, RunJournal& journal, Fi
             const LastLine last_line = journal.fails_if_crashed(*cell, the_preparation);
             return preparer.prepare(*cell);
         }();
-        if (prepared.facts.at("status") == "failed") {
-            say_below_progress(
-                fmt::format("failed: {}: {}", cell->name, prepared.facts.at("reason").get<std::string>()));
+        if (prepared.facts.status == CellStatus::failed) {
+            say_below_progress(fmt::format("failed: {}: {}", cell->name, prepared.facts.reason));
         }
         journal.set_cell(*cell, prepared.facts);
         for (const FailedCell& other : prepared.others) {

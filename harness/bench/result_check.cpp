@@ -1,20 +1,18 @@
 #include "harness/bench/result_check.h"
 
-#include <cmath>
 #include <map>
 #include <set>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "harness/bench/facts/sample.h"
+
 namespace pt {
 
 namespace {
 
 using OrderedJson = nlohmann::ordered_json;
-
-// How far a device's clock may be from the host's: crystals differ by 1e-4 at most.
-constexpr double clocks_differ = 1e-3;
 
 class ResultChecker {
 public:
@@ -57,33 +55,42 @@ private:
         if (!(row.at("real_time").get<double>() > 0)) {
             fail(cell, fmt::format("sample {} with a time of {}", index, row.at("real_time").dump()), "a time above 0");
         }
-        if (const std::string fault = fault_of_sample(Json(row)); !fault.empty()) {
+        const auto [sample, fault] = read_sample(row);
+        if (!fault.empty()) {
             fail(cell, fmt::format("sample {} with {}", index, fault), "what a render can leave");
         }
-        if (row.contains("film_hash") && row.contains("pt_seed")) {
-            counted_[{cells_.at(cell).at("cell").get<std::string>(), index}] = {row.at("pt_seed"), row.at("film_hash")};
-        }
-        if (row.contains("film_hash") && cells_.at(cell).at("status") != "failed") {  // that it differs may be why
-            check_film(row, cell, index);
+        counted_[{cells_.at(cell).at("cell").get<std::string>(), index}] = seed_and_film(sample);
+        if (cells_.at(cell).at("status") != "failed") {  // that it differs may be why
+            check_film(sample, cell, index);
         }
     }
+
+    // A sample of the file, and what is wrong with it.
+    static std::pair<Sample, std::string> read_sample(const OrderedJson& json) {
+        try {
+            const Sample sample = sample_of_result(Json(json));
+            return {sample, fault_of_sample(sample)};
+        } catch (const WrongFact& wrong) {
+            return {Sample(), wrong.what()};
+        }
+    }
+    static Json seed_and_film(const Sample& sample) { return {sample.seed, sample.film_hash}; }
 
     // A sample whose place another took: of the same seed, and so with the same film.
     void check_retaken(const OrderedJson& retake) {
         const std::string name = retake.at("cell");
         const std::size_t index = retake.at("repetition_index");
-        const Json sample(retake.at("sample"));
         const auto counted = counted_.find({name, index});
         if (counted == counted_.end()) {
             throw InputError(file_, name, fmt::format("sample {} taken again, and not there", index),
                              "samples that are there");
         }
-        if (const std::string fault = fault_of_sample(sample); !fault.empty()) {
+        const auto [sample, fault] = read_sample(retake.at("sample"));
+        if (!fault.empty()) {
             throw InputError(file_, name, fmt::format("sample {} before it was taken again with {}", index, fault),
                              "what a render can leave");
         }
-        const Json mine{sample.at("pt_seed"), sample.at("film_hash")};
-        if (mine != counted->second) {
+        if (const Json mine = seed_and_film(sample); mine != counted->second) {
             throw InputError(
                 file_, name,
                 fmt::format("sample {} before it was taken again with seed and film {}", index, mine.dump()),
@@ -91,23 +98,23 @@ private:
         }
     }
 
-    void check_film(const OrderedJson& row, std::size_t number, std::size_t index) {
+    void check_film(const Sample& sample, std::size_t number, std::size_t index) {
         const OrderedJson& cell = cells_.at(number);
         const bool is_prepared = cell.contains("film_hash") && cell.contains("instrumented") &&
                                  cell.at("instrumented").value("spp", 0) == cell.at("spp");
-        if (index == 0 && is_prepared && row.at("film_hash") != cell.at("film_hash")) {
-            fail(number, "sample 0 with the film " + row.at("film_hash").dump(), cell.at("film_hash").dump());
+        if (index == 0 && is_prepared && sample.film_hash != cell.at("film_hash")) {
+            fail(number, fmt::format("sample 0 with the film \"{}\"", sample.film_hash), cell.at("film_hash").dump());
         }
-        if (cell.at("claim") != "bitwise" || !row.contains("pt_seed")) {
+        if (cell.at("claim") != "bitwise") {
             return;
         }
-        std::string group = row.at("pt_seed").dump();
+        std::string group = std::to_string(sample.seed);
         for (const char* key : {"scene", "scene_hash", "backend", "resolution", "depth", "spp"}) {
             group += "/" + cell.at(key).dump();
         }
-        const auto [first, is_first] = films_.try_emplace(group, row.at("film_hash").get<std::string>(), number);
-        if (const auto& [hash, owner] = first->second; row.at("film_hash") != hash) {
-            fail(number, fmt::format("sample {} with the film {}", index, row.at("film_hash").dump()),
+        const auto [first, is_first] = films_.try_emplace(group, sample.film_hash, number);
+        if (const auto& [hash, owner] = first->second; sample.film_hash != hash) {
+            fail(number, fmt::format("sample {} with the film \"{}\"", index, sample.film_hash),
                  fmt::format("\"{}\", the film of the same seed in {}", hash,
                              cells_.at(owner).at("cell").get<std::string>()));
         }
@@ -122,32 +129,6 @@ private:
 };
 
 }  // namespace
-
-std::string fault_of_sample(const Json& sample) {
-    std::map<std::string, double> numbers;
-    for (const auto& [key, value] : sample.items()) {
-        const bool is_number = key == "cpu_ms" || (key.starts_with("pt_") && !value.is_array());
-        if (is_number && (!value.is_number() || !std::isfinite(value.get<double>()))) {
-            return fmt::format("{} {}", key, describe(value));
-        }
-        if (is_number) {
-            numbers[key] = value.get<double>();
-        }
-    }
-    for (const char* key : {"pt_wall_ms", "pt_device_ms", "pt_end_to_end_ms"}) {
-        if (numbers.contains(key) && !(numbers[key] > 0)) {
-            return fmt::format("{} {}, not above 0", key, numbers[key]);
-        }
-    }
-    const double wall = numbers.contains("pt_wall_ms") ? numbers["pt_wall_ms"] : NAN;
-    if (numbers.contains("pt_device_ms") && numbers["pt_device_ms"] > wall * (1 + clocks_differ)) {
-        return fmt::format("pt_device_ms {} above its pt_wall_ms {}", numbers["pt_device_ms"], wall);
-    }
-    if (numbers.contains("pt_end_to_end_ms") && numbers["pt_end_to_end_ms"] < wall) {
-        return fmt::format("pt_end_to_end_ms {} below its pt_wall_ms {}", numbers["pt_end_to_end_ms"], wall);
-    }
-    return "";
-}
 
 void check_result(const std::string& file, const OrderedJson& result) { ResultChecker(file, result).check(); }
 

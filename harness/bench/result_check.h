@@ -8,10 +8,6 @@
 
 namespace pt {
 
-// Why no render can have left this sample of a journal or row of a result, in words; empty: one can. Precondition: an
-// object.
-std::string fault_of_sample(const Json& sample);
-
 // Throws InputError where a result of a run contradicts itself: each cell that is `ok` has every sample once, with
 // times that can be, the cells that claim the reference's bits have one film a seed, and of the first seed the film
 // that they were prepared with. Throws nlohmann's exceptions where a key is missing.

@@ -6,16 +6,13 @@
 #include <numeric>
 #include <set>
 
-#include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
+#include "harness/bench/comparisons.h"
 #include "harness/bench/convergence_study.h"
-#include "harness/bench/film_ledger.h"
-#include "harness/bench/result_check.h"
 #include "harness/bench/retakes.h"
 #include "harness/counted.h"
-#include "harness/machine/machine.h"
-#include "harness/ranks/machine_json.h"
+#include "harness/ranks/machine_context.h"
 #include "harness/ranks/ranks.h"
 #include "harness/scene/places.h"
 #include "harness/variant_json.h"
@@ -28,28 +25,18 @@ namespace {
 using OrderedJson = nlohmann::ordered_json;
 
 OrderedJson context(const RunFacts& facts) {
-    const benchmark::CPUInfo& cpu = benchmark::CPUInfo::Get();
-    OrderedJson json;
-    json["date"] = facts.date;
-    json["host_name"] = benchmark::SystemInfo::Get().name;
-    json["executable"] = "ptbench";
-    json["num_cpus"] = cpu.num_cpus;
-    json["mhz_per_cpu"] = std::lround(cpu.cycles_per_second / 1e6);
-    json["cpu_scaling_enabled"] = cpu.scaling == benchmark::CPUInfo::ENABLED;
-    json["caches"] = OrderedJson::array();
-    for (const benchmark::CPUInfo::CacheInfo& cache : cpu.caches) {
-        json["caches"].push_back(
-            {{"type", cache.type}, {"level", cache.level}, {"size", cache.size}, {"num_sharing", cache.num_sharing}});
-    }
-    json["load_avg"] = cpu.load_avg;
-    json.update(machine_json(facts.backend));
+    BenchmarkContext benchmark = BenchmarkContext::now();
+    benchmark.date = facts.date;
+    CallContext call{.command_line = facts.command_line,
+                     .suite = facts.suite,
+                     .backend = std::string(to_string(facts.backend)),
+                     .status = facts.completed ? "completed" : "interrupted"};
     if (ranks().count > 1) {
-        json["ptbench.rank_hosts"] = ranks().hosts;
+        call.rank_hosts = ranks().hosts;
     }
-    json["ptbench.command_line"] = facts.command_line;
-    json["ptbench.suite"] = facts.suite;
-    json["ptbench.backend"] = to_string(facts.backend);
-    json["ptbench.status"] = facts.completed ? "completed" : "interrupted";
+    OrderedJson json(benchmark);
+    add_fields(json, machine_context(facts.backend));
+    add_fields(json, call);
     return json;
 }
 
@@ -62,39 +49,22 @@ OrderedJson row_head(const std::string& cell, const std::string& suffix, std::si
             {"repetitions", repetitions}};
 }
 
-// Whether other processes disturbed a sample: one took more than a tenth of the render's own CPU time, and more than
-// the counter's resolution, or the system gave less of it than there was.
-bool is_contended(const Json& sample) {
-    return is_throttled(sample) ||
-           sample.value("pt_foreign_cpu_ms", 0.0) > std::max(20.0, 0.1 * sample.value("cpu_ms", 0.0));
-}
-
 OrderedJson sample_row(const std::string& cell, std::size_t family, int repetitions, std::size_t index,
-                       const Json& sample) {
+                       const Sample& sample) {
     OrderedJson row = row_head(cell, "", family, repetitions);
     row["repetition_index"] = index;
     row["threads"] = 1;
     row["iterations"] = 1;
-    row["real_time"] = sample.at("pt_wall_ms");
-    row["cpu_time"] = sample.at("cpu_ms");
-    row["time_unit"] = "ms";
-    for (const auto& [key, value] : sample.items()) {
-        if (key.starts_with("pt_")) {
-            row[key] = value;
-        }
-    }
-    row["film_hash"] = sample.at("film_hash");
-    row["pt_low_clock"] = 0;  // by mark_low_clocks, when all are known
-    row["pt_contended"] = is_contended(sample) ? 1 : 0;
+    add_sample_to_row(row, sample);
     return row;
 }
 
 void add_aggregate_rows(OrderedJson& rows, const std::string& cell, std::size_t family, int repetitions,
-                        const std::vector<Json>& samples) {
+                        const std::vector<Sample>& samples) {
     std::vector<double> wall, cpu;
-    for (const Json& sample : samples) {
-        wall.push_back(sample.at("pt_wall_ms"));
-        cpu.push_back(sample.at("cpu_ms"));
+    for (const Sample& sample : samples) {
+        wall.push_back(sample.wall_ms);
+        cpu.push_back(sample.cpu_ms);
     }
     const Aggregates a = aggregate(wall);
     const Aggregates b = aggregate(cpu);
@@ -137,7 +107,26 @@ OrderedJson tunables_json(const Cell& cell) {
     return json;
 }
 
-OrderedJson cell_json(const Cell& cell, const Journal& journal, int repetitions) {
+// What is known of the cell, and that the run ended before it had all of that.
+void add_known(OrderedJson& json, const Cell& cell, const Journal& journal, int repetitions, std::string shared_with) {
+    const CellFacts* known = journal.cell(cell.name);
+    if (known == nullptr) {
+        json["status"] = "interrupted";
+        json["reason"] = "the run ended before this cell was reached";
+        return;
+    }
+    CellFacts facts = *known;
+    if (facts.convergence) {
+        facts.convergence->shared_with = std::move(shared_with);
+    }
+    add_fields(json, facts);
+    if (facts.status == CellStatus::ok && static_cast<int>(journal.samples(cell.name).size()) < repetitions) {
+        json["status"] = "interrupted";
+        json["reason"] = "the run ended before this cell had all its samples";
+    }
+}
+
+OrderedJson cell_json(const Cell& cell, const Journal& journal, int repetitions, std::string shared_with) {
     const FeatureSet features = features_of(*cell.scene);
     OrderedJson json{{"cell", cell.name},
                      {"studies", cell.studies},
@@ -156,17 +145,7 @@ OrderedJson cell_json(const Cell& cell, const Journal& journal, int repetitions)
     if (!cell.scene->file.empty() && !is_shipped(*cell.scene)) {
         json["scene_file"] = cell.scene->file;
     }
-    const Json* facts = journal.cell(cell.name);
-    if (facts == nullptr) {
-        json["status"] = "interrupted";
-        json["reason"] = "the run ended before this cell was reached";
-        return json;
-    }
-    json.update(OrderedJson(*facts));
-    if (json.value("status", "") == "ok" && static_cast<int>(journal.samples(cell.name).size()) < repetitions) {
-        json["status"] = "interrupted";
-        json["reason"] = "the run ended before this cell had all its samples";
-    }
+    add_known(json, cell, journal, repetitions, std::move(shared_with));
     return json;
 }
 
@@ -194,7 +173,7 @@ class SharedErrors {
 public:
     SharedErrors(const Plan& plan, const Journal& journal) {
         for (const Cell& cell : plan.cells) {
-            for (const Json& sample : journal.samples(cell.name)) {
+            for (const Sample& sample : journal.samples(cell.name)) {
                 if (cell.convergence) {
                     owners_.try_emplace(key(journal, cell, sample), cell.name);
                 }
@@ -202,49 +181,59 @@ public:
         }
     }
 
-    void mark(const Journal& journal, const Cell& cell, const Json& sample, OrderedJson& row) const {
+    // The sample with the mark at each of its checkpoints.
+    Sample marked(const Journal& journal, const Cell& cell, Sample sample) const {
         const bool shared = owner(journal, cell, sample) != cell.name;
-        for (OrderedJson& checkpoint : row["pt_checkpoints"]) {
-            checkpoint["shared"] = shared;
+        for (CheckpointFacts& checkpoint : sample.checkpoints.value()) {
+            checkpoint.shared = shared;
         }
+        return sample;
     }
     // The cell whose errors all samples have; empty: they are its own, or several cells'.
     std::string shared_with(const Journal& journal, const Cell& cell) const {
         std::set<std::string> names;
-        for (const Json& sample : journal.samples(cell.name)) {
+        for (const Sample& sample : journal.samples(cell.name)) {
             names.insert(owner(journal, cell, sample));
         }
         return names.size() == 1 && *names.begin() != cell.name ? *names.begin() : "";
     }
 
 private:
-    static std::string key(const Journal& journal, const Cell& cell, const Json& sample) {
-        std::string text = journal.cell(cell.name)->at("convergence").at("reference").at("hash");
-        for (const Json& checkpoint : sample.at("pt_checkpoints")) {
-            text += fmt::format("/{}:{}", checkpoint.at("spp").get<std::uint32_t>(),
-                                checkpoint.at("film_hash").get<std::string>());
+    static std::string key(const Journal& journal, const Cell& cell, const Sample& sample) {
+        const ConvergenceFacts& facts = journal.cell(cell.name)->convergence.value();
+        std::string text = facts.reference_hash();
+        for (const CheckpointFacts& checkpoint : sample.checkpoints.value()) {
+            text += fmt::format("/{}:{}", checkpoint.spp, checkpoint.film_hash);
         }
         // Cells without independent halves have no bias2 to share, so they have a key of their own.
-        return text + (journal.cell(cell.name)->at("convergence").at("independent_samples") ? "" : "/dependent");
+        return text + (facts.independent_samples ? "" : "/dependent");
     }
-    const std::string& owner(const Journal& journal, const Cell& cell, const Json& sample) const {
+    const std::string& owner(const Journal& journal, const Cell& cell, const Sample& sample) const {
         return owners_.at(key(journal, cell, sample));
     }
 
     std::map<std::string, std::string> owners_;
 };
 
-OrderedJson studies_json(const Suite& suite) {
+// What the study compares, told by its cells where the suite leaves it open.
+std::string compared_by(const Study& study, const Plan& plan) {
+    const std::optional<Question> question = question_of(study, cells_of_study(plan, study.name));
+    return study.compares.empty() && question ? question->axis : study.compares;
+}
+
+OrderedJson studies_json(const Suite& suite, const Plan& plan) {
     OrderedJson studies = OrderedJson::array();
     for (const Study& study : suite.studies) {
         studies.push_back({{"name", study.name},
                            {"title", study.title},
-                           {"figure", study.figure},
+                           {"compares", compared_by(study, plan)},
+                           {"along", study.along},
                            {"type", study.convergence ? "convergence" : "time"}});
         if (study.convergence && study.convergence->without_checkpoints) {
             studies.push_back({{"name", study.name + std::string(without_checkpoints_suffix)},
                                {"title", study.title + ", without checkpoints"},
-                               {"figure", ""},
+                               {"compares", ""},
+                               {"along", ""},
                                {"type", "time"}});
         }
     }
@@ -252,25 +241,6 @@ OrderedJson studies_json(const Suite& suite) {
 }
 
 }  // namespace
-
-// Marks low clocks and foreign load, judged over the whole run: a sample's clock against the highest that was seen, its
-// foreign load against its own time.
-void mark_low_clocks(OrderedJson& rows) {
-    const auto clocks = [](const OrderedJson& row, double missing) {
-        return std::pair(row.value("pt_clock_mhz_before", missing), row.value("pt_clock_mhz_after", missing));
-    };
-    double highest = 0;
-    for (const OrderedJson& row : rows) {
-        const auto [before, after] = clocks(row, 0.0);
-        highest = std::max({highest, before, after});
-    }
-    for (OrderedJson& row : rows) {
-        if (row.contains("pt_low_clock")) {
-            const auto [before, after] = clocks(row, highest);
-            row["pt_low_clock"] = std::min(before, after) < 0.9 * highest ? 1 : 0;
-        }
-    }
-}
 
 std::string rows_on_lines(const OrderedJson& value) {
     if (!value.is_structured() || value.empty()) {
@@ -285,37 +255,28 @@ std::string rows_on_lines(const OrderedJson& value) {
 }
 
 Disturbance disturbance_of(const Plan& plan, const Journal& journal) {
-    OrderedJson rows = OrderedJson::array();
+    std::vector<std::pair<const Sample*, Backend>> samples;
     for (const Cell& cell : plan.cells) {
-        for (const Json& sample : journal.samples(cell.name)) {
-            rows.push_back(sample_row(cell.name, 0, 1, 0, sample));
-            rows.back()["pt_contended"] = is_disturbed(sample, cell.backend) ? 1 : 0;
+        for (const Sample& sample : journal.samples(cell.name)) {
+            samples.emplace_back(&sample, cell.backend);
         }
     }
-    mark_low_clocks(rows);
+    double highest = 0;
+    for (const auto& [sample, backend] : samples) {
+        highest = std::max(highest, highest_clock(*sample));
+    }
     Disturbance found;
-    for (const OrderedJson& row : rows) {
-        const bool contended = row.at("pt_contended") == 1;  // so that the time may be wrong for it
-        const bool low_clock = row.at("pt_low_clock") == 1;
+    for (const auto& [sample, backend] : samples) {
+        const bool contended = is_disturbed(*sample, backend);  // so that the time may be wrong for it
+        const bool low_clock = has_low_clock(*sample, highest);
         found.samples += 1;
         found.disturbed += contended || low_clock ? 1u : 0u;
-        found.throttled += contended && is_throttled(row) ? 1u : 0u;
-        found.contended += contended && !is_throttled(row) ? 1u : 0u;
+        found.throttled += contended && is_throttled(*sample) ? 1u : 0u;
+        found.contended += contended && !is_throttled(*sample) ? 1u : 0u;
         found.low_clock += low_clock ? 1u : 0u;
-        found.clock_unknown += row.value("pt_clock_unknown", 0) == 1 ? 1u : 0u;
+        found.clock_unknown += sample->clock_unknown == 1 ? 1u : 0u;
     }
     return found;
-}
-
-bool is_throttled(const Json& sample) { return sample.value("pt_throttled_periods", 0.0) > 0; }
-
-bool is_disturbed(const Json& sample, Backend backend) {
-    constexpr double most_host_share = 0.02;
-    const double wall = sample.at("pt_wall_ms").get<double>();
-    const bool was_late = 1 - sample.value("pt_device_ms", 0.0) / wall > most_host_share;
-    // The device's time goes on while its host is late with the answer that it waits for.
-    const bool was_waited_for = sample.value("pt_host_waits", 0.0) > 0;
-    return is_contended(sample) && (backend != Backend::cuda || was_late || was_waited_for);
 }
 
 std::string in_words(const Disturbance& d) {
@@ -332,23 +293,23 @@ std::string in_words(const Disturbance& d) {
 
 namespace {
 
-// Calls `read()`, which reads of a journal what only another program, or an editor, can have written otherwise; what it
-// throws becomes an InputError that names the journal.
-template <class Read>
-auto guarded(const Journal& journal, const Read& read) {
-    try {
-        return read();
-    } catch (const nlohmann::detail::exception& error) {
-        throw InputError(journal.file(), "a cell or sample", error.what(),
-                         "what ptbench wrote; remove the file to start over");
-    }
-}
+constexpr const char* what_ptbench_wrote = "what ptbench wrote; remove the file to start over";
 
-void check_samples_have_cells(const Plan& plan, const Journal& journal) {
+// What a run reads of each cell of a study of error has to be there.
+void check_cells_are_whole(const Plan& plan, const Journal& journal) {
     for (const Cell& cell : plan.cells) {
-        if (journal.cell(cell.name) == nullptr && !journal.samples(cell.name).empty()) {
-            throw InputError(journal.file(), cell.name, "samples without the cell's own line",
-                             "what ptbench wrote; remove the file to start over");
+        const CellFacts* const facts = journal.cell(cell.name);
+        const std::vector<Sample>& samples = journal.samples(cell.name);
+        if (facts == nullptr && !samples.empty()) {
+            throw InputError(journal.file(), cell.name, "samples without the cell's own line", what_ptbench_wrote);
+        }
+        const bool lacks_facts = facts != nullptr && cell.convergence && !facts->convergence &&
+                                 (facts->status == CellStatus::ok || !samples.empty());
+        const bool lacks_errors = cell.convergence && std::any_of(samples.begin(), samples.end(),
+                                                                  [](const Sample& one) { return !one.checkpoints; });
+        if (lacks_facts || lacks_errors) {
+            throw InputError(journal.file(), cell.name, "a cell with checkpoints without its errors",
+                             what_ptbench_wrote);
         }
     }
 }
@@ -367,34 +328,32 @@ OrderedJson not_applicable_json(const NotApplicable& entry) {
     return json;
 }
 
-std::string text_of_result(const Plan& plan, const Suite& suite, const Journal& journal, const RunFacts& facts) {
-    check_samples_have_cells(plan, journal);
+}  // namespace
+
+std::string result_json(const Plan& plan, const Suite& suite, const Journal& journal, const RunFacts& facts) {
+    check_cells_are_whole(plan, journal);
     const SharedErrors shared(plan, journal);
     OrderedJson rows = OrderedJson::array();
     OrderedJson cells = OrderedJson::array();
     for (std::size_t family = 0; family < plan.cells.size(); ++family) {
         const Cell& cell = plan.cells[family];
-        cells.push_back(cell_json(cell, journal, facts.repetitions));
-        const std::vector<Json>& samples = journal.samples(cell.name);
-        if (cells.back().contains("convergence")) {
-            cells.back()["convergence"]["shared_with"] = shared.shared_with(journal, cell);
-        }
+        const std::vector<Sample>& samples = journal.samples(cell.name);
+        cells.push_back(cell_json(cell, journal, facts.repetitions,
+                                  cell.convergence ? shared.shared_with(journal, cell) : std::string()));
         for (std::size_t i = 0; i < samples.size(); ++i) {
-            rows.push_back(sample_row(cell.name, family, facts.repetitions, i, samples[i]));
-            if (cell.convergence) {
-                shared.mark(journal, cell, samples[i], rows.back());
-            }
+            rows.push_back(sample_row(cell.name, family, facts.repetitions, i,
+                                      cell.convergence ? shared.marked(journal, cell, samples[i]) : samples[i]));
         }
         if (!samples.empty()) {
             add_aggregate_rows(rows, cell.name, family, facts.repetitions, samples);
         }
-        if (cells.back()["status"] == "failed") {
-            rows.push_back(failed_row(cell.name, family, facts.repetitions, cells.back()["reason"]));
+        if (journal.has_failed(cell.name)) {
+            rows.push_back(failed_row(cell.name, family, facts.repetitions, journal.cell(cell.name)->reason));
         }
     }
     mark_low_clocks(rows);
-    OrderedJson run = facts.run;
-    run["sessions"] = journal.sessions();
+    RunRecord run = facts.run;
+    run.sessions = journal.sessions();
     OrderedJson not_applicable = OrderedJson::array();
     for (const NotApplicable& entry : plan.not_applicable) {
         not_applicable.push_back(not_applicable_json(entry));
@@ -406,41 +365,26 @@ std::string text_of_result(const Plan& plan, const Suite& suite, const Journal& 
     const OrderedJson result{{"context", context(facts)},
                              {"benchmarks", rows},
                              {"ptbench",
-                              {{"run", run},
-                               {"studies", studies_json(suite)},
+                              {{"run", OrderedJson(run)},
+                               {"studies", studies_json(suite, plan)},
                                {"baselines", baselines},
                                {"cells", cells},
+                               {"comparisons", OrderedJson(facts.comparisons)},
                                {"retakes", retakes_json(plan, journal, facts.most_retakes)},
                                {"not_applicable", not_applicable}}}};
     return rows_on_lines(result) + "\n";
 }
 
-}  // namespace
-
-std::string result_json(const Plan& plan, const Suite& suite, const Journal& journal, const RunFacts& facts) {
-    return guarded(journal, [&] { return text_of_result(plan, suite, journal, facts); });
-}
-
-void check_journal(const Plan& plan, const Suite& suite, const Journal& journal) {
-    guarded(journal, [&] {
-        // These facts are checked too, for the runner reads them besides what goes into the result.
-        for (const Cell& cell : plan.cells) {
-            const Json* facts = journal.cell(cell.name);
-            if (facts != nullptr && facts->at("status").get<std::string>() == "ok" && cell.convergence) {
-                (void)facts->at("convergence").at("expected_mse").get<double>();
-            }
-            for (const Json& sample : journal.samples(cell.name)) {
-                (void)imprint_of_sample(sample);
-                (void)sample.at("pt_rays_per_second").get<double>();
-                (void)is_disturbed(sample, cell.backend);
-                if (const std::string fault = fault_of_sample(sample); !fault.empty()) {
-                    throw InputError(journal.file(), cell.name, "a sample with " + fault,
-                                     "what a render can leave; remove the file to start over");
-                }
+void check_journal(const Plan& plan, const Journal& journal) {
+    check_cells_are_whole(plan, journal);
+    for (const Cell& cell : plan.cells) {
+        for (const Sample& sample : journal.samples(cell.name)) {
+            if (const std::string fault = fault_of_sample(sample); !fault.empty()) {
+                throw InputError(journal.file(), cell.name, "a sample with " + fault,
+                                 "what a render can leave; remove the file to start over");
             }
         }
-        return text_of_result(plan, suite, journal, {});
-    });
+    }
 }
 
 }  // namespace pt

@@ -3,6 +3,7 @@
 // why.
 #pragma once
 
+#include "harness/bench/facts/comparison.h"
 #include "harness/bench/journal.h"
 #include "harness/bench/suite.h"
 
@@ -15,8 +16,9 @@ struct RunFacts {
     Backend backend = Backend::cpu;
     bool completed = true;
     int repetitions = 1;
-    int most_retakes = 0;                                           // a cell
-    nlohmann::ordered_json run = nlohmann::ordered_json::object();  // ptbench.run (run_identity.h), less its sessions
+    int most_retakes = 0;  // a cell
+    RunRecord run = {};    // less its sessions
+    std::vector<ComparisonFacts> comparisons = {};
 };
 
 struct Aggregates {
@@ -29,9 +31,6 @@ Aggregates aggregate(std::vector<double> values);
 // on that line whole. Indented, a result is a third larger.
 std::string rows_on_lines(const nlohmann::ordered_json& value);
 
-// Marks each sample's row whose clock was low, judged by the highest clock of all these rows.
-void mark_low_clocks(nlohmann::ordered_json& rows);
-
 // How many of a run's samples cannot be trusted with a difference: another process took CPU time, a quota of it was
 // used up, or the clock was low.
 struct Disturbance {
@@ -43,19 +42,13 @@ struct Disturbance {
     std::size_t clock_unknown = 0;
 };
 Disturbance disturbance_of(const Plan& plan, const Journal& journal);
-// Whether another process or a quota took CPU time such that the sample's time may be wrong for it: on a GPU a busy
-// host can only make a render longer than the device worked, or, where the render waits for the host within, longer on
-// both clocks.
-bool is_disturbed(const Json& sample, Backend backend);
-// Whether a quota of CPU time was used up during the sample, so that its threads stood still.
-bool is_throttled(const Json& sample);
 // The disturbance in words, as "disturbed: 3 of 54 samples (other processes 2, low clock 1)".
 std::string in_words(const Disturbance& disturbance);
 
-// The text of the result file. Throws InputError if the journal holds what no run can have written there.
+// The text of the result file. Throws InputError where the journal lacks a cell's own line or errors.
 std::string result_json(const Plan& plan, const Suite& suite, const Journal& journal, const RunFacts& facts);
-// Checks the journal as result_json does, before a run goes on with it: found at its end, the run would have been for
-// nothing.
-void check_journal(const Plan& plan, const Suite& suite, const Journal& journal);
+// Checks that a run can have left the journal, before another goes on with it: found at its end, that would have been
+// for nothing. Throws InputError.
+void check_journal(const Plan& plan, const Journal& journal);
 
 }  // namespace pt

@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "harness/bench/result_file.h"
 #include "harness/counted.h"
 
 namespace pt {
@@ -12,16 +11,16 @@ namespace pt {
 namespace {
 
 std::size_t disturbed_in(const Cell& cell, const Journal& journal) {
-    const std::vector<Json>& samples = journal.samples(cell.name);
+    const std::vector<Sample>& samples = journal.samples(cell.name);
     return static_cast<std::size_t>(std::count_if(
-        samples.begin(), samples.end(), [&](const Json& sample) { return is_disturbed(sample, cell.backend); }));
+        samples.begin(), samples.end(), [&](const Sample& sample) { return is_disturbed(sample, cell.backend); }));
 }
 
 }  // namespace
 
 std::vector<std::size_t> to_retake(const Cell& cell, const Journal& journal, int most) {
     std::vector<std::size_t> indices;
-    const std::vector<Json>& samples = journal.samples(cell.name);
+    const std::vector<Sample>& samples = journal.samples(cell.name);
     const std::size_t given = journal.retaken(cell.name).size();
     for (std::size_t i = 0; i < samples.size() && given + indices.size() < static_cast<std::size_t>(most); ++i) {
         if (journal.is_ok(cell.name) && is_disturbed(samples[i], cell.backend)) {
@@ -59,13 +58,13 @@ std::string retakes_in_words(const Plan& plan, const Journal& journal, int most)
 nlohmann::ordered_json retakes_json(const Plan& plan, const Journal& journal, int most) {
     nlohmann::ordered_json before = nlohmann::ordered_json::array();
     for (const Cell& cell : plan.cells) {
-        const std::vector<Json>& samples = journal.samples(cell.name);
-        for (const Json& sample : journal.retaken(cell.name)) {
-            const auto in_its_place = std::find_if(samples.begin(), samples.end(), [&](const Json& other) {
-                return other.at("pt_seed") == sample.at("pt_seed");
-            });
-            before.push_back(
-                {{"cell", cell.name}, {"repetition_index", in_its_place - samples.begin()}, {"sample", sample}});
+        const std::vector<Sample>& samples = journal.samples(cell.name);
+        for (const Sample& sample : journal.retaken(cell.name)) {
+            const auto in_its_place = std::find_if(samples.begin(), samples.end(),
+                                                   [&](const Sample& other) { return other.seed == sample.seed; });
+            before.push_back({{"cell", cell.name},
+                              {"repetition_index", in_its_place - samples.begin()},
+                              {"sample", nlohmann::ordered_json(sample)}});
         }
     }
     return {{"most_per_cell", most}, {"samples", before}};

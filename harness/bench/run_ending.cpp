@@ -67,10 +67,14 @@ std::string fault_of_result(const std::string& file, const std::string& text) {
 }
 
 // Writes the result file, and returns its text.
-std::string write_result(const RunEnding& ending, const Journal& journal, bool completed) {
+std::string write_result(const RunEnding& ending, const Journal& journal, const std::vector<Comparison>& comparisons,
+                         bool completed) {
     RunFacts facts = ending.facts;
     facts.date = iso_date();
     facts.completed = completed;
+    for (const Comparison& comparison : comparisons) {
+        facts.comparisons.push_back(comparison.facts());
+    }
     check_untouched(ending.out, ending.earlier.stamp,
                     fmt::format("{} holds the samples of this run: go on with --resume --overwrite", journal.file()));
     std::string text = result_json(ending.plan, ending.suite, journal, facts);
@@ -109,8 +113,9 @@ int end_run(const RunEnding& ending, RunJournal& journal) {
     if (!completed && (known.sample_count() == 0 || ending.earlier.is_kept())) {
         return end_without_result(ending, known);
     }
-    const std::string text = write_result(ending, known, completed);
-    fmt::print("{}", verdict_table(ending.plan, ending.suite, known));
+    const std::vector<Comparison> comparisons = comparisons_of(ending.plan, ending.suite, known);
+    const std::string text = write_result(ending, known, comparisons, completed);
+    fmt::print("{}", verdict_table(ending.plan, ending.suite, known, comparisons));
     print_headline(ending, known, outcome);
     if (!completed) {
         return end_interrupted(ending);

@@ -3,7 +3,7 @@
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
 
-#include "harness/ranks/machine_json.h"
+#include "harness/ranks/machine_context.h"
 #include "variants/fnv1a.h"
 
 namespace pt {
@@ -17,53 +17,45 @@ std::string hash_of(const Json& json) {
 
 }  // namespace
 
-Json identity_of(const Plan& whole, const RunSettings& settings) {
-    Json cells = Json::array(), scenes = Json::object(), references = Json::object();
+RunIdentity identity_of(const Plan& whole, const RunSettings& settings) {
+    RunIdentity identity{.backend = std::string(to_string(settings.backend)),
+                         .host_name = benchmark::SystemInfo::Get().name,
+                         .machine = Json(machine_context(settings.backend)),
+                         .repetitions = settings.repetitions,
+                         .seed = settings.seed,
+                         .suite = settings.suite};
     for (const Cell& cell : whole.cells) {
-        cells.push_back(cell.name);
-        scenes[cell.scene->name] = cell.scene->hash;
+        identity.cells.push_back(cell.name);
+        identity.scenes[cell.scene->name] = cell.scene->hash;
         if (cell.convergence) {
             const ReferenceTask& task = cell.convergence->reference;
-            references[cell.name] = fmt::format("{} of scene {}, variance {}, at most {} spp a half", task.name(),
-                                                task.scene->hash, task.variance, task.most_spp);
+            identity.references[cell.name] = fmt::format("{} of scene {}, variance {}, at most {} spp a half",
+                                                         task.name(), task.scene->hash, task.variance, task.most_spp);
         }
     }
-    Json identity{{"machine", Json(machine_json(settings.backend))},
-                  {"host_name", benchmark::SystemInfo::Get().name},
-                  {"suite", settings.suite},
-                  {"backend", to_string(settings.backend)},
-                  {"seed", settings.seed},
-                  {"repetitions", settings.repetitions},
-                  {"scenes", scenes},
-                  {"references", references},
-                  {"cells", cells}};
     if (settings.most_repetitions > settings.repetitions) {
-        identity["most_repetitions"] = settings.most_repetitions;
+        identity.most_repetitions = settings.most_repetitions;
     }
     if (!settings.shard.is_whole()) {
-        identity["shard"] = settings.shard.name();
+        identity.shard = settings.shard.name();
     }
     return identity;
 }
 
-nlohmann::ordered_json run_json(const Json& identity) {
-    Json common = identity;
-    common.erase("host_name");
-    common.erase("shard");
-    nlohmann::ordered_json run{{"identity", hash_of(common)},
-                               {"seed", identity.at("seed")},
-                               {"repetitions", identity.at("repetitions")},
-                               {"scenes", identity.at("scenes")},
-                               {"references", hash_of(identity.at("references"))},
-                               {"cells", identity.at("cells").size()},
-                               {"cells_hash", hash_of(identity.at("cells"))}};
-    if (identity.contains("most_repetitions")) {
-        run["most_repetitions"] = identity.at("most_repetitions");
-    }
-    if (identity.contains("shard")) {
-        run["shard"] = identity.at("shard");
-    }
-    return run;
+RunRecord record_of(const RunIdentity& identity) {
+    RunIdentity common = identity;
+    common.shard.reset();
+    Json shared(common);
+    shared.erase(RunIdentity::host_name_key);
+    return {.identity = hash_of(shared),
+            .seed = identity.seed,
+            .repetitions = identity.repetitions,
+            .scenes = identity.scenes,
+            .references = hash_of(identity.references),
+            .cells = identity.cells.size(),
+            .cells_hash = hash_of(identity.cells),
+            .most_repetitions = identity.most_repetitions,
+            .shard = identity.shard};
 }
 
 }  // namespace pt

@@ -2,8 +2,8 @@
 // equal.
 #pragma once
 
+#include "harness/bench/facts/run.h"
 #include "harness/bench/shard.h"
-#include "harness/json_reader.h"
 
 namespace pt {
 
@@ -18,10 +18,10 @@ struct RunSettings {
 
 // Machine, build, the host's name, the settings, and of the whole plan (whatever the shard) the content of every scene,
 // every cell and every reference.
-Json identity_of(const Plan& whole, const RunSettings& settings);
+RunIdentity identity_of(const Plan& whole, const RunSettings& settings);
 
-// The part of a run's identity that a result file keeps, under ptbench.run: lists as hashes, and "identity", the hash
-// of all but the host's name and the shard.
-nlohmann::ordered_json run_json(const Json& identity);
+// The part of a run's identity that a result file keeps: lists as hashes, and as its identity the hash of all but the
+// host's name and the shard. It has no positions and no sessions yet.
+RunRecord record_of(const RunIdentity& identity);
 
 }  // namespace pt

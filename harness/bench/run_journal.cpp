@@ -10,29 +10,28 @@
 
 namespace pt {
 
-RunJournal::RunJournal(std::string file, const Json& identity, bool resume,
+RunJournal::RunJournal(std::string file, const RunIdentity& identity, bool resume,
                        const std::vector<std::string>& that_may_differ, std::string go_on)
     : journal_(std::move(file), identity, resume, that_may_differ),
-      host_name_(identity.at("host_name")),
+      host_name_(identity.host_name),
       go_on_(std::move(go_on)) {}
 
 bool RunJournal::is_ok(const Cell& cell) const { return journal_.is_ok(cell.name); }
 
 std::string RunJournal::failure(const Cell& cell) const {
-    const Json& facts = *journal_.cell(cell.name);
-    return facts.at("status") == "failed" ? facts.at("reason").get<std::string>() : "";
+    const CellFacts& facts = *journal_.cell(cell.name);
+    return facts.status == CellStatus::failed ? facts.reason : "";
 }
 
-void RunJournal::set_cell(const Cell& cell, const Json& facts) {
+void RunJournal::set_cell(const Cell& cell, const CellFacts& facts) {
     const std::lock_guard lock(mutex_);
     begin_session();
     journal_.set_cell(cell.name, facts);
 }
 
 void RunJournal::set_failed(const Cell& cell, const std::string& reason) {
-    Json facts = *journal_.cell(cell.name);
-    facts["status"] = "failed";
-    facts["reason"] = reason;
+    CellFacts facts = *journal_.cell(cell.name);
+    facts.fail(reason);
     set_cell(cell, facts);
 }
 
@@ -43,24 +42,23 @@ void RunJournal::fail(const Cell& cell, const std::string& reason) {
     }
 }
 
-void RunJournal::add_sample(const Cell& cell, const Json& sample) {
+void RunJournal::add_sample(const Cell& cell, const Sample& sample) {
     const std::lock_guard lock(mutex_);
     begin_session();
     journal_.add_sample(cell.name, sample);
 }
 
-void RunJournal::retake_sample(const Cell& cell, const Json& sample) {
+void RunJournal::retake_sample(const Cell& cell, const Sample& sample) {
     const std::lock_guard lock(mutex_);
     begin_session();
     journal_.retake_sample(cell.name, sample);
 }
 
 LastLine RunJournal::fails_if_crashed(const Cell& cell, const std::string& place) const {
-    const Json* known = journal_.cell(cell.name);
-    Json facts = known != nullptr ? *known : Json::object();
-    facts["status"] = "failed";
+    const CellFacts* known = journal_.cell(cell.name);
+    CellFacts facts = known != nullptr ? *known : CellFacts{};
     const auto line = [&](const std::string& signal) {
-        facts["reason"] = fmt::format("crashed in {}: {}", place, signal);
+        facts.fail(fmt::format("crashed in {}: {}", place, signal));
         std::vector<Json> lines;
         if (!has_session_) {
             lines.push_back(Journal::session_line(session_facts()));
@@ -73,8 +71,8 @@ LastLine RunJournal::fails_if_crashed(const Cell& cell, const std::string& place
                         cell.name, go_on_)};
 }
 
-Json RunJournal::session_facts() const {
-    return {{"date", iso_date()}, {"host_name", host_name_}, {"process", ::getpid()}};
+SessionFacts RunJournal::session_facts() const {
+    return {.date = iso_date(), .host_name = host_name_, .process = ::getpid()};
 }
 
 // Begins a session with the first fact that this process finds: a run that is refused, or has nothing to do, leaves no

@@ -15,8 +15,8 @@ class RunJournal {
 public:
     // Opens the journal of a run, as Journal's constructor does. `go_on`: the command that goes on with the run, for
     // what a crash says.
-    RunJournal(std::string file, const Json& identity, bool resume, const std::vector<std::string>& that_may_differ,
-               std::string go_on);
+    RunJournal(std::string file, const RunIdentity& identity, bool resume,
+               const std::vector<std::string>& that_may_differ, std::string go_on);
 
     const Journal& known() const { return journal_; }
     // Whether the cell is prepared and may be timed.
@@ -24,13 +24,13 @@ public:
     // Why the cell, which must be known, has failed; empty: it has not.
     std::string failure(const Cell& cell) const;
 
-    void set_cell(const Cell& cell, const Json& facts);
+    void set_cell(const Cell& cell, const CellFacts& facts);
     // Notes a failure of a cell that is known.
     void set_failed(const Cell& cell, const std::string& reason);
     // Notes a failure of a cell that has not failed yet, and says so on stderr.
     void fail(const Cell& cell, const std::string& reason);
-    void add_sample(const Cell& cell, const Json& sample);
-    void retake_sample(const Cell& cell, const Json& sample);
+    void add_sample(const Cell& cell, const Sample& sample);
+    void retake_sample(const Cell& cell, const Sample& sample);
     // While what this returns lives, a crash leaves the cell as failed ("crashed in PLACE: SIGNAL") and says how to go
     // on.
     LastLine fails_if_crashed(const Cell& cell, const std::string& place) const;
@@ -42,7 +42,7 @@ public:
 
 private:
     void begin_session();
-    Json session_facts() const;
+    SessionFacts session_facts() const;
 
     Journal journal_;
     std::string host_name_;

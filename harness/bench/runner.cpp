@@ -105,18 +105,17 @@ void check_benchmark_out(const std::vector<std::string>& flags) {
 }
 
 // The part of the run's identity that a result keeps and, for a shard, its cells' positions in the whole plan.
-nlohmann::ordered_json run_facts_of(const Json& identity, const Shard& shard,
-                                    const std::vector<std::size_t>& positions) {
-    nlohmann::ordered_json facts = run_json(identity);
+RunRecord record_of(const RunIdentity& identity, const Shard& shard, const std::vector<std::size_t>& positions) {
+    RunRecord record = record_of(identity);
     if (!shard.is_whole()) {
-        facts["positions"] = positions;
+        record.positions = positions;
     }
-    return facts;
+    return record;
 }
 
 // A host's name may differ where the call says so: the result keeps the names, session by session.
 std::vector<std::string> that_may_differ(const RunOptions& options) {
-    return options.other_host ? std::vector<std::string>{"host_name"} : std::vector<std::string>{};
+    return options.other_host ? std::vector<std::string>{RunIdentity::host_name_key} : std::vector<std::string>{};
 }
 
 // While it lives, a run that does not end after an interrupt is ended by `end`, on another thread and for good, while a
@@ -150,16 +149,15 @@ int most_repetitions(const Suite& suite, const RunOptions& options) {
 // Sample i has the seed of the first and i: a line that was lost or stands twice would shift all that follow.
 void check_sample_seeds(const Plan& plan, const Journal& journal, std::uint64_t first_seed, int repetitions) {
     for (const Cell& cell : plan.cells) {
-        const std::vector<Json>& samples = journal.samples(cell.name);
+        const std::vector<Sample>& samples = journal.samples(cell.name);
         if (samples.size() > static_cast<std::size_t>(repetitions)) {
             throw InputError(journal.file(), cell.name, fmt::format("{} samples", samples.size()),
                              fmt::format("at most {}; remove the file to start over", repetitions));
         }
         for (std::size_t i = 0; i < samples.size(); ++i) {
-            const std::uint64_t seed = samples[i].value("pt_seed", std::uint64_t{0});
-            if (seed != first_seed + i) {
+            if (samples[i].seed != first_seed + i) {
                 throw InputError(
-                    journal.file(), cell.name, fmt::format("sample {} with seed {}", i, seed),
+                    journal.file(), cell.name, fmt::format("sample {} with seed {}", i, samples[i].seed),
                     fmt::format("seed {}, as ptbench wrote it; remove the file to start over", first_seed + i));
             }
         }
@@ -203,7 +201,7 @@ std::chrono::milliseconds grace_of(const RunOptions& options) {
 }
 
 // Runs the plan of `ending`, a part of the run of this identity.
-int run_part(const RunEnding& ending, const Json& identity, const RunOptions& options) {
+int run_part(const RunEnding& ending, const RunIdentity& identity, const RunOptions& options) {
     const Plan& plan = ending.plan;
     const Progress::Lines lines = options.quiet ? Progress::Lines::hidden : Progress::Lines::shown;
     Interrupt interrupt(grace_of(options));
@@ -216,7 +214,7 @@ int run_part(const RunEnding& ending, const Json& identity, const RunOptions& op
     ErrorBook errors(plan, ReferenceMaker(options.reference_cache, {.is_stopped = [&] { return interrupt.requested(); },
                                                                     .says = say_below_progress}));
     say_what_was_dropped(journal.known());
-    check_journal(plan, ending.suite, journal.known());
+    check_journal(plan, journal.known());
     check_sample_seeds(plan, journal.known(), options.seed, most_repetitions(ending.suite, options));
     say_what_failed_before(plan, journal);
     FilmLedger films(plan, journal.known(), options.seed);
@@ -289,13 +287,13 @@ int run_suite(const Suite& suite, const RunOptions& options) {
     check_seeds(whole, options.seed, most_repetitions(suite, options));
     check_ranks(whole);
     initialize_benchmark(repetitions, options.benchmark_flags);
-    const Json identity = identity_of(whole, {.suite = suite.name,
-                                              .backend = options.backend,
-                                              .seed = options.seed,
-                                              .repetitions = repetitions,
-                                              .most_repetitions = most_repetitions(suite, options),
-                                              .shard = options.shard});
-    const EarlierResult earlier = earlier_result(options.out, run_json(identity));
+    const RunIdentity identity = identity_of(whole, {.suite = suite.name,
+                                                     .backend = options.backend,
+                                                     .seed = options.seed,
+                                                     .repetitions = repetitions,
+                                                     .most_repetitions = most_repetitions(suite, options),
+                                                     .shard = options.shard});
+    const EarlierResult earlier = earlier_result(options.out, record_of(identity));
     if (is_done(options, earlier)) {
         fmt::print("{}\nnothing left to do: this run is complete\n", options.out);
         return earlier.failed_cells > 0 ? exit_check_failed : exit_good;
@@ -316,7 +314,7 @@ int run_suite(const Suite& suite, const RunOptions& options) {
                                .backend = options.backend,
                                .repetitions = repetitions,
                                .most_retakes = options.retakes < 0 ? repetitions : options.retakes,
-                               .run = run_facts_of(identity, options.shard, positions)},
+                               .run = record_of(identity, options.shard, positions)},
                      .was_resumed = options.resume},
                     identity, options);
 }

@@ -12,12 +12,12 @@ namespace pt {
 namespace {
 
 double expected_mse(const Cell& cell, const Journal& journal) {
-    return journal.cell(cell.name)->at("convergence").at("expected_mse");
+    return journal.cell(cell.name)->convergence.value().expected_mse;
 }
 
 void check_same_reference(const Cell& cell, const std::string& result_file, const Journal& journal,
-                          const Reference& reference, const Json& known, const Json& now) {
-    if (!journal.samples(cell.name).empty() && known.at("hash") != now.at("hash")) {
+                          const Reference& reference, const ConvergenceFacts& known) {
+    if (!journal.samples(cell.name).empty() && known.reference_hash() != reference.hash) {
         throw InputError(
             fmt::format("{}: the samples of {} were compared with another reference than {} of {} spp "
                         "a half; remove the journal and start again",
@@ -26,19 +26,18 @@ void check_same_reference(const Cell& cell, const std::string& result_file, cons
 }
 
 void settle_reference(const Cell& cell, const std::string& result_file, RunJournal& journal, const ErrorBook& errors) {
-    Json facts = *journal.known().cell(cell.name);
-    Json& known = facts["convergence"]["reference"];
+    CellFacts facts = *journal.known().cell(cell.name);
+    ConvergenceFacts& known = facts.convergence.value();
     const Reference& reference = errors.reference(cell);
     const Json now = reference.provenance();
-    check_same_reference(cell, result_file, journal.known(), reference, known, now);
+    check_same_reference(cell, result_file, journal.known(), reference, known);
     const std::string refusal = errors.refusal(cell, expected_mse(cell, journal.known()));
-    if (known == now && refusal.empty()) {
+    if (known.reference == now && refusal.empty()) {
         return;
     }
-    known = now;
+    known.reference = now;
     if (!refusal.empty()) {
-        facts["status"] = "failed";
-        facts["reason"] = refusal;
+        facts.fail(refusal);
         say_below_progress(fmt::format("failed: {}: {}", cell.name, refusal));
     }
     journal.set_cell(cell, facts);

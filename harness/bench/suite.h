@@ -38,11 +38,19 @@ struct ConvergenceSettings {
     bool without_checkpoints = false;  // the cells once more as ordinary ones
 };
 
+// What a study compares that asks how many paths are alive, bounce by bounce.
+inline constexpr const char* live_paths = "live_paths";
+// What a study's cells may be compared along: a setting, a scene's number of materials, or a tunable.
+inline constexpr const char* along_depth = "depth";
+inline constexpr const char* all_along[] = {"resolution", along_depth, "materials", "shading_fmas"};
+
 struct Study {
     std::string name;
     std::string title;
-    // The figure that analysis draws from the study: one by name, or an axis whose choices are compared; empty: none.
-    std::string figure;
+    // The axis whose choices, or the tunable whose values, are held against each other, or live_paths. Empty: nothing,
+    // or with `along` the first axis of which the study has several choices.
+    std::string compares;
+    std::string along = {};  // what else varies, so that the comparison is followed along it; empty: nothing
     std::vector<std::string> scenes;
     AxisChoices axes;
     TunableValues tunables;

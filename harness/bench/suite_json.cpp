@@ -5,7 +5,10 @@
 
 #include <fmt/format.h>
 
+#include "limits.h"  // generated from analysis/ptbench/io/limits.json
+
 #include "harness/bench/convergence_study.h"
+#include "harness/bench/older_suites.h"
 #include "harness/text_file.h"
 
 namespace pt {
@@ -151,20 +154,45 @@ VariantSet read_variant_set(const JsonObject& object) {
     return set;
 }
 
-std::string read_figure(const JsonObject& object, bool is_convergence) {
-    if (is_convergence) {
-        return object.at("figure").one_of({"convergence"});
-    }
-    std::vector<std::string> figures{"remaining_paths",        "sorting_by_depth", "first_bounce_by_depth",
-                                     "scaling_by_resolution",  "scaling_by_depth", "scaling_by_materials",
-                                     "scaling_by_shading_fmas"};
-    figures.insert(figures.end(), std::begin(axis_names), std::end(axis_names));
-    if (object.has("tunables") && object.at("tunables").json().is_object()) {
-        for (const auto& [tunable, values] : object.at("tunables").json().items()) {
-            figures.push_back(tunable);
+std::vector<std::string> tunables_in(const JsonObject& study) {
+    std::vector<std::string> names;
+    if (study.has("tunables") && study.at("tunables").json().is_object()) {
+        for (const auto& [tunable, values] : study.at("tunables").json().items()) {
+            names.push_back(tunable);
         }
     }
-    return object.at("figure").one_of(figures);
+    return names;
+}
+
+Compared read_compared(const JsonObject& object, bool is_convergence) {
+    if (object.has(older_figure_key) && (object.has("compares") || object.has("along"))) {
+        object.at(older_figure_key).fail("`compares` alone, which has taken its place");
+    }
+    if (is_convergence) {
+        if (object.has(older_figure_key)) {
+            (void)object.at(older_figure_key).one_of({"convergence"});
+        }
+        return {};  // the type says what is compared, and the keys of the other type are refused
+    }
+    if (object.has(older_figure_key)) {
+        return compared_by_figure(object.at(older_figure_key), tunables_in(object));
+    }
+    Compared compared;
+    if (object.has("compares")) {
+        std::vector<std::string> names{live_paths};
+        names.insert(names.end(), std::begin(axis_names), std::end(axis_names));
+        const bool can_be_tunable = !object.has("along");
+        const std::vector<std::string> tunables = can_be_tunable ? tunables_in(object) : std::vector<std::string>();
+        names.insert(names.end(), tunables.begin(), tunables.end());
+        compared.compares = object.at("compares").one_of(names);
+    }
+    if (object.has("along")) {
+        if (compared.compares.empty() || compared.compares == live_paths) {
+            object.at("along").fail("none without an axis that the study compares");
+        }
+        compared.along = object.at("along").one_of({std::begin(all_along), std::end(all_along)});
+    }
+    return compared;
 }
 
 std::vector<VariantSet> read_variants(const JsonValue& value) {
@@ -180,10 +208,12 @@ std::vector<VariantSet> read_variants(const JsonValue& value) {
 
 // The object's keys are those of its type; what only the other type has is named as such.
 JsonObject study_object(const JsonValue& value) {
-    std::vector<std::string> keys{"name",     "type",     "title",      "figure", "scenes", "axes",
-                                  "tunables", "variants", "resolution", "depth",  "spp"};
+    std::vector<std::string> keys{"name",     "type",       "title", "scenes", "axes",          "tunables",
+                                  "variants", "resolution", "depth", "spp",    older_figure_key};
     const bool is_convergence = value.json().is_object() && value.json().value("type", Json()) == "convergence";
-    if (is_convergence) {
+    if (!is_convergence) {
+        keys.insert(keys.end(), {"compares", "along"});
+    } else {
         keys.insert(keys.end(), convergence_keys.begin(), convergence_keys.end());
     }
     return {value, keys};
@@ -196,9 +226,9 @@ Study read_study(const JsonValue& value) {
         object.has("type") && object.at("type").one_of({"time", "convergence"}) == "convergence";
     study.name = object.required("name").plain_name();
     study.title = object.has("title") ? object.at("title").text() : study.name;
-    if (object.has("figure")) {
-        study.figure = read_figure(object, is_convergence);
-    }
+    const Compared compared = read_compared(object, is_convergence);
+    study.compares = compared.compares;
+    study.along = compared.along;
     study.scenes = read_names(object.required("scenes"));
     const VariantSet common = read_variant_set(object);
     study.axes = common.axes;
@@ -236,8 +266,9 @@ void check_names(const Suite& suite, const std::string& file) {
 void check_repetitions(const Suite& suite, const JsonObject& root) {
     const bool has_convergence = std::any_of(suite.studies.begin(), suite.studies.end(),
                                              [](const Study& s) { return s.convergence.has_value(); });
-    if (has_convergence && suite.repetitions < fewest_seeds) {
-        root.at("repetitions").fail(fmt::format("{} or more: the suite has a study of type convergence", fewest_seeds));
+    if (has_convergence && suite.repetitions < limits::fewest_seeds) {
+        root.at("repetitions")
+            .fail(fmt::format("{} or more: the suite has a study of type convergence", limits::fewest_seeds));
     }
 }
 

@@ -49,48 +49,48 @@ TimedRender time_render(const Scene& scene, const RenderRequest& request) {
     return {std::move(rendered), end_to_end, clock_before, clock_after, foreign, throttled};
 }
 
-Json facts_of_sample(const RenderRequest& request, const TimedRender& timed, std::uint64_t order) {
+Sample facts_of_sample(const RenderRequest& request, const TimedRender& timed, std::uint64_t order) {
     const RenderResult& result = timed.rendered.result;
     const bool has_clock = timed.clock_before && timed.clock_after;
-    Json facts{{"pt_wall_ms", result.wall_ms},
-               {"pt_device_ms", result.device_ms},
-               {"pt_end_to_end_ms", timed.end_to_end_ms},
-               {"cpu_ms", result.cpu_ms},
-               {"pt_seed", request.settings.seed},
-               {"pt_spp", request.samples},
-               {"pt_paths", result.work.paths},
-               {"pt_rays", result.work.rays},
-               {"pt_connections", result.work.connections},
-               {"pt_cache_hits", result.work.cache_hits},
-               {"pt_rays_per_second", static_cast<double>(result.work.rays) / (1e-3 * result.wall_ms)},
-               {"pt_launches", result.work.launches},
-               {"pt_graph_nodes", result.work.graph_nodes},
-               {"pt_loop_rounds", result.work.loop_rounds},
-               {"pt_host_waits", result.work.host_waits},
-               {"pt_order", order},
-               {"pt_timestamp", seconds_since_1970()},
-               {"pt_clock_unknown", has_clock ? 0 : 1},
-               {"pt_foreign_cpu_ms", timed.foreign.cpu_ms},
-               {"pt_involuntary_switches", timed.foreign.involuntary_switches},
-               {"pt_throttled_periods", timed.throttled.periods},
-               {"pt_throttled_ms", timed.throttled.ms},
-               {"film_hash", result.film.hash()}};
+    Sample sample{.wall_ms = result.wall_ms,
+                  .cpu_ms = result.cpu_ms,
+                  .device_ms = result.device_ms,
+                  .end_to_end_ms = timed.end_to_end_ms,
+                  .seed = request.settings.seed,
+                  .spp = request.samples,
+                  .paths = result.work.paths,
+                  .rays = result.work.rays,
+                  .connections = result.work.connections,
+                  .cache_hits = result.work.cache_hits,
+                  .rays_per_second = static_cast<double>(result.work.rays) / (1e-3 * result.wall_ms),
+                  .launches = result.work.launches,
+                  .graph_nodes = result.work.graph_nodes,
+                  .loop_rounds = result.work.loop_rounds,
+                  .host_waits = result.work.host_waits,
+                  .order = order,
+                  .timestamp = seconds_since_1970(),
+                  .clock_unknown = has_clock ? 0 : 1,
+                  .foreign_cpu_ms = timed.foreign.cpu_ms,
+                  .involuntary_switches = timed.foreign.involuntary_switches,
+                  .throttled_periods = timed.throttled.periods,
+                  .throttled_ms = timed.throttled.ms,
+                  .film_hash = result.film.hash()};
     if (has_clock) {
-        facts["pt_clock_mhz_before"] = *timed.clock_before;
-        facts["pt_clock_mhz_after"] = *timed.clock_after;
+        sample.clock_mhz_before = timed.clock_before;
+        sample.clock_mhz_after = timed.clock_after;
     }
     if (const RankFacts& ranked = timed.rendered.ranks; ranked.count > 1) {
-        facts["pt_ranks"] = ranked.count;
-        facts["pt_slowest_rank_ms"] = ranked.slowest_ms;
-        facts["pt_fastest_rank_ms"] = ranked.fastest_ms;
-        facts["pt_reduce_ms"] = ranked.reduce_ms;
+        sample.ranks = ranked.count;
+        sample.slowest_rank_ms = ranked.slowest_ms;
+        sample.fastest_rank_ms = ranked.fastest_ms;
+        sample.reduce_ms = ranked.reduce_ms;
     } else if (result.devices.count > 1) {
-        facts["pt_devices"] = result.devices.count;
-        facts["pt_own_device_ms"] = result.devices.own_ms;
-        facts["pt_slowest_device_ms"] = result.devices.slowest_ms;
-        facts["pt_device_reduce_ms"] = result.devices.reduce_ms;
+        sample.devices = result.devices.count;
+        sample.own_device_ms = result.devices.own_ms;
+        sample.slowest_device_ms = result.devices.slowest_ms;
+        sample.device_reduce_ms = result.devices.reduce_ms;
     }
-    return facts;
+    return sample;
 }
 
 }  // namespace
@@ -99,9 +99,9 @@ SampleTaker::SampleTaker(const Plan& plan, const Journal& journal, std::uint64_t
                          ErrorBook& errors)
     : first_seed_(first_seed), films_(films), errors_(errors) {
     for (const Cell& cell : plan.cells) {
-        for (const std::vector<Json>* samples : {&journal.samples(cell.name), &journal.retaken(cell.name)}) {
-            for (const Json& sample : *samples) {
-                order_ = std::max(order_, sample.value("pt_order", std::uint64_t{0}) + 1);
+        for (const std::vector<Sample>* samples : {&journal.samples(cell.name), &journal.retaken(cell.name)}) {
+            for (const Sample& sample : *samples) {
+                order_ = std::max(order_, sample.order + 1);
             }
         }
     }
@@ -136,7 +136,7 @@ TakenSample SampleTaker::render_sample(const Cell& cell, std::size_t index) {
     }
     sample.facts = facts_of_sample(request, timed, order_);
     if (cell.convergence) {
-        sample.facts["pt_checkpoints"] = errors_.rows(cell, sample.snapshots);
+        sample.facts.checkpoints = errors_.rows(cell, sample.snapshots);
     }
     order_ += 1;
     return sample;

@@ -13,7 +13,7 @@ namespace pt {
 
 struct TakenSample {
     std::string error = {};                // why the sample failed; empty: it did not
-    Json facts = {};                       // for the journal
+    Sample facts = {};                     // for the journal
     std::vector<Snapshot> snapshots = {};  // of a cell with checkpoints
     std::vector<FailedCell> others = {};   // cells whose earlier samples it shows to be wrong
 };

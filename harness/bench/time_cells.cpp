@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "harness/bench/decide.h"
-#include "harness/bench/result_check.h"
 #include "harness/bench/retakes.h"
 #include "harness/bench/short_names.h"
 
@@ -27,9 +26,8 @@ public:
 
 // Milliseconds that a sample may take, told from the instrumented pass.
 double pass_ms(const Cell& cell, const Journal& journal) {
-    const Json& facts = *journal.cell(cell.name);
-    const auto pass = facts.find("instrumented");
-    const double wall = pass != facts.end() ? pass->value("wall_ms", 0.0) : 0.0;
+    const std::optional<InstrumentedFacts>& pass = journal.cell(cell.name)->instrumented;
+    const double wall = pass ? pass->wall_ms : 0;
     return std::max(1e-6, wall * cell.spp / cell.samples_to_prepare());
 }
 
@@ -43,12 +41,12 @@ Ahead ahead_of(const std::vector<const Cell*>& cells, const Journal& journal, in
     Ahead ahead;
     const auto wanted = static_cast<std::size_t>(repetitions);
     for (const Cell* const cell : cells) {
-        const std::vector<Json>& taken = journal.samples(cell->name);
+        const std::vector<Sample>& taken = journal.samples(cell->name);
         const std::size_t left = wanted - std::min(taken.size(), wanted);
         ahead.samples += left;
         ahead.time.expect(cell->name, left, pass_ms(*cell, journal));
-        for (const Json& sample : taken) {
-            ahead.time.took(cell->name, 1e-3 * sample.value("pt_end_to_end_ms", 0.0), false);
+        for (const Sample& sample : taken) {
+            ahead.time.took(cell->name, 1e-3 * sample.end_to_end_ms.value_or(0), false);
         }
     }
     return ahead;
@@ -82,9 +80,9 @@ public:
                 state.SkipWithError(error.c_str());
                 break;
             }
-            const Json& sample = journal_.known().samples(cell.name)[index];
-            state.SetIterationTime(1e-3 * sample.at("pt_wall_ms").get<double>());
-            state.counters["pt_rays_per_second"] = sample.at("pt_rays_per_second").get<double>();
+            const Sample& sample = journal_.known().samples(cell.name)[index];
+            state.SetIterationTime(1e-3 * sample.wall_ms);
+            state.counters[Sample::rays_per_second_key] = sample.rays_per_second;
         }
     }
 
@@ -177,8 +175,8 @@ private:
     }
 
     void keep_images(const Cell& cell, const std::vector<Snapshot>& snapshots) {
-        Json facts = *journal_.known().cell(cell.name);
-        facts["convergence"]["images"] = write_images(images_folder_, cell, errors_.reference(cell), snapshots);
+        CellFacts facts = *journal_.known().cell(cell.name);
+        facts.convergence->images = write_images(images_folder_, cell, errors_.reference(cell), snapshots);
         journal_.set_cell(cell, facts);
     }
 

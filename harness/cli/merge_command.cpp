@@ -35,12 +35,12 @@ int merge_files(const std::vector<std::string>& files, const std::string& out, b
         failed += cell.at("status") == "failed" ? 1u : 0u;
     }
     for (const auto& row : merged.result.at("benchmarks")) {
-        samples += row.contains("pt_order") ? 1u : 0u;
+        samples += is_row_of_sample(row) ? 1u : 0u;
     }
     fmt::print("{}\n{}, {}, {} failed, {} not applicable, from {} on {}\n", out,
                counted(merged.result.at("ptbench").at("cells").size(), "cell"), counted(samples, "sample"), failed,
                merged.result.at("ptbench").at("not_applicable").size(), counted(shards.size(), "shard"),
-               merged.result.at("context").at("host_name").get<std::string>());
+               merged.result.at("context").at(BenchmarkContext::host_name_key).get<std::string>());
     return failed == 0 ? exit_good : exit_check_failed;
 }
 

@@ -12,6 +12,7 @@
 #include "harness/files_read.h"
 #include "harness/json_reader.h"
 #include "harness/machine/machine.h"
+#include "harness/machine/run_context.h"
 #include "harness/mesh/write_mesh.h"
 #include "harness/nearest_name.h"
 #include "harness/rays/gpu_batch.h"
@@ -151,19 +152,14 @@ void refuse_sources(const RaysArguments& arguments) {
 }
 
 nlohmann::ordered_json context_of(const RaysArguments& arguments, const rays::RayStudy& study) {
-    nlohmann::ordered_json context;
-    for (const auto& [key, value] : machine_context()) {
-        context[key] = value;
-    }
+    MachineContext machine = machine_context();
     if (study.backend == Backend::cuda) {
-        for (const auto& [key, value] : cuda::context()) {
-            context[key] = value;
-        }
-        context["ptbench.machine"] = cuda::machine_name();
+        machine.gpu = cuda::context();
+        machine.machine = cuda::machine_name();
     }
-    context["ptbench.backend"] = to_string(study.backend);
-    context["ptbench.command_line"] = arguments.command_line;
-    context["date"] = iso_date();
+    nlohmann::ordered_json context(machine);
+    add_fields(context, CallContext{.backend = std::string(to_string(study.backend))});
+    add_fields(context, CallContext{.command_line = arguments.command_line, .date = iso_date()});
     return context;
 }
 

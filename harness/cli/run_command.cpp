@@ -16,6 +16,7 @@
 #include "harness/ranks/ranks.h"
 #include "harness/say.h"
 #include "harness/scene/places.h"
+#include "limits.h"  // generated from analysis/ptbench/io/limits.json
 
 namespace pt {
 
@@ -55,7 +56,6 @@ constexpr std::uint64_t most_reference_spp = 1u << 20;
 void ask_for_errors(Study& study) {
     study.convergence =
         ConvergenceSettings{.variance = any_variance, .most_spp = most_reference_spp, .without_checkpoints = true};
-    study.figure = "convergence";
     study.spp_on = {{Backend::cpu, 256}, {Backend::cuda, 4096}};
 }
 
@@ -82,9 +82,9 @@ void check_error_against_time(const RunArguments& arguments, const RunOptions& o
         throw InputError("command line", "options", "--error-against-time beside --suite",
                          "--scene; a suite says of each study whether it is of type convergence");
     }
-    if (options.repetitions > 0 && options.repetitions < fewest_seeds) {
+    if (options.repetitions > 0 && options.repetitions < limits::fewest_seeds) {
         throw InputError("command line", "--repetitions", std::to_string(options.repetitions),
-                         fmt::format("{} or more with --error-against-time", fewest_seeds));
+                         fmt::format("{} or more with --error-against-time", limits::fewest_seeds));
     }
 }
 
@@ -213,7 +213,7 @@ int run(const RunArguments& arguments, const CLI::App& command, const std::strin
     for (Study& study : suite.studies) {
         override_study(study, arguments, backend);
         if (arguments.suite.empty() && !study.convergence) {
-            study.figure = compared_axis(study.axes);
+            study.compares = compared_axis(study.axes);
         }
     }
     options.backend = backend;

@@ -14,6 +14,7 @@
 #include "harness/cuda/profile.h"
 #include "harness/cuda/several_devices.h"
 #include "harness/failure.h"
+#include "harness/machine/run_context.h"
 #include "harness/render/renderer.h"
 #include "variants/cuda/runtime/check.h"
 #include "variants/cuda/runtime/device.h"
@@ -167,31 +168,29 @@ std::string machine_name() {
 
 bool runs_processes_at_once() { return not_available().empty() && device().mps; }
 
-std::vector<std::pair<std::string, std::string>> context() {
+std::optional<GpuContext> context() {
     if (!not_available().empty()) {
-        return {};
+        return std::nullopt;
     }
     const Device& d = device();
-    std::vector<std::pair<std::string, std::string>> facts{
-        {"ptbench.cuda_device", d.name},
-        {"ptbench.cuda_compute_capability", fmt::format("{}.{}", d.major, d.minor)},
-        {"ptbench.cuda_multiprocessors", std::to_string(d.multiprocessors)},
-        {"ptbench.cuda_clock_mhz", std::to_string(d.clock_khz / 1000)},
-        {"ptbench.cuda_memory_clock_mhz", std::to_string(d.memory_clock_khz / 1000)},
-        {"ptbench.cuda_memory_bus_bits", std::to_string(d.memory_bus_bits)},
-        {"ptbench.cuda_memory_mib", std::to_string(d.memory_bytes >> 20)},
-        {"ptbench.cuda_l2_bytes", std::to_string(d.l2_bytes)},
-        {"ptbench.cuda_ecc", d.ecc ? "true" : "false"},
-        {"ptbench.cuda_mps", d.mps ? "true" : "false"},
-        {"ptbench.cuda_driver", version_text(d.driver_version)},
-        {"ptbench.cuda_runtime", version_text(d.runtime_version)},
-        {"ptbench.cuda_nvrtc", nvrtc_version()},
-        {"ptbench.cuda_cccl", PTBENCH_CCCL_VERSION},
-        {"ptbench.cuda_kernel_source_hash", kernel_source_hash()},
-    };
+    GpuContext facts{.device = d.name,
+                     .compute_capability = fmt::format("{}.{}", d.major, d.minor),
+                     .multiprocessors = std::to_string(d.multiprocessors),
+                     .clock_mhz = std::to_string(d.clock_khz / 1000),
+                     .memory_clock_mhz = std::to_string(d.memory_clock_khz / 1000),
+                     .memory_bus_bits = std::to_string(d.memory_bus_bits),
+                     .memory_mib = std::to_string(d.memory_bytes >> 20),
+                     .l2_bytes = std::to_string(d.l2_bytes),
+                     .ecc = d.ecc ? "true" : "false",
+                     .mps = d.mps ? "true" : "false",
+                     .driver = version_text(d.driver_version),
+                     .runtime = version_text(d.runtime_version),
+                     .nvrtc = nvrtc_version(),
+                     .cccl = PTBENCH_CCCL_VERSION,
+                     .kernel_source_hash = kernel_source_hash()};
     if (equal_devices() > 1) {
-        facts.emplace_back("ptbench.cuda_devices", std::to_string(equal_devices()));
-        facts.emplace_back("ptbench.cuda_nccl", nccl_version().empty() ? "none" : nccl_version());
+        facts.devices = std::to_string(equal_devices());
+        facts.nccl = nccl_version().empty() ? "none" : nccl_version();
     }
     return facts;
 }

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,6 +13,10 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "harness/render/renderer.h"
+
+namespace pt {
+struct GpuContext;  // harness/machine/run_context.h
+}
 
 namespace pt::cuda {
 
@@ -87,8 +92,8 @@ void collect_programs(const Scene& scene, const Variant& variant, const std::str
 std::string machine_name();
 // Whether processes run on the device at once (NVIDIA's MPS) rather than by turns; false if not available.
 bool runs_processes_at_once();
-// Keys ("ptbench.cuda_" prefixed) and values for the context of a result file; empty if not available.
-std::vector<std::pair<std::string, std::string>> context();
+// What the context of a result file says of the GPU; nothing if it is not available.
+std::optional<GpuContext> context();
 
 // The multiprocessors' clock, measured on the device: a chain of dependent additions against its nanosecond timer.
 double measure_clock_mhz();

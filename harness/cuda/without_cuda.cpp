@@ -3,6 +3,7 @@
 
 #include "harness/cuda/backend.h"
 #include "harness/failure.h"
+#include "harness/machine/run_context.h"
 
 namespace pt::cuda {
 
@@ -32,7 +33,7 @@ SharedHeaders::~SharedHeaders() = default;
 void collect_programs(const Scene&, const Variant&, const std::string&, bool, ProgramsToCompile&) {}
 std::string machine_name() { throw MachineError(reason); }
 bool runs_processes_at_once() { return false; }
-std::vector<std::pair<std::string, std::string>> context() { return {}; }
+std::optional<GpuContext> context() { return std::nullopt; }
 double measure_clock_mhz() { return 0; }
 
 }  // namespace pt::cuda

@@ -129,28 +129,25 @@ std::string image_sources_hash() { return PTBENCH_IMAGE_SOURCES_HASH; }
 
 bool git_dirty() { return PTBENCH_GIT_DIRTY != 0; }
 
-std::vector<std::pair<std::string, std::string>> machine_context() {
+MachineContext machine_context() {
     return {
-        {"ptbench.schema_version", "1"},
-        {"ptbench.version", PTBENCH_VERSION},
-        {"ptbench.git_sha", git_sha()},
-        {"ptbench.git_dirty", git_dirty() ? "true" : "false"},
-        {"ptbench.machine", machine_name()},
-        {"ptbench.cpu_model", cpu_model()},
-        {"ptbench.os", operating_system()},
-        {"ptbench.compiler", PTBENCH_COMPILER},
-        {"ptbench.compiler_flags", PTBENCH_COMPILER_FLAGS},
-        {"ptbench.build_type", PTBENCH_BUILD_TYPE},
-        {"ptbench.program_hash", program_hash()},
-        {"ptbench.openmp_environment", openmp_environment()},
-        {"ptbench.clock", clock_method()},
-        {"ptbench.threads", std::to_string(parallel_threads())},
-        {"ptbench.cpu_quota", quota_in_words(CpuGroups::of_this_process().quota())},
-        {"ptbench.thrust_version",
-         fmt::format("{}.{}.{}", THRUST_MAJOR_VERSION, THRUST_MINOR_VERSION, THRUST_SUBMINOR_VERSION)},
-        {"ptbench.thrust_system", "omp"},
-        {"ptbench.google_benchmark_version", PTBENCH_BENCHMARK_VERSION},
-    };
+        .version = PTBENCH_VERSION,
+        .git_sha = git_sha(),
+        .git_dirty = git_dirty() ? "true" : "false",
+        .machine = machine_name(),
+        .cpu_model = cpu_model(),
+        .os = operating_system(),
+        .compiler = PTBENCH_COMPILER,
+        .compiler_flags = PTBENCH_COMPILER_FLAGS,
+        .build_type = PTBENCH_BUILD_TYPE,
+        .program_hash = program_hash(),
+        .openmp_environment = openmp_environment(),
+        .clock = clock_method(),
+        .threads = std::to_string(parallel_threads()),
+        .cpu_quota = quota_in_words(CpuGroups::of_this_process().quota()),
+        .thrust_version = fmt::format("{}.{}.{}", THRUST_MAJOR_VERSION, THRUST_MINOR_VERSION, THRUST_SUBMINOR_VERSION),
+        .thrust_system = "omp",
+        .google_benchmark_version = PTBENCH_BENCHMARK_VERSION};
 }
 
 }  // namespace pt

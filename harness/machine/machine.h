@@ -2,16 +2,16 @@
 #pragma once
 
 #include <string>
-#include <utility>
-#include <vector>
+
+#include "harness/machine/run_context.h"
 
 namespace pt {
 
 // A name for folders: the CPU model and the number of threads, e.g. "amd-epyc-9654-2-threads".
 std::string machine_name();
 
-// Keys ("ptbench." prefixed) and values for the context of a result file.
-std::vector<std::pair<std::string, std::string>> machine_context();
+// What the context of a file says of this machine and build.
+MachineContext machine_context();
 
 // The time now, as ISO 8601 in local time, and in seconds since 1970. The clock may be set: it is for dates, never for
 // durations.

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "harness/ranks/machine_json.h"
+#include "harness/ranks/machine_context.h"
 #include "harness/ranks/mpi.h"
 #include "harness/ranks/ranks.h"
 #include "harness/ranks/task.h"
@@ -248,7 +248,7 @@ namespace {
 
 Json machine_of_rank(Backend backend) {
     try {
-        return {{"machine", Json(machine_json(backend))}};
+        return {{"machine", Json(machine_context(backend))}};
     } catch (const std::exception& error) {
         return {{"message", error.what()}};
     }

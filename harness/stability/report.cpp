@@ -10,7 +10,7 @@
 #include "harness/bench/result_file.h"
 #include "harness/json_reader.h"
 #include "harness/machine/machine.h"
-#include "harness/ranks/machine_json.h"
+#include "harness/ranks/machine_context.h"
 #include "harness/variant_json.h"
 #include "harness/write_file.h"
 #include "variants/variant_name.h"
@@ -23,8 +23,8 @@ constexpr const char* schema = "ptbench-stability-1";
 
 // The facts that rows must share to stand in one file.
 Json identity(const RunDescription& description) {
-    Json json = machine_json(description.backend);
-    json["ptbench.backend"] = pt::to_string(description.backend);
+    Json json(machine_context(description.backend));
+    add_fields(json, CallContext{.backend = std::string(pt::to_string(description.backend))});
     json["quick"] = description.is_quick;
     json["seed"] = description.seed;
     json["paths"] = description.paths;
@@ -79,7 +79,7 @@ void Report::keep_rows(const Json& old) {
         throw InputError(growing_, "file", "no result of ptbench stability", "one, to go on with");
     }
     Json there = old["context"];
-    for (const char* own : {"ptbench.command_line", "ptbench.status", "date"}) {
+    for (const char* own : {CallContext::command_line_key, CallContext::status_key, CallContext::date_key}) {
         if (there.is_object()) {
             there.erase(own);
         }
@@ -119,9 +119,7 @@ void Report::write(const std::string& status) const {
     }
     check_untouched(file_, stamp_, "the rows of this run that it did not have are lost");
     Json context = identity(description_);
-    context["ptbench.command_line"] = description_.command_line;
-    context["ptbench.status"] = status;
-    context["date"] = iso_date();
+    add_fields(context, CallContext{.command_line = description_.command_line, .status = status, .date = iso_date()});
     Json cases = Json::array();
     for (const Case& stiff_case : catalogue()) {
         cases.push_back(to_json(stiff_case));

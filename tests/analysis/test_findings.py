@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from builder import Builder
 from conftest import COMMITTED, PACKAGE
+from stability_builder import FLOAT, StabilityBuilder
 
 from ptbench.errors import FindingError
 from ptbench.findings import commits
@@ -399,3 +400,15 @@ def test_a_page_tells_the_gpu_tests_and_none_that_failed(tmp_path):
     again.mkdir()
     with pytest.raises(FindingError, match="2 failed"):
         render(page, gpu_tests_in(again, failed=1))
+
+
+def test_a_page_says_which_stiff_cases_a_run_has_left_out(tmp_path):
+    def text_of(name: str, builder: StabilityBuilder) -> str:
+        builder.write(tmp_path / name)
+        page = read_page(template(tmp_path, "{{ run.left_out }}", sources={"run": {"file": name}}))
+        return render(page, tmp_path)
+
+    builder = StabilityBuilder().case("lamp").row(FLOAT, error=0.0).case("dusk", family="film")
+    assert text_of("some.json", builder.case("dawn", family="film").case("rain", family="own")) == "2 of film, 1 of own"
+    with pytest.raises(FindingError, match="rows of every case"):
+        text_of("all.json", StabilityBuilder().case("lamp").row(FLOAT, error=0.0))

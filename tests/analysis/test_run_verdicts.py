@@ -1,7 +1,8 @@
-"""The table at the end of `ptbench run` says what the pages say: both are held to tests/support/run_verdicts.json.
+"""Files without comparisons are judged as the program judges a run: both are held to tests/support/run_verdicts.json.
 
-tests/unit/comparisons_test.cpp holds the program's C++ to the same file. `python3 tests/analysis/test_run_verdicts.py`
-(with PYTHONPATH=analysis) writes it anew where the rule or the results have changed.
+tests/unit/comparisons_test.cpp holds the program's C++ to the same pairs, ratios and words.
+`python3 tests/analysis/test_run_verdicts.py` (with PYTHONPATH=analysis) writes it anew where the rule or the results
+have changed.
 """
 
 import json

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from builder import rates_named, small
-from conftest import RESULTS, ROOT, committed
+from conftest import RESULTS, ROOT, committed, stored_text
 from jsonschema import Draft202012Validator
 
 from ptbench.io.cells import CELL_STATUSES, CLAIMS, RUN_STATUSES, STUDY_TYPES
@@ -155,7 +155,7 @@ def _committed(name: str) -> dict:
 
 @pytest.fixture(scope="module")
 def errors_file() -> dict:
-    return _committed("nvidia-h200/convergence_fa77827.json")  # it has rows that failed
+    return thinned(json.loads(stored_text(Path(__file__).parent / "parts_of_results" / "failed_cells.json")))
 
 
 # What is done to a good file, and the line that must come of it.

@@ -16,6 +16,7 @@ from ptbench.convergence.assessment import FAMILY_LEVEL, MOST_HIDDEN
 from ptbench.findings.page import measured_in
 from ptbench.io.cells import MOST_HOST_SHARE
 from ptbench.io.files import LARGEST_INPUT, LARGEST_RESULT
+from ptbench.io.limits import limit
 from ptbench.stats.estimates import CONFIDENCE, RESAMPLES, THRESHOLD
 
 # The README and docs/findings are made from templates, which test_findings.py holds to the same.
@@ -35,8 +36,8 @@ def constant(file: str, pattern: str) -> float:
 LIMIT, FLOOR, SURE, LEVEL = percent(THRESHOLD), percent(MOST_PLAUSIBLE), percent(CONFIDENCE), percent(FAMILY_LEVEL)
 HOST = percent(MOST_HOST_SHARE)
 ALLOWED = percent(constant("harness/bench/error_book.h", r"allowed_reference_error = ([\d.]+)"))
-CONTENDED = f"{constant('harness/bench/result_file.cpp', r'max.([0-9.]+), 0.1 . sample'):.0f} ms"
-LOW_CLOCK = f"below {constant('harness/bench/result_file.cpp', r'< ([0-9.]+) . highest'):g} of the highest"
+CONTENDED = f"{limit('most_foreign_ms')} ms"
+LOW_CLOCK = f"below {limit('low_clock_share'):g} of the highest"
 NODE_COST = constant("variants/builder/sah.h", r"traversal = ([\d.]+)")
 STATISTIC = "a rule of the statistics or of the harness"
 LAYOUT = "what a field of the result files means"

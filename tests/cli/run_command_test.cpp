@@ -68,7 +68,7 @@ protected:
         const json file = result();
         EXPECT_EQ(file.at("context").at("ptbench.status"), "completed");
         // Drawn as the comparison that was asked for: the axis that was given two choices.
-        EXPECT_EQ(file.at("ptbench").at("studies").at(0).at("figure"), "layout");
+        EXPECT_EQ(file.at("ptbench").at("studies").at(0).at("compares"), "layout");
         const std::vector<json> rows = samples(file);
         EXPECT_EQ(rows.size(), 2u * static_cast<std::size_t>(repetitions));
         std::set<std::pair<std::string, int>> ids;

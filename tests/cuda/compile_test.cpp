@@ -3,11 +3,11 @@
 // nearly without (compile_quickly) it refuses the same programs, with the assembler's limits of shared and constant
 // memory among the reasons. So a few programs of every source are optimised, as they are for a render (add_optimised),
 // and the others are not. Not every combination is tried:
-// - sm_90 gets every scene with an integrator that changes from scene to scene; every choice that changes a program,
-//   one at a time, on the scene with every material with half of the integrators (what compiles every feature: with
-//   two); the direct lights and the cache, on a scene whose first hits can be cached, likewise; and every stage in
-//   every layout and in both precisions.
-// - The others together get every scene once more, with an integrator and a direct light that change from scene to
+// - sm_90 gets every choice that changes a program, one at a time, with one or two integrators, which change from
+// choice
+//   to choice, on the scene with every material; the direct lights and the cache, on a scene whose first hits can be
+//   cached, likewise; and every stage in every layout and in both precisions.
+// - The others together get every scene once, with an integrator and a direct light that change from scene to
 //   scene; each gets every second stage in one layout and one specialisation, which change from GPU to GPU. Nothing in
 //   the sources depends on the scene and the GPU at once.
 // - The scenes of scenes/stability are run with the generic kernels.
@@ -102,17 +102,23 @@ public:
     // What is added from here on is optimised; a program that was added before stays as it is.
     void optimise(bool optimises) { optimises_ = optimises; }
 
-    // The integrator's program, if the variant applies to the scene.
-    void add(const Scene& scene, const Variant& variant) {
-        if (why_not_applicable(variant, features_of(scene), Backend::cuda).empty()) {
+    // The integrator's program, if the variant applies to the scene; whether it does.
+    bool add(const Scene& scene, const Variant& variant) {
+        const bool applies = why_not_applicable(variant, features_of(scene), Backend::cuda).empty();
+        if (applies) {
             add(cuda::module_request(scene, variant, architecture_), scene.name + " " + variant.spelled_out());
+            for (const std::string_view axis : axis_names) {
+                choices_.emplace(axis, variant[axis]);
+            }
         }
+        return applies;
     }
     void add_stage(const Choice& stage, const Variant& variant) {
         add(cuda::stage_request(variant, stage, architecture_), variant.spelled_out());
     }
 
     const std::map<std::string, Program>& by_key() const { return programs_; }
+    bool has(const std::string& axis, const std::string& choice) const { return choices_.contains({axis, choice}); }
 
 private:
     void add(const cuda::ModuleRequest& request, const std::string& asked_for_by) {
@@ -122,6 +128,7 @@ private:
     std::string architecture_;
     bool optimises_ = false;
     std::map<std::string, Program> programs_;
+    std::set<std::pair<std::string, std::string>> choices_;  // of integrators' programs, by axis
 };
 
 // The scenes whose kernels differ: those with the same features and numbers of objects share them.
@@ -181,18 +188,23 @@ void add_optimised(Programs& programs) {
     programs.optimise(false);
 }
 
-void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
+void add_every_choice(Programs& programs) {
     add_optimised(programs);
     const std::vector<std::string> integrators = choices_of("integrator");
-    for (std::size_t i = 0; i < scenes.size(); ++i) {
-        programs.add(scenes[i], baseline_with({{"integrator", integrators[i % integrators.size()]}}));
-    }
-    // With every step-th integrator, other ones for the next.
+    // With every step-th integrator, other ones for the next. Where the choices go with none of those, with the first
+    // after them that they go with.
     std::size_t turn = 0;
     const auto add_by_turns = [&](const Scene& scene, std::map<std::string, std::string> choices, std::size_t step) {
+        const auto applies_with = [&](std::size_t i) {
+            choices["integrator"] = integrators[i % integrators.size()];
+            return programs.add(scene, baseline_with(choices));
+        };
+        bool has_program = false;
         for (std::size_t i = turn % step; i < integrators.size(); i += step) {
-            choices["integrator"] = integrators[i];
-            programs.add(scene, baseline_with(choices));
+            has_program = applies_with(i) || has_program;
+        }
+        for (std::size_t i = 0; i < integrators.size() && !has_program; ++i) {
+            has_program = applies_with(turn + i);
         }
         ++turn;
     };
@@ -204,11 +216,11 @@ void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
                                               {"arithmetic", "fast"},
                                               {"specialisation", "baked"},
                                               {"first_bounce", "cached_jitters"}}) {
-        add_by_turns(five, {{axis, choice}}, 3);
+        add_by_turns(five, {{axis, choice}}, 6);
     }
     for (const auto& [axis, choice] :
          Choices{{"precision", "double"}, {"precision", "double_intersection"}, {"robustness", "naive"}}) {
-        add_by_turns(five, {{axis, choice}}, 3);
+        add_by_turns(five, {{axis, choice}}, 6);
     }
     for (const char* everything : {"generic", "matrix"}) {
         add_by_turns(five, {{"specialisation", everything}}, integrators.size());
@@ -221,14 +233,14 @@ void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
     }
     const Scene room = find_scene("meshes/icosphere_room");
     for (const std::string& accelerator : choices_of("accelerator")) {
-        add_by_turns(room, {{"accelerator", accelerator}}, 3);
+        add_by_turns(room, {{"accelerator", accelerator}}, 6);
     }
     for (const auto& [axis, choice] : Choices{{"layout", "soa"}, {"layout", "packed"}, {"specialisation", "baked"}}) {
-        add_by_turns(room, {{"accelerator", "bvh2"}, {axis, choice}}, 3);
+        add_by_turns(room, {{"accelerator", "bvh2"}, {axis, choice}}, 6);
     }
     for (const std::string& levels : choices_of("levels")) {
         for (const char* accelerator : {"bvh2", "cwbvh"}) {
-            add_by_turns(room, {{"accelerator", accelerator}, {"levels", levels}}, 6);
+            add_by_turns(room, {{"accelerator", accelerator}, {"levels", levels}}, integrators.size());
         }
         programs.add(room, baseline_with({{"levels", levels},
                                           {"accelerator", "bvh4"},
@@ -236,25 +248,28 @@ void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
                                           {"precision", "double"},
                                           {"integrator", "megakernel"}}));
     }
-    add_by_turns(room, {{"specialisation", "generic"}, {"precision", "double"}, {"direct_light", "nee_mis"}}, 3);
+    add_by_turns(room, {{"specialisation", "generic"}, {"precision", "double"}, {"direct_light", "nee_mis"}}, 6);
     for (const std::string& sampling : choices_of("light_sampling")) {
-        add_by_turns(five, {{"light_sampling", sampling}, {"direct_light", "nee_mis"}}, 6);
+        add_by_turns(five, {{"light_sampling", sampling}, {"direct_light", "nee_mis"}}, integrators.size());
         add_by_turns(five, {{"light_sampling", sampling}, {"direct_light", "nee"}, {"precision", "double"}},
                      integrators.size());
     }
     add_by_turns(five, {{"direct_light", "nee_one_sample"}, {"light_selection", "light_tree"}}, integrators.size());
     add_by_turns(five, {{"subsurface_sampling", "dwivedi"}}, integrators.size());
-    add_by_turns(five, {{"subsurface_sampling", "dwivedi"}, {"precision", "double"}, {"specialisation", "generic"}}, 3);
+    add_by_turns(five, {{"subsurface_sampling", "dwivedi"}, {"precision", "double"}, {"specialisation", "generic"}}, 6);
     for (const std::string& selection : choices_of("light_selection")) {
-        add_by_turns(five, {{"light_selection", selection}, {"direct_light", "nee_mis"}}, 6);
+        add_by_turns(five, {{"light_selection", selection}, {"direct_light", "nee_mis"}}, integrators.size());
         add_by_turns(room, {{"light_selection", selection}, {"direct_light", "nee"}, {"precision", "double"}},
                      integrators.size());
     }
-    for (const std::string& accelerator : choices_of("accelerator")) {
-        for (const std::string& traversal : choices_of("traversal")) {
-            for (const std::string& stack : choices_of("traversal_stack")) {
+    // Every second of the triples, so that each pair is in some.
+    const std::vector<std::string> accelerators = choices_of("accelerator"), traversals = choices_of("traversal"),
+                                   stacks = choices_of("traversal_stack");
+    for (std::size_t a = 0; a < accelerators.size(); ++a) {
+        for (std::size_t t = 0; t < traversals.size(); ++t) {
+            for (std::size_t s = (a + t) % 2; s < stacks.size(); s += 2) {
                 const std::map<std::string, std::string> choices{
-                    {"accelerator", accelerator}, {"traversal", traversal}, {"traversal_stack", stack}};
+                    {"accelerator", accelerators[a]}, {"traversal", traversals[t]}, {"traversal_stack", stacks[s]}};
                 if (traits_of(baseline_with(choices), Backend::cuda).traversal.needs_own_kernel) {
                     programs.add(room, baseline_with(choices));
                 } else {
@@ -276,17 +291,17 @@ void add_everything(Programs& programs, const std::vector<Scene>& scenes) {
                                                   {"precision", "double"},
                                                   {"specialisation", "baked"},
                                                   {"direct_light", "nee_mis"}}) {
-            add_by_turns(find_scene(name), {{axis, choice}}, 3);
+            add_by_turns(find_scene(name), {{axis, choice}}, 6);
         }
     }
     const Scene still = find_scene("cornell_open_unjittered");
-    add_by_turns(still, {{"first_bounce", "cached"}}, 3);
-    add_by_turns(still, {{"first_bounce", "cached"}, {"devices", "2"}, {"partition", "tiles"}}, 3);
-    add_by_turns(room, {{"accelerator", "cwbvh"}, {"devices", "2"}, {"partition", "tiles"}}, 3);
-    add_by_turns(still, {{"direct_light", "final_bounce"}}, 3);
+    add_by_turns(still, {{"first_bounce", "cached"}}, 6);
+    add_by_turns(still, {{"first_bounce", "cached"}, {"devices", "2"}, {"partition", "tiles"}}, 6);
+    add_by_turns(room, {{"accelerator", "cwbvh"}, {"devices", "2"}, {"partition", "tiles"}}, 6);
+    add_by_turns(still, {{"direct_light", "final_bounce"}}, 6);
     add_by_turns(still, {{"direct_light", "nee_mis"}, {"russian_roulette", "throughput"}, {"sampler", "sobol_owen"}},
-                 2);
-    add_by_turns(room, {{"russian_roulette", "adjoint"}}, 3);
+                 4);
+    add_by_turns(room, {{"russian_roulette", "adjoint"}}, 6);
     for (const char* integrator : {"megakernel", "persistent"}) {
         programs.add(five, baseline_with({{"integrator", integrator}, {"russian_roulette", "adjoint_splitting"}}));
     }
@@ -319,6 +334,18 @@ void add_pairs(Programs& programs, const std::vector<Scene>& scenes, std::size_t
     }
 }
 
+// No choice that changes an integrator's program is without one.
+void expect_every_choice(const Programs& programs) {
+    for (const char* const axis :
+         {"integrator", "direct_light", "layout", "accelerator", "traversal", "traversal_stack", "levels",
+          "light_sampling", "light_selection", "first_bounce", "specialisation", "arithmetic", "precision",
+          "robustness", "russian_roulette", "subsurface_sampling"}) {
+        for (const std::string& choice : choices_of(axis)) {
+            EXPECT_TRUE(programs.has(axis, choice)) << axis << "=" << choice;
+        }
+    }
+}
+
 class CompileTest : public testing::TestWithParam<const char*> {
 protected:
     // Everything at once: NVRTC compiles one program at a time in a process, so this is where the time goes.
@@ -332,7 +359,8 @@ protected:
         for (const char* architecture : supported_architectures) {
             Programs& programs = all().try_emplace(architecture, architecture).first->second;
             if (architecture == full_architecture) {
-                add_everything(programs, scenes);
+                add_every_choice(programs);
+                expect_every_choice(programs);
             } else {
                 add_pairs(programs, scenes, turn++);
             }

@@ -13,6 +13,7 @@
 #include "harness/cuda/kernel_request.h"
 #include "harness/error/reference.h"
 #include "harness/failure.h"
+#include "harness/machine/run_context.h"
 #include "harness/scene/places.h"
 #include "harness/stability/evaluate.h"
 #include "tests/support/command.h"
@@ -63,7 +64,7 @@ TEST(WithoutDeviceTest, SaysWhy) {
     EXPECT_FALSE(reason.empty());
     EXPECT_EQ(reason.find('\n'), std::string::npos) << reason;
     EXPECT_EQ(cuda::not_available(), reason);
-    EXPECT_TRUE(cuda::context().empty());
+    EXPECT_FALSE(cuda::context());
 }
 
 TEST(WithoutDeviceTest, ARenderFailsWithTheReason) {

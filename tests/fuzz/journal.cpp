@@ -37,13 +37,13 @@ void read_journal(const std::string& text) {
     std::ofstream(file, std::ios::binary) << test::sealed_lines(text);
     accept_or_refuse([&] {
         Journal journal(file, "identity", true);
-        check_journal(plan, {}, journal);
+        check_journal(plan, journal);
         RunFacts facts;
         facts.repetitions = 3;
         const std::string result = result_json(plan, {}, journal, facts);
         require(Json::accept(result), "a result that is no JSON");
         const std::size_t samples = journal.sample_count();
-        journal.add_sample("plain", {{"pt_wall_ms", 1}});
+        journal.add_sample("plain", {.wall_ms = 1});
         require(journal.sample_count() == samples + 1, "a sample that is not counted");
     });
     std::filesystem::remove(file);

@@ -98,6 +98,7 @@ Scene mixed_scene() {
 TEST(MeshTest, EveryVariantLeavesTheFilmOfBruteForce) {
     const Scene scene = mixed_scene();
     RenderSettings settings = default_settings(scene);
+    settings.width = settings.height = 8;
     settings.seed = 11;
     Verifier verifier(scene, settings, 2);
     AxisChoices axes = all_choices();

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "harness/bench/error_table.h"
+#include "harness/bench/older_suites.h"
 #include "harness/bench/result_file.h"
 #include "harness/bench/retakes.h"
 #include "harness/bench/short_names.h"
@@ -22,15 +23,14 @@
 namespace pt {
 namespace {
 
-Json sample(double wall, double foreign = 0) {
-    return {{"pt_wall_ms", wall}, {"cpu_ms", wall}, {"pt_foreign_cpu_ms", foreign}};
-}
+Sample sample(double wall, double foreign = 0) { return {.wall_ms = wall, .cpu_ms = wall, .foreign_cpu_ms = foreign}; }
 
-Study study_of(const std::string& name, const std::string& figure) {
+Study study_of(const std::string& name, const std::string& compares, const std::string& along = "") {
     Study study;
     study.name = name;
     study.title = "The " + name;
-    study.figure = figure;
+    study.compares = compares;
+    study.along = along;
     return study;
 }
 
@@ -50,7 +50,13 @@ struct CommittedRun {
 
     explicit CommittedRun(const Json& file) {
         for (const Json& study : file.at("ptbench").at("studies")) {
-            suite.studies.push_back(study_of(study.at("name"), study.at("figure")));
+            suite.studies.push_back(study_of(study.at("name"), ""));
+            if (const Json figure = study.at(older_figure_key); figure != "" && figure != "convergence") {
+                // A tunable may be one that no cell on this backend has.
+                const Compared compared = compared_by_figure(JsonValue(figure, "", "$"), {figure});
+                suite.studies.back().compares = compared.compares;
+                suite.studies.back().along = compared.along;
+            }
         }
         for (const Json& facts : file.at("ptbench").at("cells")) {
             plan.cells.push_back(cell_of(facts));
@@ -67,7 +73,7 @@ struct CommittedRun {
             return a.at("repetition_index").get<int>() < b.at("repetition_index").get<int>();
         });
         for (const Json& row : rows) {
-            journal.add_sample(row.at("run_name"), row);
+            journal.add_sample(row.at("run_name"), sample_of_result(row));
         }
     }
 
@@ -82,7 +88,8 @@ struct CommittedRun {
         cell.convergence->checkpoints = convergence->at("checkpoints").get<std::vector<std::uint32_t>>();
         cell.convergence->reference.scene = scene_called(reference.at("scene"));
         cell.convergence->reference.depth = reference.at("depth");
-        journal.set_cell(cell.name, {{"status", facts.at("status")}, {"convergence", *convergence}});
+        journal.set_cell(cell.name,
+                         {.status = facts.at("status"), .convergence = Json(*convergence).get<ConvergenceFacts>()});
     }
 
     static Cell cell_of(const Json& facts) {
@@ -191,21 +198,30 @@ std::string content_of_result(const std::string& file) {
     return content;
 }
 
-// Bit for bit: one generator of random numbers, one order of operations.
+// Python judges files that hold no comparisons: the pairs and ratios are these, bit for bit. Its intervals have other
+// random numbers, so an end may lie at another value; where that decides, one of the two is UNSURE.
 TEST(ComparisonsTest, CommittedResultsHaveTheVerdictsThatPythonGivesThem) {
     const Json expected = Json::parse(test::content_of(test::in_source("tests/support/run_verdicts.json")));
     ASSERT_GE(expected.size(), 4u);
+    std::size_t count = 0, same_word = 0;
     for (const auto& [file, pairs] : expected.items()) {
         const CommittedRun run(Json::parse(content_of_result(file)));
         const Json found = run.pairs();
         ASSERT_EQ(found.size(), pairs.size()) << file;
         for (std::size_t i = 0; i < pairs.size(); ++i) {
-            EXPECT_EQ(found[i], pairs[i]) << file;
+            for (const std::size_t place : {0, 1, 2, 3}) {
+                EXPECT_EQ(found[i][place], pairs[i][place]) << file << ": " << pairs[i];
+            }
+            count += 1;
+            same_word += found[i][6] == pairs[i][6] ? 1 : 0;
+            EXPECT_TRUE(found[i][6] == pairs[i][6] || found[i][6] == "UNSURE" || pairs[i][6] == "UNSURE") << pairs[i];
         }
     }
+    EXPECT_GE(same_word, count - count / 50) << "of " << count;
 }
 
-// To rounding: NumPy adds in another order.
+// Errors and efficiencies to rounding, as NumPy adds in another order; the intervals' ends by the width of a
+// bootstrap's own noise, as Python draws other random numbers.
 TEST(ComparisonsTest, CommittedResultsHaveTheErrorsAndEfficienciesThatPythonGivesThem) {
     const Json expected = Json::parse(test::content_of(test::in_source("tests/support/run_errors.json")));
     ASSERT_GE(expected.size(), 1u);
@@ -217,7 +233,9 @@ TEST(ComparisonsTest, CommittedResultsHaveTheErrorsAndEfficienciesThatPythonGive
             for (std::size_t k = 0; k < rows[i].size(); ++k) {
                 if (rows[i][k].is_number_float()) {
                     const double value = rows[i][k];
-                    EXPECT_NEAR(found[i][k].get<double>(), value, 1e-9 * std::abs(value)) << file << ": " << rows[i];
+                    const bool is_end = k == 5 || k == 6 || k == 9 || k == 10;
+                    EXPECT_NEAR(found[i][k].get<double>(), value, (is_end ? 0.05 : 1e-9) * std::abs(value))
+                        << file << ": " << rows[i];
                 } else {
                     EXPECT_EQ(found[i][k], rows[i][k]) << file << ": " << rows[i];
                 }
@@ -253,11 +271,11 @@ protected:
         }
         return plan.cells.back();
     }
-    std::string table() const { return verdict_table(plan, suite, journal); }
+    std::string table() const { return verdict_table(plan, suite, journal, comparisons_of(plan, suite, journal)); }
 };
 
 TEST_F(TableTest, HasALineACellWithItsVerdict) {
-    suite.studies[0].figure = "compaction";
+    suite.studies[0].compares = "compaction";
     add({}, 10);
     add({{"compaction", "thrust_remove_if"}}, 30);
     add({{"compaction", "thrust_partition"}}, 10);
@@ -265,7 +283,7 @@ TEST_F(TableTest, HasALineACellWithItsVerdict) {
     add({{"layout", "soa"}, {"compaction", "thrust_remove_if"}}, 18, 3);
     add({{"sorting", "bucket"}, {"compaction", "thrust_remove_if"}}, 18);    // its baseline was not run
     add({{"sorting", "bucket"}, {"compaction", "thrust_partition"}}, 1, 0);  // interrupted before it
-    journal.set_cell(add({{"compaction", "thrust_copy_if_index"}}, 1).name, {{"status", "failed"}});
+    journal.set_cell(add({{"compaction", "thrust_copy_if_index"}}, 1).name, {.status = CellStatus::failed});
     EXPECT_EQ(table(),
               "box 20x10, depth 4, 2 spp on cpu: ratio to compaction=none, all else equal\n"
               "    ms/spp   ratio  95 % interval     verdict   variant\n"
@@ -289,13 +307,12 @@ TEST_F(TableTest, ACellThatFailedHasNoErrorAndNoEfficiency) {
         cell.convergence->checkpoints = {1, 2};
         cell.convergence->reference.scene = cell.scene;
         for (int i = 0; i < 9; ++i) {
-            Json row = sample(2);
-            row["pt_checkpoints"] = {{{"mse_dual", 1}, {"rel_mse_dual", 1}},
-                                     {{"mse_dual", 0.5}, {"rel_mse_dual", 0.5}}};
+            Sample row = sample(2);
+            row.checkpoints = {{.mse_dual = 1, .rel_mse_dual = 1}, {.mse_dual = 0.5, .rel_mse_dual = 0.5}};
             journal.add_sample(cell.name, row);
         }
-        journal.set_cell(cell.name, {{"status", cell.variant["layout"] == "soa" ? "failed" : "ok"},
-                                     {"convergence", {{"independent_samples", true}, {"biases", Json::array()}}}});
+        journal.set_cell(cell.name, {.status = cell.variant["layout"] == "soa" ? CellStatus::failed : CellStatus::ok,
+                                     .convergence = ConvergenceFacts{.independent_samples = true}});
     }
     const std::string text = table();
     EXPECT_NE(text.find("  baseline   wavefront\n"), std::string::npos) << text;
@@ -303,8 +320,33 @@ TEST_F(TableTest, ACellThatFailedHasNoErrorAndNoEfficiency) {
     EXPECT_EQ(text.find("1.000 ["), std::string::npos) << text;
 }
 
+TEST_F(TableTest, TheFileHoldsEveryComparisonOrWhyThereIsNone) {
+    suite.studies[0].compares = "compaction";
+    suite.studies.push_back(study_of("b", live_paths));  // compares nothing
+    add({}, 10);
+    add({{"compaction", "thrust_remove_if"}}, 30).studies = {"a", "b"};
+    add({{"layout", "soa"}}, 20);
+    add({{"layout", "soa"}, {"compaction", "thrust_remove_if"}}, 18, 3);
+    add({{"sorting", "bucket"}, {"compaction", "thrust_remove_if"}}, 18);
+    add({{"sorting", "bucket"}, {"layout", "soa"}}, 1, 0);
+    add({{"sorting", "bucket"}, {"layout", "soa"}, {"compaction", "thrust_partition"}}, 18);
+    Json found = Json::array();
+    for (const Comparison& comparison : comparisons_of(plan, suite, journal)) {
+        found.push_back(comparison.facts());
+    }
+    EXPECT_EQ(found, Json::parse(R"([
+        {"study": "a", "cell": "1", "baseline": "0", "ratio": 3.0, "interval": [3.0, 3.0], "word": "SLOWER",
+         "reason_code": "", "in_time": "SLOWER", "in_cycles": null},
+        {"study": "a", "cell": "3", "baseline": "2", "ratio": 0.9, "interval": [0.9, 0.9], "word": "UNSURE",
+         "reason_code": "few_samples", "in_time": "UNSURE", "in_cycles": null},
+        {"study": "a", "cell": "4", "baseline": null, "ratio": null, "interval": null, "word": null,
+         "reason_code": "no_baseline", "in_time": null, "in_cycles": null},
+        {"study": "a", "cell": "6", "baseline": "5", "ratio": null, "interval": null, "word": null,
+         "reason_code": "baseline_not_measured", "in_time": null, "in_cycles": null}])"));
+}
+
 TEST_F(TableTest, ScenesAndSettingsStandTogetherAndStudiesHaveTheirTitles) {
-    suite.studies.push_back(study_of("b", "remaining_paths"));
+    suite.studies.push_back(study_of("b", live_paths));
     add({}, 1).settings.depth = 8;
     add({}, 2).studies = {"a", "b"};
     add({{"layout", "soa"}}, 2).settings.depth = 8;
@@ -324,7 +366,7 @@ TEST_F(TableTest, ScenesAndSettingsStandTogetherAndStudiesHaveTheirTitles) {
 }
 
 TEST_F(TableTest, ATunableIsHeldAgainstItsStandard) {
-    suite.studies[0].figure = "jitters";
+    suite.studies[0].compares = "jitters";
     add({{"first_bounce", "cached_jitters"}}, 2).variant.tuning["jitters"] = 2;
     add({{"first_bounce", "cached_jitters"}}, 1);
     EXPECT_NE(table().find(": ratio to jitters=16, all else equal\n"), std::string::npos) << table();
@@ -334,7 +376,7 @@ TEST_F(TableTest, ATunableIsHeldAgainstItsStandard) {
 }
 
 TEST_F(TableTest, AStudyWithoutTheUsualBaselineIsHeldAgainstItsFirstChoice) {
-    suite.studies[0].figure = "scaling_by_depth";
+    suite.studies[0] = study_of("a", "", along_depth);
     add({{"compaction", "thrust_remove_if"}}, 2);
     add({{"compaction", "thrust_partition"}}, 1);
     EXPECT_NE(table().find(": ratio to compaction=thrust_remove_if, all else equal\n"), std::string::npos) << table();
@@ -346,7 +388,7 @@ TEST_F(TableTest, ASortKeyNeedsNoBaselineOfItsOwn) {
     if (!test::cuda_is_built()) {
         GTEST_SKIP() << "there is one key on the CPU";
     }
-    suite.studies[0].figure = "sorting";
+    suite.studies[0].compares = "sorting";
     backend = Backend::cuda;
     add({}, 1);
     add({{"sorting", "bucket"}, {"sort_key", "ray"}}, 2);
@@ -379,9 +421,9 @@ TEST_F(TableTest, MoreThanATenthOfTheSamplesDisturbedIsNoVerdict) {
 
 // A busy host can only make a render longer than the device worked.
 TEST(DisturbedTest, OnAGpuTheDevicesClockTells) {
-    Json late = sample(200, 190), in_time = sample(200, 190);
-    late["pt_device_ms"] = 195;
-    in_time["pt_device_ms"] = 197;
+    Sample late = sample(200, 190), in_time = sample(200, 190);
+    late.device_ms = 195;
+    in_time.device_ms = 197;
     EXPECT_TRUE(is_disturbed(late, Backend::cuda));
     EXPECT_FALSE(is_disturbed(in_time, Backend::cuda));
     EXPECT_TRUE(is_disturbed(in_time, Backend::cpu));
@@ -390,25 +432,24 @@ TEST(DisturbedTest, OnAGpuTheDevicesClockTells) {
 
 // The device's clock goes on while the device waits, so it cannot tell.
 TEST(DisturbedTest, ARenderThatWaitsForABusyHostIsDisturbed) {
-    Json waiting = sample(200, 190), alone = sample(200, 10);
-    waiting["pt_device_ms"] = alone["pt_device_ms"] = 200;
+    Sample waiting = sample(200, 190), alone = sample(200, 10);
+    waiting.device_ms = alone.device_ms = 200;
     EXPECT_FALSE(is_disturbed(waiting, Backend::cuda));
-    waiting["pt_host_waits"] = alone["pt_host_waits"] = 1;
+    waiting.host_waits = alone.host_waits = 1;
     EXPECT_TRUE(is_disturbed(waiting, Backend::cuda));
     EXPECT_FALSE(is_disturbed(alone, Backend::cuda));
 }
 
 // However little else ran: the system itself withheld the time.
 TEST(DisturbedTest, ASampleThatAQuotaThrottledIsDisturbed) {
-    Json throttled = sample(200), not_once = sample(200);
-    throttled["pt_throttled_periods"] = 1;
-    throttled["pt_throttled_ms"] = 0.01;
-    not_once["pt_throttled_periods"] = 0;
+    Sample throttled = sample(200), not_once = sample(200);
+    throttled.throttled_periods = 1;
+    throttled.throttled_ms = 0.01;
     EXPECT_TRUE(is_disturbed(throttled, Backend::cpu));
     EXPECT_FALSE(is_disturbed(not_once, Backend::cpu));
-    throttled["pt_device_ms"] = 200;
+    throttled.device_ms = 200;
     EXPECT_FALSE(is_disturbed(throttled, Backend::cuda));
-    throttled["pt_host_waits"] = 1;
+    throttled.host_waits = 1;
     EXPECT_TRUE(is_disturbed(throttled, Backend::cuda));
 
     const test::TemporaryFolder folder;
@@ -416,17 +457,15 @@ TEST(DisturbedTest, ASampleThatAQuotaThrottledIsDisturbed) {
     Plan plan;
     plan.cells.resize(1);
     plan.cells[0].name = "a";
-    journal.set_cell("a", {{"status", "ok"}});
-    for (Json facts : {throttled, not_once, sample(200, 190)}) {
-        facts["film_hash"] = "0123456789abcdef";
+    journal.set_cell("a", {});
+    for (const Sample& facts : {throttled, not_once, sample(200, 190)}) {
         journal.add_sample("a", facts);
     }
     EXPECT_EQ(to_retake(plan.cells[0], journal, 9), (std::vector<std::size_t>{0, 2}));
     EXPECT_TRUE(times_of(plan.cells[0], journal).is_throttled);
     const Disturbance found = disturbance_of(plan, journal);
     EXPECT_EQ(in_words(found), "disturbed: 2 of 3 samples (other processes 1, CPU quota 1, low clock 0)");
-    EXPECT_EQ(verdict_of({}, times_of(plan.cells[0], journal), {}).reason.find("a CPU quota or other processes took"),
-              0u);
+    EXPECT_EQ(verdict_of({}, times_of(plan.cells[0], journal), {}).reason, WordReason::throttled);
 }
 
 TEST(DisturbedTest, AsManyAreTakenAgainAsTheLimitAllows) {
@@ -436,14 +475,14 @@ TEST(DisturbedTest, AsManyAreTakenAgainAsTheLimitAllows) {
     plan.cells.resize(2);
     plan.cells[0].name = "busy";
     plan.cells[1].name = "quiet";
-    const auto numbered = [](int seed, double foreign) {
-        Json facts = sample(200, foreign);
-        facts["pt_seed"] = seed;
+    const auto numbered = [](std::uint64_t seed, double foreign) {
+        Sample facts = sample(200, foreign);
+        facts.seed = seed;
         return facts;
     };
     for (const Cell& cell : plan.cells) {
-        journal.set_cell(cell.name, {{"status", "ok"}});
-        for (const int seed : {5, 6, 7}) {
+        journal.set_cell(cell.name, {});
+        for (const std::uint64_t seed : {5, 6, 7}) {
             journal.add_sample(cell.name, numbered(seed, cell.name == "busy" && seed != 6 ? 190 : 10));
         }
     }
@@ -472,7 +511,7 @@ TEST(DisturbedTest, AsManyAreTakenAgainAsTheLimitAllows) {
     EXPECT_EQ(file.at("samples")[2].at("cell"), "busy");
     EXPECT_EQ(file.at("samples")[2].at("repetition_index"), 2);
     EXPECT_EQ(file.at("samples")[2].at("sample").at("pt_foreign_cpu_ms"), 190);
-    journal.set_cell("busy", {{"status", "failed"}});
+    journal.set_cell("busy", {.status = CellStatus::failed});
     journal.retake_sample("busy", numbered(7, 190));
     EXPECT_TRUE(to_retake(plan.cells[0], journal, 9).empty());  // nobody knows what it times
 }
@@ -484,11 +523,10 @@ TEST(DisturbedTest, ARunCountsWhatItsVerdictsCount) {
     plan.cells.resize(1);
     plan.cells[0].name = "cell";
     plan.cells[0].backend = Backend::cuda;
-    for (const int waits : {0, 0, 2}) {
-        Json contended = sample(200, 190);
-        contended["pt_device_ms"] = 200;
-        contended["pt_host_waits"] = waits;
-        contended["film_hash"] = "0123456789abcdef";
+    for (const std::uint64_t waits : {0, 0, 2}) {
+        Sample contended = sample(200, 190);
+        contended.device_ms = 200;
+        contended.host_waits = waits;
         journal.add_sample("cell", contended);
     }
     EXPECT_EQ(in_words(disturbance_of(plan, journal)).substr(0, 55),

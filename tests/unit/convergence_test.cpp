@@ -131,9 +131,9 @@ TEST_F(ConvergenceTest, EveryCheckpointHasItsErrorsAndClocks) {
     ASSERT_EQ(run(suite(two_integrators), options()), exit_good) << progress;
     const Json file = result();
     EXPECT_EQ(file.at("ptbench").at("studies"),
-              Json::parse(R"([{"name": "errors", "title": "errors", "figure": "convergence", "type": "convergence"},
+              Json::parse(R"([{"name": "errors", "title": "errors", "compares": "", "along": "", "type": "convergence"},
                               {"name": "errors_without_checkpoints", "title": "errors, without checkpoints",
-                               "figure": "", "type": "time"}])"));
+                               "compares": "", "along": "", "type": "time"}])"));
     const std::vector<Json> cells = cells_of_study(file, "errors");
     ASSERT_EQ(cells.size(), 2u);
     ASSERT_EQ(cells_of_study(file, "errors_without_checkpoints").size(), 2u);

@@ -22,7 +22,7 @@ protected:
 
     DecideTest() {
         suite.studies[0].name = "a";
-        suite.studies[0].figure = "compaction";
+        suite.studies[0].compares = "compaction";
         plan.cells.reserve(9);
     }
 
@@ -37,12 +37,11 @@ protected:
                               .variant = variant,
                               .settings = {.width = 8, .height = 8, .depth = 4},
                               .spp = 1});
-        journal.set_cell(compaction, {{"status", "ok"}});
+        journal.set_cell(compaction, {});
         for (int i = -4; i <= 4; ++i) {
             const double wall = ms + spread * i / 4;
-            journal.add_sample(
-                compaction,
-                {{"pt_wall_ms", wall}, {"pt_end_to_end_ms", wall}, {"cpu_ms", wall}, {"pt_foreign_cpu_ms", foreign}});
+            journal.add_sample(compaction,
+                               {.wall_ms = wall, .cpu_ms = wall, .end_to_end_ms = wall, .foreign_cpu_ms = foreign});
         }
         return plan.cells.back();
     }

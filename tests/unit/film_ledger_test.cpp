@@ -49,11 +49,11 @@ protected:
                 }};
     }
     void add_sample(const Cell& cell, const Imprint& imprint) {
-        journal.add_sample(cell.name, {{"film_hash", imprint.film},
-                                       {"pt_paths", imprint.paths},
-                                       {"pt_rays", imprint.rays - 1},
-                                       {"pt_cache_hits", 1},
-                                       {"pt_connections", imprint.connections}});
+        journal.add_sample(cell.name, {.paths = imprint.paths,
+                                       .rays = imprint.rays - 1,
+                                       .connections = imprint.connections,
+                                       .cache_hits = 1,
+                                       .film_hash = imprint.film});
     }
 };
 

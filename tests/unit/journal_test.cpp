@@ -37,6 +37,7 @@ namespace pt {
 namespace {
 
 const Json identity{{"machine", "m"}, {"cells", {"a", "b"}}};
+const CellFacts failed{.status = CellStatus::failed, .reason = "why"};
 
 class JournalTest : public testing::Test {
 protected:
@@ -55,9 +56,9 @@ protected:
     }
     void write_three_facts() {
         Journal journal(file, identity, false);
-        journal.set_cell("a", {{"status", "ok"}});
-        journal.add_sample("a", {{"pt_wall_ms", 1.5}});
-        journal.add_sample("a", {{"pt_wall_ms", 2.5}});
+        journal.set_cell("a", {});
+        journal.add_sample("a", {.wall_ms = 1.5});
+        journal.add_sample("a", {.wall_ms = 2.5});
     }
 };
 
@@ -84,70 +85,73 @@ TEST_F(JournalTest, EveryFactIsInTheFileAtOnce) {
     std::string expected = R"({"identity":{"cells":["a","b"],"machine":"m"},"type":"run"})"
                            "\n";
     EXPECT_EQ(test::content_of(file), test::sealed_lines(expected));
-    journal.add_sample("a", {{"pt_wall_ms", 1.5}});
-    expected += R"({"cell":"a","sample":{"pt_wall_ms":1.5},"type":"sample"})"
+    journal.add_sample("a", {.wall_ms = 1.5});
+    expected += R"({"cell":"a","sample":{"cpu_ms":0.0,"film_hash":"","pt_cache_hits":0,"pt_clock_unknown":0,)"
+                R"("pt_connections":0,"pt_foreign_cpu_ms":0.0,"pt_graph_nodes":0,"pt_host_waits":0,)"
+                R"("pt_involuntary_switches":0,"pt_launches":0,"pt_loop_rounds":0,"pt_order":0,"pt_paths":0,)"
+                R"("pt_rays":0,"pt_rays_per_second":0.0,"pt_seed":0,"pt_spp":0,"pt_throttled_ms":0.0,)"
+                R"("pt_throttled_periods":0,"pt_timestamp":0.0,"pt_wall_ms":1.5},"type":"sample"})"
                 "\n";
     EXPECT_EQ(test::content_of(file), test::sealed_lines(expected));
-    journal.set_cell("b", {{"status", "ok"}});
-    expected += R"({"cell":"b","facts":{"status":"ok"},"type":"cell"})"
+    journal.set_cell("b", {});
+    expected += R"({"cell":"b","facts":{"reason":"","status":"ok"},"type":"cell"})"
                 "\n";
     EXPECT_EQ(test::content_of(file), test::sealed_lines(expected));
     EXPECT_EQ(journal.samples("a").size(), 1u);
-    EXPECT_EQ(*journal.cell("b"), Json({{"status", "ok"}}));
+    EXPECT_TRUE(journal.is_ok("b"));
 }
 
 TEST_F(JournalTest, ResumeHasWhatWasWrittenInItsOrder) {
     {
         Journal journal(file, identity, false);
-        journal.add_sample("a", {{"pt_seed", 1}});
-        journal.add_sample("b", {{"pt_seed", 1}});
-        journal.add_sample("a", {{"pt_seed", 2}});
-        journal.set_cell("a", {{"status", "ok"}});
-        journal.set_cell("a", {{"status", "failed"}});
+        journal.add_sample("a", {.seed = 1});
+        journal.add_sample("b", {.seed = 1});
+        journal.add_sample("a", {.seed = 2});
+        journal.set_cell("a", {});
+        journal.set_cell("a", failed);
     }
     {
         Journal journal(file, identity, true);
         EXPECT_EQ(journal.sample_count(), 3u);
         ASSERT_EQ(journal.samples("a").size(), 2u);
-        EXPECT_EQ(journal.samples("a")[0], Json({{"pt_seed", 1}}));
-        EXPECT_EQ(journal.samples("a")[1], Json({{"pt_seed", 2}}));
+        EXPECT_EQ(journal.samples("a")[0].seed, 1u);
+        EXPECT_EQ(journal.samples("a")[1].seed, 2u);
         EXPECT_EQ(journal.samples("b").size(), 1u);
-        EXPECT_EQ(journal.cell("a")->at("status"), "failed");  // the later fact replaces the earlier
-        journal.add_sample("b", {{"pt_seed", 2}});
+        EXPECT_TRUE(journal.has_failed("a"));  // the later fact replaces the earlier
+        journal.add_sample("b", {.seed = 2});
     }
     const Journal journal(file, identity, true);
     EXPECT_EQ(journal.sample_count(), 4u);
-    EXPECT_EQ(journal.samples("b")[1], Json({{"pt_seed", 2}}));
+    EXPECT_EQ(journal.samples("b")[1].seed, 2u);
 }
 
 TEST_F(JournalTest, ASampleAgainTakesTheOnesPlaceThatHasItsSeed) {
-    const Json first{{"pt_seed", 1}, {"pt_order", 0}}, second{{"pt_seed", 2}, {"pt_order", 1}};
-    const Json again{{"pt_seed", 1}, {"pt_order", 2}}, once_more{{"pt_seed", 1}, {"pt_order", 3}};
+    const Sample first{.seed = 1, .order = 0}, second{.seed = 2, .order = 1};
+    const Sample again{.seed = 1, .order = 2}, once_more{.seed = 1, .order = 3};
     {
         Journal journal(file, identity, false);
-        journal.add_session({{"host_name", "x"}});
+        journal.add_session({.host_name = "x"});
         journal.add_sample("a", first);
         journal.add_sample("a", second);
         journal.retake_sample("a", again);
         journal.retake_sample("a", once_more);
-        EXPECT_EQ(journal.samples("a"), (std::vector<Json>{once_more, second}));
-        EXPECT_EQ(journal.retaken("a"), (std::vector<Json>{first, again}));
+        EXPECT_EQ(journal.samples("a"), (std::vector<Sample>{once_more, second}));
+        EXPECT_EQ(journal.retaken("a"), (std::vector<Sample>{first, again}));
     }
     const std::string whole = test::content_of(file);
     const Journal journal(file, identity, true);
-    EXPECT_EQ(journal.samples("a"), (std::vector<Json>{once_more, second}));
-    EXPECT_EQ(journal.retaken("a"), (std::vector<Json>{first, again}));
-    EXPECT_EQ(journal.sessions()[0].at("samples"), 4);
+    EXPECT_EQ(journal.samples("a"), (std::vector<Sample>{once_more, second}));
+    EXPECT_EQ(journal.retaken("a"), (std::vector<Sample>{first, again}));
+    EXPECT_EQ(journal.sessions()[0].samples, 4u);
     EXPECT_TRUE(journal.retaken("b").empty());
 }
 
 TEST_F(JournalTest, ASampleAgainOfNoneIsRefused) {
     write_three_facts();
     const std::string whole = test::content_of(file);
-    for (const std::string line :
-         {R"({"type":"retake","cell":"a","sample":{"pt_seed":7}})",
-          R"({"type":"retake","cell":"b","sample":{"pt_seed":1}})", R"({"type":"retake","cell":"a","sample":{}})",
-          R"({"type":"retake","cell":"a","sample":3})", R"({"type":"retake","cell":"a"})"}) {
+    for (const std::string& line : {Json{{"type", "retake"}, {"cell", "a"}, {"sample", Sample{.seed = 7}}}.dump(),
+                                    Json{{"type", "retake"}, {"cell", "b"}, {"sample", Sample{.seed = 0}}}.dump(),
+                                    std::string(R"({"type":"retake","cell":"a"})")}) {
         test::write_text(file, test::sealed_lines(whole + line + "\n"));
         EXPECT_EQ(refusal<InputError>().find(file + ": line 5: found no line of a session, a cell or a sample"), 0u)
             << refusal<InputError>();
@@ -158,10 +162,10 @@ TEST_F(JournalTest, DoublesComeBackBitForBit) {
     const double value = 0.1 + 0.2;
     {
         Journal journal(file, identity, false);
-        journal.add_sample("a", {{"pt_wall_ms", value}});
+        journal.add_sample("a", {.wall_ms = value});
     }
     const Journal journal(file, identity, true);
-    EXPECT_EQ(journal.samples("a")[0].at("pt_wall_ms").get<double>(), value);
+    EXPECT_EQ(journal.samples("a")[0].wall_ms, value);
 }
 
 // A kill can cut the last line anywhere: every shorter file must open, with the whole lines in it and nothing else, and
@@ -178,7 +182,7 @@ TEST_F(JournalTest, ALastLineThatWasCutOffIsDroppedWhereverItWasCut) {
             Journal journal(file, identity, true);
             ASSERT_EQ(journal.sample_count(), lines > 2 ? lines - 2 : 0);  // after the run's line and the cell's
             ASSERT_EQ(journal.cell("a") != nullptr, lines >= 2);
-            journal.add_sample("b", {{"pt_wall_ms", 9}});
+            journal.add_sample("b", {.wall_ms = 9});
         }
         const Journal again(file, identity, true);
         ASSERT_EQ(again.samples("b").size(), 1u);
@@ -233,18 +237,17 @@ TEST_F(JournalTest, TheNextLinesGoOnWithTheChecksums) {
     std::string lines;
     {
         Journal journal(file, identity, true);
-        journal.add_sample("a", {{"pt_wall_ms", 3.5}});
+        journal.add_sample("a", {.wall_ms = 3.5});
         const Journal& known = journal;
-        lines = known.next_lines(
-            {Journal::session_line({{"process", 7}}), Journal::cell_line("a", {{"status", "failed"}})});
+        lines = known.next_lines({Journal::session_line({.process = 7}), Journal::cell_line("a", failed)});
         EXPECT_EQ(known.next_lines({}), "");
     }
     test::write_text(file, test::content_of(file) + lines);
     Journal again(file, identity, true);
-    EXPECT_EQ(*again.cell("a"), (Json{{"status", "failed"}}));
+    EXPECT_TRUE(again.has_failed("a"));
     EXPECT_EQ(again.sessions().size(), 1u);
     EXPECT_EQ(again.sample_count(), 3u);
-    again.add_sample("b", {{"pt_wall_ms", 1}});
+    again.add_sample("b", {.wall_ms = 1});
     EXPECT_EQ(again.sample_count(), 4u);
 }
 
@@ -329,6 +332,45 @@ TEST_F(JournalTest, ALineThatSaysNothingIsRefusedWithItsPlace) {
     EXPECT_NE(refusal<InputError>().find(": line 1: found no line of a run, allowed: "), std::string::npos);
 }
 
+// By its key, and what stands there: nothing that no run writes is read as something else.
+TEST_F(JournalTest, ASampleOrACellWithAWrongFactIsRefusedWithItsLine) {
+    write_three_facts();
+    const std::string whole = test::content_of(file);
+    const auto refusal_of = [&](const Json& line) {
+        test::write_text(file, test::sealed_lines(whole + line.dump() + "\n"));
+        return refusal<InputError>();
+    };
+    const auto sample_with = [](const char* key, const Json& value) {
+        Json sample(Sample{.wall_ms = 1, .checkpoints = std::vector<CheckpointFacts>(1)});
+        value.is_discarded() ? (void)sample.erase(key) : (void)(sample[key] = value);
+        return Json{{"type", "sample"}, {"cell", "a"}, {"sample", sample}};
+    };
+    const auto found = [&](const std::string& what) {
+        return file + ": line 5: found a " + what +
+               ", allowed: lines as ptbench wrote them; keep the 4 before it (head -n 4) to go on from there, or "
+               "remove the file to start over";
+    };
+    const Json missing(Json::value_t::discarded);
+    EXPECT_EQ(refusal_of(sample_with("pt_wall_ms", 2)), "");
+    EXPECT_EQ(refusal_of(sample_with("pt_wall_ms", missing)), found("sample with no pt_wall_ms"));
+    EXPECT_EQ(refusal_of(sample_with("film_hash", missing)), found("sample with no film_hash"));
+    EXPECT_EQ(refusal_of(sample_with("pt_wall_ms", "1")), found("sample with pt_wall_ms \"1\""));
+    EXPECT_EQ(refusal_of(sample_with("pt_rays", nullptr)), found("sample with pt_rays null"));
+    EXPECT_EQ(refusal_of(sample_with("pt_rays", 1.5)), found("sample with pt_rays 1.5"));
+    EXPECT_EQ(refusal_of(sample_with("pt_rays", -1)), found("sample with pt_rays -1"));
+    EXPECT_EQ(refusal_of(sample_with("pt_spp", 5'000'000'000)), found("sample with pt_spp 5000000000"));
+    EXPECT_EQ(refusal_of(sample_with("pt_clock_mhz_after", nullptr)), found("sample with pt_clock_mhz_after null"));
+    EXPECT_EQ(refusal_of(sample_with("pt_checkpoints", Json::array({Json::object()}))),
+              found("sample with pt_checkpoints: no bias2"));
+    EXPECT_EQ(refusal_of({{"type", "sample"}, {"cell", "a"}, {"sample", 7}}), found("sample with 7, no object"));
+    EXPECT_EQ(refusal_of({{"type", "cell"}, {"cell", "a"}, {"facts", 7}}), found("cell with 7, no object"));
+    EXPECT_EQ(refusal_of({{"type", "cell"}, {"cell", "a"}, {"facts", {{"reason", ""}, {"status", "good"}}}}),
+              found("cell with status: a status \"good\""));
+    EXPECT_EQ(refusal_of({{"type", "retake"}, {"cell", "a"}, {"sample", Json::object()}}),
+              found("retake with no cpu_ms"));
+    EXPECT_EQ(refusal_of({{"type", "session"}, {"facts", Json::object()}}), found("session with no date"));
+}
+
 TEST_F(JournalTest, WhatMayDifferDoesNotRefuse) {
     write_three_facts();
     const Json other{{"machine", "n"}, {"cells", {"a", "b"}}};
@@ -355,18 +397,18 @@ TEST(DifferenceTest, NamesWhatDiffersByItsKeys) {
 TEST_F(JournalTest, KnowsWhichSessionTookHowManySamples) {
     {
         Journal journal(file, identity, false);
-        journal.add_session({{"host_name", "x"}});
-        journal.add_sample("a", {{"pt_seed", 1}});
-        journal.add_sample("b", {{"pt_seed", 1}});
+        journal.add_session({.host_name = "x"});
+        journal.add_sample("a", {.seed = 1});
+        journal.add_sample("b", {.seed = 1});
     }
     {
         Journal journal(file, identity, true);
-        journal.add_session({{"host_name", "y"}});
-        journal.add_sample("a", {{"pt_seed", 2}});
+        journal.add_session({.host_name = "y"});
+        journal.add_sample("a", {.seed = 2});
     }
     const Journal journal(file, identity, true);
-    EXPECT_EQ(Json(journal.sessions()),
-              Json({{{"host_name", "x"}, {"samples", 2}}, {{"host_name", "y"}, {"samples", 1}}}));
+    EXPECT_EQ(journal.sessions(),
+              (std::vector<SessionFacts>{{.host_name = "x", .samples = 2}, {.host_name = "y", .samples = 1}}));
 }
 
 // Whoever had the lock may remove the file between another one's opening it and locking it: that one must not write
@@ -379,14 +421,14 @@ TEST_F(JournalTest, AFileThatGoesBeforeItIsLockedIsMadeAnew) {
     };
     Journal second(file, identity, true);
     EXPECT_EQ(first, nullptr);
-    second.add_sample("a", {{"pt_seed", 1}});
+    second.add_sample("a", {.seed = 1});
     EXPECT_EQ(std::ranges::count(test::content_of(file), '\n'), 2);
     EXPECT_EQ(refusal<MachineError>(), file + ": another run is writing it");
 }
 
 TEST_F(JournalTest, FinishRemovesTheFile) {
     Journal journal(file, identity, false);
-    journal.add_sample("a", {{"pt_seed", 1}});
+    journal.add_sample("a", {.seed = 1});
     journal.finish();
     EXPECT_FALSE(std::filesystem::exists(file));
 }
@@ -409,16 +451,16 @@ TEST_F(JournalTest, ALineThatDoesNotFitLeavesNothingBehind) {
         rlimit limited = unlimited;
         limited.rlim_cur = before.size() + 20;
         ::setrlimit(RLIMIT_FSIZE, &limited);
-        EXPECT_THROW(journal.add_sample("a", {{"pt_wall_ms", 3.5}}), MachineError);
+        EXPECT_THROW(journal.add_sample("a", {.wall_ms = 3.5}), MachineError);
         EXPECT_EQ(journal.sample_count(), 2u);
         ::setrlimit(RLIMIT_FSIZE, &unlimited);
         EXPECT_EQ(test::content_of(file), before);
-        journal.add_sample("a", {{"pt_wall_ms", 4.5}});
+        journal.add_sample("a", {.wall_ms = 4.5});
     }
     std::signal(SIGXFSZ, SIG_DFL);
     const Journal journal(file, identity, true);
     ASSERT_EQ(journal.sample_count(), 3u);
-    EXPECT_EQ(journal.samples("a")[2], Json({{"pt_wall_ms", 4.5}}));
+    EXPECT_EQ(journal.samples("a")[2].wall_ms, 4.5);
 }
 
 }  // namespace

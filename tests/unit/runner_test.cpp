@@ -84,7 +84,7 @@ protected:
         Study study;
         study.name = "study";
         study.title = "Title";
-        study.figure = "compaction";
+        study.compares = "compaction";
         study.scenes = {"tiny"};
         study.axes = axes;
         study.spp = 2;

@@ -5,6 +5,8 @@
 #include <map>
 #include <set>
 
+#include <array>
+
 #include <gtest/gtest.h>
 
 #include "harness/failure.h"
@@ -80,7 +82,7 @@ std::vector<std::string> cell_names(const Plan& plan) {
 
 TEST_F(SuiteTest, ReadsEveryKey) {
     const Suite suite = load(R"({"name": "n", "description": "d", "repetitions": 3, "studies": [
-        {"name": "one", "title": "t", "figure": "compaction", "scenes": ["jittered", "still"],
+        {"name": "one", "title": "t", "compares": "compaction", "along": "depth", "scenes": ["jittered", "still"],
          "axes": {"compaction": ["none", "thrust_remove_if"], "layout": ["soa"]}, "tunables": {"jitters": [4, 1]},
          "resolution": [20, 10], "depth": [2, 4], "spp": 5},
         {"name": "two", "scenes": ["still"]},
@@ -91,7 +93,8 @@ TEST_F(SuiteTest, ReadsEveryKey) {
     ASSERT_EQ(suite.studies.size(), 3u);
     const Study& one = suite.studies[0];
     EXPECT_EQ(one.title, "t");
-    EXPECT_EQ(one.figure, "compaction");
+    EXPECT_EQ(one.compares, "compaction");
+    EXPECT_EQ(one.along, "depth");
     EXPECT_EQ(one.scenes, (std::vector<std::string>{"jittered", "still"}));
     EXPECT_EQ(one.axes, (AxisChoices{{"compaction", {"none", "thrust_remove_if"}}, {"layout", {"soa"}}}));
     EXPECT_EQ(one.width, 20u);
@@ -102,7 +105,7 @@ TEST_F(SuiteTest, ReadsEveryKey) {
     EXPECT_EQ(one.spp, 5u);
     const Study& two = suite.studies[1];
     EXPECT_EQ(two.title, "two");
-    EXPECT_EQ(two.figure, "");
+    EXPECT_EQ(two.compares + two.along, "");
     EXPECT_TRUE(two.axes.empty());
     EXPECT_EQ(two.width, 0u);
     EXPECT_TRUE(two.depths.empty());
@@ -116,6 +119,25 @@ TEST_F(SuiteTest, ReadsEveryKey) {
     EXPECT_EQ(load_studies(R"({"name": "one", "scenes": ["still"]})").repetitions, 9);
 }
 
+// Suites of before 1.1 name a figure.
+TEST_F(SuiteTest, AnOlderSuitesFigureSaysWhatItCompares) {
+    const std::vector<std::array<std::string, 3>> all{{"remaining_paths", "live_paths", ""},
+                                                      {"sorting_by_depth", "sorting", "depth"},
+                                                      {"first_bounce_by_depth", "first_bounce", "depth"},
+                                                      {"scaling_by_resolution", "", "resolution"},
+                                                      {"scaling_by_depth", "", "depth"},
+                                                      {"scaling_by_materials", "", "materials"},
+                                                      {"scaling_by_shading_fmas", "", "shading_fmas"},
+                                                      {"layout", "layout", ""},
+                                                      {"jitters", "jitters", ""}};
+    for (const auto& [figure, compares, along] : all) {
+        const Suite suite = load_studies(
+            R"({"name": "one", "scenes": ["still"], "tunables": {"jitters": [1, 4]}, "figure": ")" + figure + "\"}");
+        EXPECT_EQ(suite.studies[0].compares, compares) << figure;
+        EXPECT_EQ(suite.studies[0].along, along) << figure;
+    }
+}
+
 TEST_F(SuiteTest, RefusesBadFilesWithTheirPlace) {
     const std::string depths = "a whole number from 1 to 1000000, or an array of such";
     const struct {
@@ -126,8 +148,8 @@ TEST_F(SuiteTest, RefusesBadFilesWithTheirPlace) {
         {R"({"name": "a"})", "$.studies[0]: found no key \"scenes\", allowed: it is required"},
         {R"({"name": 5, "scenes": ["still"]})", "$.studies[0].name: found 5, allowed: a string"},
         {R"({"name": "a", "scenes": ["still"], "sppp": 1})",
-         "$.studies[0]: found unknown key \"sppp\", allowed: name, type, title, figure, scenes, axes, "
-         "tunables, variants, resolution, depth, spp"},
+         "$.studies[0]: found unknown key \"sppp\", allowed: name, type, title, scenes, axes, tunables, "
+         "variants, resolution, depth, spp, figure, compares, along"},
         {R"({"name": "a", "scenes": "still"})", "$.studies[0].scenes: found \"still\", allowed: an array"},
         {R"({"name": "a", "scenes": []})", "$.studies[0].scenes: found [], allowed: at least one name"},
         {R"({"name": "a", "scenes": ["still", 3]})", "$.studies[0].scenes[1]: found 3, allowed: a string"},
@@ -136,7 +158,15 @@ TEST_F(SuiteTest, RefusesBadFilesWithTheirPlace) {
         {R"({"name": "a", "scenes": ["still"]}, {"name": "a", "scenes": ["still"]})",
          "$.studies[1].name: found \"a\" twice, allowed: once"},
         {R"({"name": "a", "scenes": ["still"], "figure": "pie"})",
-         "$.studies[0].figure: found \"pie\", allowed: \"remaining_paths\", "},
+         "$.studies[0].figure: found \"pie\", allowed: \"first_bounce_by_depth\", "},
+        {R"({"name": "a", "scenes": ["still"], "compares": "pie"})",
+         "$.studies[0].compares: found \"pie\", allowed: \"live_paths\", "},
+        {R"({"name": "a", "scenes": ["still"], "compares": "layout", "along": "time"})",
+         "$.studies[0].along: found \"time\", allowed: \"resolution\", \"depth\", \"materials\", \"shading_fmas\""},
+        {R"({"name": "a", "scenes": ["still"], "along": "depth"})",
+         "$.studies[0].along: found \"depth\", allowed: none without an axis that the study compares"},
+        {R"({"name": "a", "scenes": ["still"], "compares": "layout", "figure": "layout"})",
+         "$.studies[0].figure: found \"layout\", allowed: `compares` alone, which has taken its place"},
         {R"({"name": "a", "scenes": ["still"], "axes": ["compaction"]})",
          "$.studies[0].axes: found [\"compaction\"], allowed: an object of arrays of choices, by axis"},
         {R"({"name": "a", "scenes": ["still"], "axes": {"compaction": "none"}})",
@@ -579,14 +609,14 @@ TEST_F(ShippedSuitesTest, QuickAndCis565DrawTheGraphsOfCis565) {
         SCOPED_TRACE(name);
         const Suite suite = load_suite(find_suite_file(name));
         const std::set<std::string> studies = studies_with_cells(suite, Backend::cpu);
-        std::set<std::string> figures;
+        std::set<std::string> compared;
         for (const Study& study : suite.studies) {
             if (studies.contains(study.name)) {
-                figures.insert(study.figure);
+                compared.insert(study.compares + "/" + study.along);
             }
         }
-        for (const char* figure : {"remaining_paths", "sorting_by_depth", "first_bounce_by_depth", "compaction"}) {
-            EXPECT_TRUE(figures.contains(figure)) << figure;
+        for (const char* what : {"live_paths/", "sorting/depth", "first_bounce/depth", "compaction/"}) {
+            EXPECT_TRUE(compared.contains(what)) << what;
         }
     }
 }

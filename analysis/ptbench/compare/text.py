@@ -18,6 +18,7 @@ from ptbench.io.stability import Stability
 from ptbench.numbers import figures, plural, ratio
 from ptbench.stats.estimates import (
     CLOCK_UNKNOWN,
+    CONFIDENCE,
     INTERVAL_TEXT,
     MINIMUM_SAMPLES,
     THRESHOLD,
@@ -313,7 +314,7 @@ def noise_section(repeats: Sequence[Repeat], floors: Sequence[Floor], comparison
             f"Noise floor of {floor.machine}: {100 * floor.value:.3g} % (of {len(floor.ratios)} ratios of two runs; "
             f"a further one lies within it with probability {floor.chance:.3f})."
         )
-        if floor.chance < 0.95:
+        if floor.chance < CONFIDENCE:
             lines.append(f"{len(floor.ratios)} ratios are too few for 95 %: the largest is taken.")
     judging = [repeat for one in comparisons for floor in (*one.floors, *one.no_floors) for repeat in floor.repeats]
     for repeat in repeats:

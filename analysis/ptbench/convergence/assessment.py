@@ -22,6 +22,7 @@ from ptbench.convergence.fit import (
     reference_error,
 )
 from ptbench.io.cells import Cell, Result
+from ptbench.io.limits import limit
 from ptbench.numbers import plural
 from ptbench.stats.estimates import Estimate, median_estimate, telling_digits
 from ptbench.stats.intervals import half_width, holm, standard_error, stands_apart
@@ -31,7 +32,7 @@ CONVERGES, PLATEAU, NOISE_LIMITED, INVALID = "converges", "plateau", "noise-limi
 CHECKPOINTS = "/checkpoints:octaves"
 NO_VERDICT = "no verdict"
 FAMILY_LEVEL = 0.01
-LEAST_SEEDS = 8
+LEAST_SEEDS = limit("fewest_seeds")
 # A bias that could be hidden in a converging variant makes up at most this share of its last squared error.
 MOST_HIDDEN = 0.1
 # A slope by octave above this one is flatter than noise that averages out.

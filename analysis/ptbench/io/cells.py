@@ -12,16 +12,29 @@ from pathlib import Path
 import numpy as np
 
 from ptbench.io.convergence import Checkpoint, Convergence
+from ptbench.io.limits import limit
 
 CELL_STATUSES = ("ok", "failed", "interrupted")
 RUN_STATUSES = ("completed", "interrupted")
 STUDY_TYPES = ("time", "convergence")
 CLAIMS = ("bitwise", "statistical", "biased")
+WORDS = ("FASTER", "SLOWER", "SAME", "UNSURE")
+# Why a comparison's word is UNSURE or none.
+COMPARISON_REASONS = (
+    "",
+    "few_samples",
+    "wide",
+    "contended",
+    "throttled",
+    "clocks_differed",
+    "no_baseline",
+    "baseline_not_measured",
+)
 GPU_BACKEND = "cuda"
 # Counters that a sample may have of its own, as "pt_NAME".
 WORK_COUNTERS = ("launches", "graph_nodes", "host_waits")
 # A render on a GPU that took no more than this beyond the device's own time was not kept waiting by a busy host.
-MOST_HOST_SHARE = 0.02
+MOST_HOST_SHARE = limit("most_host_share")
 
 # The harness's reasons for what is not applicable in a study that is written for more than one backend or choice: their
 # codes, and their texts for files that are older than the codes.
@@ -291,11 +304,27 @@ class Study:
     figure: str
     title: str
     type: str = "time"
+    compares: str = ""  # the axis or tunable that the file names; empty in older files, and where nothing is compared
 
     @property
     def is_convergence(self) -> bool:
         """Whether the study is about error, not time alone."""
         return self.type == "convergence"
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What a run says at its end of a cell against the baseline of its study; the names are those of the file."""
+
+    study: str
+    cell: str
+    baseline: str  # a cell; empty: there is none
+    ratio: float | None
+    interval: tuple[float, float] | None
+    word: str  # empty: there is no ratio
+    reason_code: str
+    in_time: str
+    in_cycles: str  # empty: a clock is unknown
 
 
 @dataclass(frozen=True)
@@ -340,6 +369,7 @@ class Result:
     not_applicable: tuple[NotApplicable, ...]
     baselines: dict[str, str] = field(default_factory=dict)  # by axis, on the file's backend; empty in older files
     retaken: int = 0  # disturbed samples whose places others took
+    comparisons: dict[tuple[str, str], Comparison] | None = None  # by study and cell; None: the file has none
 
     def about(self, key: str) -> str:
         """A ptbench context value, or "unknown" where the file does not have it."""

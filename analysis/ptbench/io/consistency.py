@@ -11,6 +11,7 @@ import statistics
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from ptbench.io.limits import limit
 from ptbench.io.nodes import Node, shown
 
 # Google Benchmark appends how it ran a benchmark to its name; ours is the part before.
@@ -19,11 +20,11 @@ _BENCHMARK_SUFFIX = re.compile(
 )
 # Fields of a sample that are times: a render takes longer than no time.
 TIMES = ("real_time", "pt_wall_ms", "pt_device_ms", "pt_end_to_end_ms")
-# How far a device's clock may be from the host's: crystals differ by 1e-4 at most.
-_CLOCKS_DIFFER = 1e-3
+_CLOCKS_DIFFER = limit("clocks_differ")
 # Fields each of which tells a sample from the others of its cell.
 _OWN = ("repetition_index", "pt_seed", "pt_order")
 _MOST_NAMED = 3
+_ROUNDING = 1e-12  # of a ratio that C++ and Python compute of the same medians
 
 
 @dataclass(frozen=True)
@@ -101,6 +102,34 @@ def contradictions(root: Node) -> Iterator[Contradiction]:
     for cell in cells:
         if not cell.failed:
             yield from _medians(cell)
+    comparisons = root.need("ptbench").maybe("comparisons")
+    if comparisons is not None:
+        for comparison in comparisons.items():
+            yield from _ratio(comparison, cells)
+
+
+def _ratio(comparison: Node, cells: Sequence[_Cell]) -> Iterator[Contradiction]:
+    """The comparison's ratio where it is not that of the cells' medians a sample per pixel."""
+
+    def median(key: str) -> float | None:
+        name = comparison.need(key).value
+        rows = next((cell.samples for cell in cells if cell.node.need("cell").value == name), ())
+        return (
+            statistics.median(row.need("real_time").value / row.need("pt_spp").value for row in rows) if rows else None
+        )
+
+    known = {cell.node.need("cell").value for cell in cells}
+    for key in ("cell", "baseline"):
+        if (node := comparison.need(key)).value not in known and (key == "cell" or node.value is not None):
+            yield Contradiction(node.place, shown(node.value), "a cell of the file")
+            return
+    ratio, node = comparison.need("ratio").value, comparison.need("ratio")
+    above, below = median("cell"), median("baseline")
+    right = above / below if above and below else None
+    if ratio is not None and (right is None or not math.isclose(ratio, right, rel_tol=_ROUNDING)):
+        of = comparison.need("cell").text()
+        allowed = "null: a side has no times" if right is None else f"{shown(right)}, the ratio of the medians"
+        yield Contradiction(node.place, f'{shown(ratio)} of the cell "{of}"', allowed)
 
 
 def _cells(root: Node) -> list[_Cell]:

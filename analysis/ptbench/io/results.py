@@ -13,13 +13,17 @@ from hashlib import blake2b
 from pathlib import Path
 
 from ptbench.errors import bad_value
+from ptbench.io.asked import LIVE_PATHS, figure_of
 from ptbench.io.cells import (
     CELL_STATUSES,
     CLAIMS,
+    COMPARISON_REASONS,
     RUN_STATUSES,
     STUDY_TYPES,
+    WORDS,
     WORK_COUNTERS,
     Cell,
+    Comparison,
     Cuda,
     Instrumented,
     Kernel,
@@ -81,6 +85,55 @@ def result_of(root: Node) -> Result:
         not_applicable=() if absent is None else tuple(_not_applicable(node, usual) for node in absent.items()),
         baselines=named,
         retaken=0 if retakes is None else sum(1 for _ in retakes.need("samples").items()),
+        comparisons=_comparisons(ptbench.maybe("comparisons"), studies, cells),
+    )
+
+
+def _comparisons(
+    array: Node | None, studies: Sequence[Study], cells: Sequence[Cell]
+) -> dict[tuple[str, str], Comparison] | None:
+    if array is None:
+        return None
+    by_study = {study.name: {cell.name for cell in cells if study.name in cell.studies} for study in studies}
+    found: dict[tuple[str, str], Comparison] = {}
+    for node in array.items():
+        one = _comparison(node, by_study)
+        if (one.study, one.cell) in found:
+            raise node.need("cell").wrong("each cell of a study once")
+        found[one.study, one.cell] = one
+    return found
+
+
+def _comparison(node: Node, by_study: Mapping[str, set[str]]) -> Comparison:
+    study = node.need("study").one_of(tuple(by_study))
+    members = by_study[study]
+
+    def word(key: str) -> str:
+        return "" if node.need(key).value is None else node.need(key).one_of(WORDS)
+
+    def member(key: str) -> str:
+        name = node.need(key).text()
+        if name not in members:
+            raise node.need(key).wrong(f'a cell of the study "{study}"')
+        return name
+
+    ends = node.need("interval")
+    interval = None if ends.value is None else tuple(item.number(above_zero=True) for item in ends.items())
+    if interval is not None and (len(interval) != 2 or interval[0] > interval[1]):
+        raise ends.wrong("[low, high]")
+    ratio = None if node.need("ratio").value is None else node.need("ratio").number(above_zero=True)
+    if (ratio is None) != (not word("word")):
+        raise node.need("word").wrong("a word where there is a ratio")
+    return Comparison(
+        study=study,
+        cell=member("cell"),
+        baseline="" if node.need("baseline").value is None else member("baseline"),
+        ratio=ratio,
+        interval=interval,
+        word=word("word"),
+        reason_code=node.need("reason_code").one_of(COMPARISON_REASONS),
+        in_time=word("in_time"),
+        in_cycles=word("in_cycles"),
     )
 
 
@@ -114,12 +167,15 @@ def _refuse_twins(array: Node, names: list[str], key: str) -> None:
 
 
 def _study(node: Node) -> Study:
-    kind = node.maybe("type")
+    kind = "time" if node.maybe("type") is None else node.need("type").one_of(STUDY_TYPES)
+    compares, along = node.optional_text("compares"), node.optional_text("along")
+    asked = figure_of(compares, along, is_convergence=kind == "convergence")
     return Study(
         name=node.need("name").name(),
-        figure=node.optional_text("figure"),
+        figure=asked if node.maybe("figure") is None else node.optional_text("figure"),
         title=node.optional_text("title"),
-        type="time" if kind is None else kind.one_of(STUDY_TYPES),
+        type=kind,
+        compares="" if compares == LIVE_PATHS else compares,
     )
 
 

@@ -13,13 +13,15 @@ from functools import lru_cache
 
 import numpy as np
 
-RESAMPLES = 10_000
-CONFIDENCE = 0.95
+from ptbench.io.limits import limit
+
+RESAMPLES = limit("resamples")
+CONFIDENCE = limit("confidence")
 SEED = 1986  # the year of the rendering equation; any constant would do
 MOST_COUNTED = 400  # samples of which the counts of all resamples are kept: 4 MB or, of more than 255 in a set, 8
 MOST_EXCHANGED = 16  # samples of which resamples are sorted by exchanges, whose number grows with the square
-MINIMUM_SAMPLES = 9
-THRESHOLD = 0.01
+MINIMUM_SAMPLES = limit("fewest_samples")
+THRESHOLD = limit("least_difference")
 
 FASTER, SLOWER, SAME, UNSURE = "FASTER", "SLOWER", "SAME", "UNSURE"
 

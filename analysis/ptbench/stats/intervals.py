@@ -11,9 +11,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from ptbench.stats import special
-from ptbench.stats.estimates import RESAMPLES, SEED, Estimate
+from ptbench.stats.estimates import CONFIDENCE, RESAMPLES, SEED, Estimate
 
-LEVEL = 0.05  # of the intervals that are shown: 95 %
+LEVEL = round(1 - CONFIDENCE, 12)  # of the intervals that are shown
 
 
 def t_quantile(probability: float, freedom: int) -> float:

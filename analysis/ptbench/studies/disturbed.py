@@ -15,9 +15,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from ptbench.io.cells import Cell, Result
+from ptbench.io.limits import limit
 
 # A larger part of the samples, and what they say is what befell the machine: no verdict, no noise floor.
-MOST_DISTURBED = 0.1
+MOST_DISTURBED = limit("most_disturbed_share")
 CONTENDED = "other processes took CPU time during more than a tenth of the samples"
 THROTTLED = "a CPU quota or other processes took CPU time during more than a tenth of the samples"
 

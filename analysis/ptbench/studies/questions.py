@@ -57,7 +57,9 @@ def question_of(result: Result, study: Study | None) -> Question | None:
         tuned = [cell for cell in cells if study.figure in cell.tunables]
         first = next((cell for cell in tuned if study.figure not in cell.tuned), tuned[0])
         return Question(study.figure, str(first.tunables[study.figure]), is_tunable=True)
-    axis = _varying_axis(result, cells) if study.figure in SWEPT else axis_of(result, study.figure)
+    axis = axis_of(result, study.figure)
+    if study.figure in SWEPT:
+        axis = study.compares or _varying_axis(result, cells)
     if axis is None:
         return None
     run = list(dict.fromkeys(cell.axes[axis] for cell in cells if axis in cell.axes))

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
-from ptbench.io.cells import Cell, Result, Study
+from ptbench.io.cells import Cell, Comparison, Result, Study
 from ptbench.stats.estimates import (
     CLOCK_UNKNOWN,
     THRESHOLD,
+    UNSURE,
     Estimate,
     Verdict,
     confirmed,
@@ -17,7 +18,7 @@ from ptbench.stats.estimates import (
     verdict_of_ratio,
     withheld,
 )
-from ptbench.studies.disturbed import doubt_of
+from ptbench.studies.disturbed import CONTENDED, THROTTLED, doubt_of
 from ptbench.studies.questions import SWEPT, Question, dimension, label_of, question_of, swept_by, varying_dimensions
 from ptbench.studies.withdrawn import between
 
@@ -64,20 +65,57 @@ def _measure(result: Result, study: Study | None) -> list[Row]:
             estimate = median_estimate(cell.ms_per_spp)
             rays = median_estimate([sample.mega_rays_per_second for sample in cell.samples])
             if question is not None and not is_baseline:
-                ratio, verdict = _against_baseline(cell, cells, question)
+                ratio, verdict = _judged(result, study, cell, cells, question)
         compared = question is not None or (study is not None and study.figure in SWEPT)
         label = label_of(cell, question, dimensions) if compared else cell.variant
         rows.append(Row(cell, label, is_baseline, estimate, rays, ratio, verdict))
     return rows
 
 
-def _against_baseline(cell: Cell, cells: Sequence[Cell], question: Question) -> tuple[Estimate | None, Verdict]:
-    baseline = baseline_of(cell, cells, question)
+def _judged(
+    result: Result, study: Study | None, cell: Cell, cells: Sequence[Cell], question: Question
+) -> tuple[Estimate | None, Verdict]:
+    """What the run itself said of the cell; of files that hold no comparisons, the same rule says it here."""
+    if result.comparisons is None or study is None:
+        return _against_baseline(cell, cells, question)
+    said = result.comparisons.get((study.name, cell.name))
+    baseline = next((one for one in cells if said is not None and one.name == said.baseline), None)
+    if said is None or said.ratio is None or baseline is None:
+        return None, _without_ratio(question, baseline)
+    return _ratio_of(said, cell, baseline), _verdict_of(said, cell, baseline)
+
+
+def _ratio_of(said: Comparison, cell: Cell, baseline: Cell) -> Estimate:
+    low, high = said.interval or (None, None)
+    return Estimate(said.ratio, low, high, min(len(cell.samples), len(baseline.samples)))
+
+
+def _verdict_of(said: Comparison, cell: Cell, baseline: Cell) -> Verdict:
+    """The run's verdict with its reason in words; what is withdrawn since, it could not know."""
+    ratio = _ratio_of(said, cell, baseline)
+    by_time = verdict_of_ratio(ratio) if said.in_time == UNSURE else Verdict(said.in_time)
+    verdict = confirmed(by_time, Verdict(said.in_cycles) if said.in_cycles else None)
+    verdict = replace(verdict, note=_note(cell, baseline, is_clock_unknown=not said.in_cycles))
+    if said.reason_code in ("contended", "throttled"):
+        return withheld(verdict, THROTTLED if said.reason_code == "throttled" else CONTENDED)
+    return replace(verdict, word=said.word)
+
+
+def _note(cell: Cell, baseline: Cell, *, is_clock_unknown: bool) -> str:
+    return "; ".join([entry.mark for entry in between(cell, baseline)] + [CLOCK_UNKNOWN] * is_clock_unknown)
+
+
+def _without_ratio(question: Question, baseline: Cell | None) -> Verdict:
     name = f"{question.axis}={question.baseline}"
     if baseline is None:
-        return None, Verdict("—", f"no cell with {name} and all else equal")
-    if not baseline.measured:
-        return None, Verdict("—", f"the baseline {name} has no times ({baseline.status})")
+        return Verdict("—", f"no cell with {name} and all else equal")
+    return Verdict("—", f"the baseline {name} has no times ({baseline.status})")
+
+
+def _against_baseline(cell: Cell, cells: Sequence[Cell], question: Question) -> tuple[Estimate | None, Verdict]:
+    baseline = baseline_of(cell, cells, question)
+    if baseline is None or not baseline.measured:
+        return None, _without_ratio(question, baseline)
     return time_ratio(cell, baseline)
 
 
@@ -91,9 +129,8 @@ def time_ratio(
     ratio = ratio_estimate(cell.ms_per_spp, baseline.ms_per_spp)
     cycles = cycles_ratio(cell, baseline) if one_clock else None
     in_cycles = None if cycles is None else verdict_of_ratio(cycles, threshold)
-    notes = [entry.mark for entry in between(cell, baseline)]
-    notes += [CLOCK_UNKNOWN] if one_clock and cycles is None else []
-    verdict = replace(confirmed(verdict_of_ratio(ratio, threshold), in_cycles), note="; ".join(notes))
+    note = _note(cell, baseline, is_clock_unknown=one_clock and cycles is None)
+    verdict = replace(confirmed(verdict_of_ratio(ratio, threshold), in_cycles), note=note)
     doubt = doubt_of((cell, baseline))
     return ratio, withheld(verdict, doubt) if doubt else verdict
 

@@ -17,9 +17,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from ptbench.io.cells import Cell
+from ptbench.io.limits import limit
 from ptbench.stats.estimates import Estimate, median_estimate
 
-ADD_UP_WITHIN = 0.05  # of the wall time, as the harness asks of an instrumented pass
+ADD_UP_WITHIN = limit("stages_add_up_within")  # of the wall time, as the harness asks of an instrumented pass
 # What traces and shades, however an integrator divides it; every other stage keeps the queue or a cache.
 TRACING = ("generate", "intersect", "shade", "first bounce", "bounce", "trace")
 WHOLE = "trace and shade"  # their name together

@@ -64,7 +64,7 @@ class Definition:
             "depth": int(self.values(place, "depth").get("", setting["depth"])),
         }  # fmt: skip
         if self.of_error:
-            study |= {"type": "convergence", "figure": "convergence", "without_checkpoints": False,
+            study |= {"type": "convergence", "without_checkpoints": False,
                       "reference": setting["reference"]}  # fmt: skip
         return study
 

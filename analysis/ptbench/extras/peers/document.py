@@ -11,12 +11,13 @@ import numpy as np
 from ptbench.crosscheck.document import AGREES
 from ptbench.extras.peers.statistics import Measured, by_round
 from ptbench.io.cells import GPU_BACKEND, MOST_HOST_SHARE
+from ptbench.io.limits import limit
 from ptbench.numbers import figures, interval
 from ptbench.stats.estimates import Estimate, interval_of_ratio
 
 SCHEMA = "ptbench-peers-1"
 # Share of a render's wall time: if other processes took more, its time may be wrong for it.
-MOST_FOREIGN = 0.1
+MOST_FOREIGN = limit("most_foreign_share")
 
 
 @dataclass(frozen=True)

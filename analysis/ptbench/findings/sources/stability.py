@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 
 from ptbench.errors import FindingError
@@ -35,6 +36,15 @@ class StabilitySource(Source, form=STABILITY):
     def asked(self) -> int:
         """Cases in the file that could be asked in any variant."""
         return len({row.case.name for row in self._stability.rows if row.status != NOT_APPLICABLE})
+
+    @property
+    def left_out(self) -> str:
+        """Cases of the program that the file has no row of, by family: "10 of film, 4 of lights"."""
+        seen = {row.case.name for row in self._stability.rows}
+        missing = Counter(case.family for case in self._stability.cases if case.name not in seen)
+        if not missing:
+            raise FindingError(f"{self._shown}: the file has rows of every case; the page says that some are left out")
+        return ", ".join(f"{number} of {family}" for family, number in missing.items())
 
     @property
     def passed(self) -> int:

@@ -1,0 +1,19 @@
+"""The limits that the program and this package both judge by: limits.json, of which CMake makes a header for C++."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+
+FILE = Path(__file__).with_name("limits.json")
+
+
+@cache
+def _limits() -> dict[str, float | int]:
+    return {name: entry["is"] for name, entry in json.loads(FILE.read_text(encoding="utf-8")).items()}
+
+
+def limit(name: str) -> float | int:
+    """The limit of that name; limits.json says what it is of."""
+    return _limits()[name]

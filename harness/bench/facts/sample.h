@@ -1,0 +1,152 @@
+// A sample: one timed render of a cell, with what was measured around it, as the journal and the result file hold it.
+// A new field is a member and a line of `fields` here, the value in take_sample.cpp, and its meaning in the schema
+// (analysis/ptbench/schema/ptbench-result.schema.json).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "harness/error/metrics.h"
+#include "harness/fields.h"
+#include "variants/descriptor.h"
+
+namespace pt {
+
+// The state of a render at one of its checkpoints: times so far, and the film's errors. They are empty where the film
+// has samples that are not finite; bias2 is empty besides where it cannot be told.
+struct CheckpointFacts {
+    std::uint32_t spp = 0;
+    double wall_ms = 0, device_ms = 0, cpu_ms = 0;
+    std::string film_hash = {};
+    std::uint64_t nonfinite = 0;
+    std::optional<std::array<double, 3>> me_rgb = {};
+    std::optional<double> mse = {}, mse_dual = {}, rel_mse = {}, rel_mse_dual = {}, smape = {}, bias2 = {};
+    std::optional<bool> shared = {};  // whether another cell's film has the same bits; in a result file only
+
+    void set_errors(const std::optional<Errors>& errors);
+
+    template <class Self, class Visit>
+    static void fields(Self& self, const Visit& visit) {
+        visit.or_null("bias2", self.bias2);
+        visit("cpu_ms", self.cpu_ms);
+        visit("device_ms", self.device_ms);
+        visit("film_hash", self.film_hash);
+        visit.or_null("me_rgb", self.me_rgb);
+        visit.or_null("mse", self.mse);
+        visit.or_null("mse_dual", self.mse_dual);
+        visit("nonfinite", self.nonfinite);
+        visit.or_null("rel_mse", self.rel_mse);
+        visit.or_null("rel_mse_dual", self.rel_mse_dual);
+        visit.or_null("smape", self.smape);
+        visit("spp", self.spp);
+        visit("wall_ms", self.wall_ms);
+        visit("shared", self.shared);
+    }
+    bool operator==(const CheckpointFacts&) const = default;
+};
+
+struct Sample {
+    double wall_ms = 0;  // the time that counts
+    double cpu_ms = 0;   // of all threads
+    std::optional<double> device_ms = {}, end_to_end_ms = {};
+    std::uint64_t seed = 0;
+    std::uint32_t spp = 0;
+    std::uint64_t paths = 0, rays = 0, connections = 0, cache_hits = 0;
+    double rays_per_second = 0;
+    std::uint64_t launches = 0, graph_nodes = 0, loop_rounds = 0, host_waits = 0;
+    std::uint64_t order = 0;  // among the samples of all cells of the run
+    double timestamp = 0;     // seconds since 1970
+    int clock_unknown = 0;    // 1: it is
+    std::optional<double> clock_mhz_before = {}, clock_mhz_after = {};
+    double foreign_cpu_ms = 0;  // of other processes; below 0 where clocks round
+    long involuntary_switches = 0;
+    std::uint64_t throttled_periods = 0;  // in which a quota of CPU time was used up
+    double throttled_ms = 0;
+    std::optional<int> ranks = {};  // of MPI, where there are several
+    std::optional<double> slowest_rank_ms = {}, fastest_rank_ms = {}, reduce_ms = {};
+    std::optional<std::uint32_t> devices = {};  // where there are several
+    std::optional<std::vector<double>> own_device_ms = {};
+    std::optional<double> slowest_device_ms = {}, device_reduce_ms = {};
+    std::optional<std::vector<CheckpointFacts>> checkpoints = {};  // of a cell whose errors are measured
+    std::string film_hash = {};
+
+    // The keys that begin with pt_ are those of a row of the result file, in the order in which it has them.
+    template <class Self, class Visit>
+    static void fields(Self& self, const Visit& visit) {
+        visit("cpu_ms", self.cpu_ms);
+        visit_row(self, visit);
+        visit("film_hash", self.film_hash);
+    }
+    template <class Self, class Visit>
+    static void visit_row(Self& self, const Visit& visit) {
+        visit("pt_cache_hits", self.cache_hits);
+        visit("pt_checkpoints", self.checkpoints);
+        visit("pt_clock_mhz_after", self.clock_mhz_after);
+        visit("pt_clock_mhz_before", self.clock_mhz_before);
+        visit("pt_clock_unknown", self.clock_unknown);
+        visit("pt_connections", self.connections);
+        visit("pt_device_ms", self.device_ms);
+        visit("pt_device_reduce_ms", self.device_reduce_ms);
+        visit("pt_devices", self.devices);
+        visit("pt_end_to_end_ms", self.end_to_end_ms);
+        visit("pt_fastest_rank_ms", self.fastest_rank_ms);
+        visit("pt_foreign_cpu_ms", self.foreign_cpu_ms);
+        visit("pt_graph_nodes", self.graph_nodes);
+        visit("pt_host_waits", self.host_waits);
+        visit("pt_involuntary_switches", self.involuntary_switches);
+        visit("pt_launches", self.launches);
+        visit("pt_loop_rounds", self.loop_rounds);
+        visit("pt_order", self.order);
+        visit("pt_own_device_ms", self.own_device_ms);
+        visit("pt_paths", self.paths);
+        visit("pt_ranks", self.ranks);
+        visit("pt_rays", self.rays);
+        visit(rays_per_second_key, self.rays_per_second);
+        visit("pt_reduce_ms", self.reduce_ms);
+        visit("pt_seed", self.seed);
+        visit("pt_slowest_device_ms", self.slowest_device_ms);
+        visit("pt_slowest_rank_ms", self.slowest_rank_ms);
+        visit("pt_spp", self.spp);
+        visit("pt_throttled_ms", self.throttled_ms);
+        visit("pt_throttled_periods", self.throttled_periods);
+        visit("pt_timestamp", self.timestamp);
+        visit("pt_wall_ms", self.wall_ms);
+    }
+    static constexpr const char* rays_per_second_key = "pt_rays_per_second";
+    bool operator==(const Sample&) const = default;
+};
+
+// A sample of a row or of a retake of a result file, which a program may have written that had fewer fields: these are
+// at their defaults. Throws WrongFact.
+Sample sample_of_result(const Json& row);
+
+// Whether a quota of CPU time was used up during the sample, so that its threads stood still.
+bool is_throttled(const Sample& sample);
+// Whether other processes disturbed a sample: one took more than a tenth of the render's own CPU time, and more than
+// the counter's resolution, or the system gave less of it than there was.
+bool is_contended(const Sample& sample);
+// Whether another process or a quota took CPU time such that the sample's time may be wrong for it: on a GPU a busy
+// host can only make a render longer than the device worked, or, where the render waits for the host within, longer on
+// both clocks.
+bool is_disturbed(const Sample& sample, Backend backend);
+// The mean of the clocks before and after the render, MHz; nothing where they are unknown.
+std::optional<double> clock_of(const Sample& sample);
+
+// The higher one of the clocks before and after the render, MHz; 0 where none is known.
+double highest_clock(const Sample& sample);
+// Whether one of them was low beside the highest clock of the whole run.
+bool has_low_clock(const Sample& sample, double highest_of_run);
+
+// Why no render can have left this sample, in words; empty: one can.
+std::string fault_of_sample(const Sample& sample);
+
+// Adds what a row of the result file has of a sample, behind its head.
+void add_sample_to_row(nlohmann::ordered_json& row, const Sample& sample);
+// Whether a row of a result is a sample's, as no aggregate's and no failure's is.
+bool is_row_of_sample(const nlohmann::ordered_json& row);
+// Marks each sample's row whose clock was low, judged by the highest clock of all these rows.
+void mark_low_clocks(nlohmann::ordered_json& rows);
+
+}  // namespace pt
