@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "harness/failure.h"
+#include "harness/scene/material_kind.h"
 #include "harness/scene/scene_mesh.h"
 
 namespace pt {

@@ -1,5 +1,6 @@
 #include "harness/render/first_hits.h"
 
+#include "harness/scene/material_kind.h"
 #include "harness/scene/scene_buffers.h"
 #include "kernels/shade.h"
 #include "variants/cpu/parallel_for.h"

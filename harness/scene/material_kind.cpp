@@ -1,5 +1,7 @@
 #include "harness/scene/material_kind.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

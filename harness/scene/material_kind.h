@@ -12,6 +12,10 @@
 
 namespace pt {
 
+// Depth from which on paths of a scene with a subsurface material have no end in Mitsuba, which counts each scattering
+// of a walk towards its max_depth: what paths bring after a thousand segments is no part of a picture.
+inline constexpr std::uint32_t endless_depth = 1000;
+
 // What Mitsuba cannot express of a material: the key in question (empty: the material as a whole), what was found
 // there, and what is allowed.
 struct BeyondMitsuba {

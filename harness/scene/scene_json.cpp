@@ -207,6 +207,13 @@ std::uint32_t index_of(const std::shared_ptr<const SceneMesh>& mesh, Scene& scen
     return index;
 }
 
+// "a, b or c" of names of which there are two or more.
+std::string one_of(std::vector<std::string> names, const char* word) {
+    const std::string last = names.back();
+    names.pop_back();
+    return fmt::format("{} {} {}", fmt::join(names, ", "), word, last);
+}
+
 // The names of kinds of materials that may be asked for, "a, b or c"; those that need an inside in some of their settings
 // alone come last.
 template <class IsAllowed>
@@ -223,9 +230,21 @@ std::string materials_for(const IsAllowed& is_allowed, bool with_inside) {
         (may_need_inside && !with_inside ? in_part : names).push_back(all[i]);
     }
     names.insert(names.end(), in_part.begin(), in_part.end());
-    const std::string last = names.back();
-    names.pop_back();
-    return fmt::format("{} or {}{}", fmt::join(names, ", "), last, in_part.empty() ? "" : " without transmission");
+    return one_of(names, "or") + (in_part.empty() ? "" : " without transmission");
+}
+
+// The names of kinds that are always bodies: "a, b and c".
+std::string solids() {
+    std::vector<std::string> names;
+    const std::vector<std::string> all = material_type_names();
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        SceneMaterial plain;
+        plain.type = static_cast<MaterialType>(i);
+        if (kind_of(plain).needs_inside(plain)) {
+            names.push_back(all[i]);
+        }
+    }
+    return one_of(names, "and");
 }
 
 // Checks that the shape can be made of the material: a dielectric has an inside, and a walk through a body meets its
@@ -244,12 +263,12 @@ void check_material(const JsonValue& value, const SceneMaterial& material, const
         return;
     }
     if (is_mesh && !scene.meshes[object.mesh]->is_closed) {
-        value.fail(fmt::format("on the mesh {}, which is not closed: {} (others need a shape with an inside)",
-                               scene.meshes[object.mesh]->source, materials_for(is_surface, false)));
+        value.fail(fmt::format("on the mesh {}, which is not closed: {} ({} need a shape with an inside)",
+                               scene.meshes[object.mesh]->source, materials_for(is_surface, false), solids()));
     }
     if (!is_mesh && is_flat(object)) {
-        value.fail(fmt::format("on a {}: {} (others need a shape with an inside)", name_of(object.shape),
-                               materials_for(is_surface, false)));
+        value.fail(fmt::format("on a {}: {} ({} need a shape with an inside)", name_of(object.shape),
+                               materials_for(is_surface, false), solids()));
     }
 }
 

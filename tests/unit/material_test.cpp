@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "kernels/dielectric.h"
+#include "kernels/materials/dielectric.h"
 #include "tests/support/render.h"
 #include "tests/support/scenes.h"
 

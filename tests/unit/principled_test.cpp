@@ -1,6 +1,6 @@
 // The principled lobe against quadrature in double and the textbook's forms: energy, density, reciprocity, samples by
 // chi-square, and its limits, which are other materials bit for bit.
-#include "kernels/principled.h"
+#include "kernels/materials/principled.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // The lobes of rough glass against quadrature in double and the textbook's forms (Walter et al. 2007): energy, density,
 // reciprocity with its factor n^2, samples by chi-square, and the smooth boundary as its limit.
-#include "kernels/rough_dielectric.h"
+#include "kernels/materials/rough_dielectric.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,6 @@
 // A mirror with a probability, a Lambertian surface otherwise.
+#include <fmt/format.h>
+
 #include "harness/scene/material_kind.h"
 #include "harness/scene/scene_texture.h"
 

@@ -1,4 +1,6 @@
 // A body that paths walk through.
+#include <fmt/format.h>
+
 #include "harness/scene/material_kind.h"
 
 namespace pt {
@@ -47,11 +49,11 @@ MaterialKind kind_of_subsurface() {
     kind.needs_inside = [](const SceneMaterial&) { return true; };
     kind.beyond_mitsuba = [](const SceneMaterial& m, std::uint32_t depth) {
         std::vector<BeyondMitsuba> problems;
-        if (depth < endless_mitsuba_depth) {
+        if (depth < endless_depth) {
             problems.push_back({"", fmt::format("subsurface at depth {}", depth),
                                 fmt::format("--depth {} or more, where paths have no end in Mitsuba: it counts each "
                                             "scattering towards its max_depth",
-                                            endless_mitsuba_depth)});
+                                            endless_depth)});
         }
         if (m.max_scatterings != SceneMaterial{}.max_scatterings) {
             problems.push_back({"max_scatterings", fmt::format("{}", m.max_scatterings),
