@@ -8,7 +8,7 @@
 
 #include "harness/bench/comparisons.h"
 #include "harness/counted.h"
-#include "limits.h"  // generated from analysis/ptbench/io/limits.json
+#include "limits_of_judgement.h"  // generated from analysis/ptbench/io/limits.json
 
 namespace pt {
 

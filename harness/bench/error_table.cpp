@@ -11,7 +11,7 @@
 
 #include "harness/bench/convergence_study.h"
 #include "harness/error/distributions.h"
-#include "limits.h"  // generated from analysis/ptbench/io/limits.json
+#include "limits_of_judgement.h"  // generated from analysis/ptbench/io/limits.json
 #include "variants/registry.h"
 #include "variants/variant_name.h"
 

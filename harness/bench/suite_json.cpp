@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "limits.h"  // generated from analysis/ptbench/io/limits.json
+#include "limits_of_judgement.h"  // generated from analysis/ptbench/io/limits.json
 
 #include "harness/bench/convergence_study.h"
 #include "harness/bench/older_suites.h"

@@ -16,7 +16,7 @@
 #include "harness/ranks/ranks.h"
 #include "harness/say.h"
 #include "harness/scene/places.h"
-#include "limits.h"  // generated from analysis/ptbench/io/limits.json
+#include "limits_of_judgement.h"  // generated from analysis/ptbench/io/limits.json
 
 namespace pt {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "limits.h"  // generated from analysis/ptbench/io/limits.json
+#include "limits_of_judgement.h"  // generated from analysis/ptbench/io/limits.json
 
 namespace pt {
 
