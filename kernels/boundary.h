@@ -1,8 +1,9 @@
-// A smooth boundary, and reflection and refraction at it: Snell's law and the exact unpolarised Fresnel reflectance, with total internal
-// reflection. Stable form (docs/numerics.md S26): with n = index ahead / index behind, c = cosine of incidence, k =
-// (n-1)(n+1), q = sqrt(k + c^2) = n cos(theta_t):  r_s = -k / (c + q)^2,  r_p = r_s (c q - s^2) / (c q + s^2),  s^2 =
-// (1-c)(1+c). It is right to 6e-7 for every n >= 1 where the textbook's 1 - cos^2 turns index 1 into a mirror at
-// grazing angles. q^2 itself is n^2 - s^2 near normal incidence, where k + c^2 would cancel for n far below 1.
+// A smooth boundary, and reflection and refraction at it: Snell's law and the exact unpolarised Fresnel reflectance,
+// with total internal reflection. Stable form (docs/numerics.md S26): with n = index ahead / index behind, c = cosine
+// of incidence, k = (n-1)(n+1), q = sqrt(k + c^2) = n cos(theta_t):  r_s = -k / (c + q)^2,  r_p = r_s (c q - s^2) / (c
+// q + s^2),  s^2 = (1-c)(1+c). It is right to 6e-7 for every n >= 1 where the textbook's 1 - cos^2 turns index 1 into a
+// mirror at grazing angles. q^2 itself is n^2 - s^2 near normal incidence, where k + c^2 would cancel for n far
+// below 1.
 #pragma once
 
 #include "kernels/config.h"

@@ -122,7 +122,7 @@ inline constexpr FeatureSet shape_features = no_features PT_SHAPES(PT_FEATURE);
 PT_HD constexpr FeatureSet materials_with(std::uint32_t wanted) {
     using namespace material_trait;
     FeatureSet set = no_features;
-#define PT_ADD(name, Type, traits) set |= ((traits) & wanted) != 0 ? static_cast<FeatureSet>(Feature::name) : no_features;
+#define PT_ADD(name, Type, traits) set |= ((traits)&wanted) != 0 ? static_cast<FeatureSet>(Feature::name) : no_features;
     PT_MATERIALS(PT_ADD)
 #undef PT_ADD
     return set;

@@ -26,15 +26,16 @@
 
 namespace pt {
 
-static_assert(material_type_count <= 11, "kernels/materials.h includes, and kernels/config.h has bits for, 11 materials");
+static_assert(material_type_count <= 11,
+              "kernels/materials.h includes, and kernels/config.h has bits for, 11 materials");
 
 // One material as kernels read it.
 template <class Real>
 struct Material {
     MaterialType type;
-    std::uint32_t emits;  // 1 if emission is not black
-    Vec3<Real> emission;  // radiance, linear RGB
-    Vec3<Real> sigma_a;   // of what lies behind its surface, 1 / scene unit
+    std::uint32_t emits;    // 1 if emission is not black
+    Vec3<Real> emission;    // radiance, linear RGB
+    Vec3<Real> sigma_a;     // of what lies behind its surface, 1 / scene unit
     std::uint32_t absorbs;  // 1 if that is a medium that paths run in, and sigma_a is not 0
     // The parameters of its type.
 #define PT_PARAMETERS(name, Type, traits) Type<Real> name;

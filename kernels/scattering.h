@@ -8,6 +8,22 @@
 
 namespace pt {
 
+// The roughness to shade with at a vertex at the end of the path's ray: the material's, unless it is an image.
+template <class Config>
+PT_HD inline typename Config::Real facet_width(const SceneView<typename Config::Real>& scene,
+                                               const Path<typename Config::Real>& path, const VertexOf<Config>& vertex,
+                                               typename Config::Real of_material) {
+    using Real = typename Config::Real;
+    Real alpha = of_material;
+    if constexpr (has<Config>(Feature::textures)) {
+        Hit<Real> hit;
+        hit.side = vertex.hit;
+        hit.primitive = vertex.primitive;
+        put_roughness<Config>(alpha, scene, ray_of(path), hit, vertex.position, geometric_normal<Config>(vertex));
+    }
+    return alpha;
+}
+
 // A path at a vertex that is about to scatter. A material's scatter() leaves the path with its next direction and
 // throughput, and returns whether the path goes on.
 template <class ConfigT, class Counters, class Walk>
@@ -45,17 +61,7 @@ struct Scattering {
         return is_connected;
     }
 
-    // The roughness to shade with: the material's, unless it is an image.
-    PT_HD Real facet_width(Real of_material) const {
-        Real alpha = of_material;
-        if constexpr (has<Config>(Feature::textures)) {
-            Hit<Real> hit;
-            hit.side = vertex.hit;
-            hit.primitive = vertex.primitive;
-            put_roughness<Config>(alpha, scene, ray_of(path), hit, vertex.position, geometric_normal<Config>(vertex));
-        }
-        return alpha;
-    }
+    PT_HD Real roughness(Real of_material) const { return facet_width<Config>(scene, path, vertex, of_material); }
 
     // The colour to shade with: the surface's where it may show an image, else the material's.
     PT_HD const Vec3<Real>& colour(const Vec3<Real>& of_material) const {

@@ -61,20 +61,20 @@ template <class Config, class At>
 PT_HD inline bool scatter(const At& at) {
     using Real = typename Config::Real;
     using namespace material_trait;
-#define PT_SCATTER_BY_SURFACE(name, Type, traits)                              \
-    if constexpr (has<Config>(Feature::name) && ((traits) & by_surface) != 0) { \
-        if (at.surface.type == MaterialType::name) {                           \
-            return Type<Real>::scatter(at);                                    \
-        }                                                                      \
+#define PT_SCATTER_BY_SURFACE(name, Type, traits)                             \
+    if constexpr (has<Config>(Feature::name) && ((traits)&by_surface) != 0) { \
+        if (at.surface.type == MaterialType::name) {                          \
+            return Type<Real>::scatter(at);                                   \
+        }                                                                     \
     }
     PT_MATERIALS(PT_SCATTER_BY_SURFACE)
 #undef PT_SCATTER_BY_SURFACE
     const Material<Real>& material = at.scene.materials[at.vertex.material];
-#define PT_SCATTER(name, Type, traits)                                                        \
+#define PT_SCATTER(name, Type, traits)                                                         \
     if constexpr (has<Config>(Feature::name) && ((traits) & (by_surface | ends_paths)) == 0) { \
-        if (material.type == MaterialType::name) {                                            \
-            return material.name.scatter(at, material);                                       \
-        }                                                                                     \
+        if (material.type == MaterialType::name) {                                             \
+            return material.name.scatter(at, material);                                        \
+        }                                                                                      \
     }
     PT_MATERIALS(PT_SCATTER)
 #undef PT_SCATTER

@@ -79,7 +79,7 @@ constexpr NamedFeature named_features[] = {
 #define PT_NAMED(name, Type, traits) {Feature::name, #name},
     PT_MATERIALS(PT_NAMED)
 #undef PT_NAMED
-    {Feature::emission, "emission"},
+        {Feature::emission, "emission"},
     {Feature::absorption, "absorption"},
     {Feature::subsurface_boundary, "subsurface_boundary"},
     {Feature::multiple_scattering, "multiple_scattering"},

@@ -105,9 +105,7 @@ template Boundary<float> leaving_boundary(double);
 template Boundary<double> leaving_boundary(double);
 
 Vec3d read_fractions(const JsonValue& value) { return vector(value, 0, 1, "a number from 0 to 1"); }
-Vec3d read_radiance(const JsonValue& value) {
-    return vector(value, 0, largest_radiance, "a number from 0 to 1e30");
-}
+Vec3d read_radiance(const JsonValue& value) { return vector(value, 0, largest_radiance, "a number from 0 to 1e30"); }
 Vec3d read_sigma(const JsonValue& value) { return vector(value, 0, 1e18, "a number from 0 to 1e18"); }
 double read_ior(const JsonValue& value) { return value.number(0.01, 1e4, "a number from 0.01 to 1e4"); }
 

@@ -34,7 +34,7 @@ struct MaterialKind {
     Vec3d (*surface_colour)(const SceneMaterial& material) = [](const SceneMaterial& m) { return m.albedo; };
     // What the picture of albedos shows, with `colour` in place of surface_colour.
     Vec3d (*first_hit_albedo)(const SceneMaterial& material, const Vec3d& colour) = [](const SceneMaterial&,
-                                                                                      const Vec3d& c) { return c; };
+                                                                                       const Vec3d& c) { return c; };
     // Whether rays run within the body, so that its shape must have an inside.
     bool (*needs_inside)(const SceneMaterial& material) = [](const SceneMaterial&) { return false; };
     // Whether its facets do nothing, so that an image of their roughness is not looked up.

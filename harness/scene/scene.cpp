@@ -200,7 +200,8 @@ bool has_textures(const Scene& scene) {
 
 bool has_shading_normals(const Scene& scene, const SceneObject& object) {
     const SceneMaterial& material = scene.materials[object.material];
-    return material.normal_texture != nullptr || (object.shading_normals && !has_trait(material.type, material_trait::ends_paths));
+    return material.normal_texture != nullptr ||
+           (object.shading_normals && !has_trait(material.type, material_trait::ends_paths));
 }
 
 FeatureSet features_of(const Scene& scene) {

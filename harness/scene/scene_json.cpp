@@ -214,8 +214,8 @@ std::string one_of(std::vector<std::string> names, const char* word) {
     return fmt::format("{} {} {}", fmt::join(names, ", "), word, last);
 }
 
-// The names of kinds of materials that may be asked for, "a, b or c"; those that need an inside in some of their settings
-// alone come last.
+// The names of kinds of materials that may be asked for, "a, b or c"; those that need an inside in some of their
+// settings alone come last.
 template <class IsAllowed>
 std::string materials_for(const IsAllowed& is_allowed, bool with_inside) {
     std::vector<std::string> names, in_part;

@@ -19,20 +19,27 @@ struct DielectricMaterial {
     template <class At>
     PT_HD bool scatter(const At& at, const Material<Real>& material) const {
         using Config = typename At::Config;
-        Path<Real>& path = at.path;
-        const VertexOf<Config>& vertex = at.vertex;
+        const bool passes = scatter_by<Config>(at.path, at.vertex, at.random_lobe());
+        if constexpr (has<Config>(Feature::absorption)) {
+            if (passes) {
+                at.path.medium = medium_behind(at.vertex, material);
+            }
+        }
+        return true;
+    }
+
+    // The same by a random number, but for the medium; returns whether the path passes the boundary.
+    template <class Config>
+    PT_HD bool scatter_by(Path<Real>& path, const Vertex<Real>& vertex, Real u) const {
         const Boundary<Real>& boundary = seen_from(vertex.inside);
         const Real cosine = cosine_of_incidence(path.direction, vertex.normal());
         const Refraction<Real> refraction = fresnel<Config>(boundary, cosine);
-        if (at.random_lobe() < refraction.reflectance) {
+        if (u < refraction.reflectance) {
             leave_on_same_side(path, vertex, reflect(path.direction, vertex.normal()));
-            return true;
+            return false;
         }
         path.throughput *= tint;
         leave_on_other_side(path, vertex, refract(boundary, path.direction, vertex.normal(), cosine, refraction.q));
-        if constexpr (has<Config>(Feature::absorption)) {
-            path.medium = medium_behind(vertex, material);
-        }
         return true;
     }
 };

@@ -206,14 +206,14 @@ private:
     }
 };
 
-// The path ends where a facet sends it to the wrong side of the surface. What narrow facets send on meets lights as from
-// a mirror, though the diffuse surface beneath them was connected.
+// The path ends where a facet sends it to the wrong side of the surface. What narrow facets send on meets lights as
+// from a mirror, though the diffuse surface beneath them was connected.
 template <class Real>
 template <class At>
 PT_HD inline bool PrincipledMaterial<Real>::scatter(const At& at, const Material<Real>& material) const {
     using Config = typename At::Config;
     const Principled<Config> lobe(*this, medium_behind(at.vertex, material), at.colour(base_colour),
-                                  at.facet_width(alpha), -at.path.direction, at.vertex);
+                                  at.roughness(alpha), -at.path.direction, at.vertex);
     const bool is_connected = at.connect_if_wide(lobe);
     const LobeSample<Real> sample =
         lobe.sample(at.random_lobe(), unit_interval<Real>(at.words.y), unit_interval<Real>(at.words.z));

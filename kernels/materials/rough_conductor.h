@@ -86,7 +86,7 @@ struct RoughConductorMaterial {
     PT_HD bool scatter(const At& at, const Material<Real>&) const {
         using Config = typename At::Config;
         constexpr bool has_gain = has<Config>(Feature::multiple_scattering);
-        RoughConductor<Real, has_gain> lobe(at.colour(reflectance), at.facet_width(alpha), -at.path.direction,
+        RoughConductor<Real, has_gain> lobe(at.colour(reflectance), at.roughness(alpha), -at.path.direction,
                                             at.vertex.normal());
         if constexpr (has_gain) {
             if (scatters_multiply != 0) {

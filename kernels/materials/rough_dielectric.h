@@ -123,7 +123,7 @@ struct RoughDielectricMaterial {
     template <class At>
     PT_HD bool scatter(const At& at, const Material<Real>& material) const {
         using Config = typename At::Config;
-        const RoughDielectric<Config> lobe(glass, medium_behind(at.vertex, material), at.facet_width(alpha),
+        const RoughDielectric<Config> lobe(glass, medium_behind(at.vertex, material), at.roughness(alpha),
                                            -at.path.direction, at.vertex);
         const bool is_connected = at.connect_if_wide(lobe);
         const LobeSample<Real> sample =

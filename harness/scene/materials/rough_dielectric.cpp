@@ -22,7 +22,8 @@ MaterialKind kind_of_rough_dielectric() {
     // However its facets are turned, a boundary between equals bends no light.
     kind.ignores_roughness = [](const SceneMaterial& m) { return m.ior == 1; };
     const auto pack = []<class Real>(const SceneMaterial& m, Material<Real>& packed) {
-        packed.rough_dielectric = {packed_glass<Real>(m), static_cast<Real>(m.ior == 1 ? 0 : m.roughness * m.roughness)};
+        packed.rough_dielectric = {packed_glass<Real>(m),
+                                   static_cast<Real>(m.ior == 1 ? 0 : m.roughness * m.roughness)};
     };
     kind.pack_single = pack;
     kind.pack_double = pack;

@@ -13,11 +13,11 @@ struct SurfaceKinds {
     __device__ static constexpr SurfaceKinds after(std::uint32_t others) {
         using namespace pt::material_trait;
         SurfaceKinds kinds;
-#define PT_ADD_KIND(name, Type, traits)                                                                    \
-    if (((traits) & ends_paths) == 0 && pt::has<Configuration>(pt::Feature::name)) {                       \
-        kinds.count += tuned::by_material != 0 || kinds.count == 0 ? 1u : 0u;                              \
-        kinds.table |= static_cast<std::uint64_t>(others + kinds.count - 1)                                \
-                       << (4 * static_cast<std::uint32_t>(pt::MaterialType::name));                        \
+#define PT_ADD_KIND(name, Type, traits)                                             \
+    if (((traits)&ends_paths) == 0 && pt::has<Configuration>(pt::Feature::name)) {  \
+        kinds.count += tuned::by_material != 0 || kinds.count == 0 ? 1u : 0u;       \
+        kinds.table |= static_cast<std::uint64_t>(others + kinds.count - 1)         \
+                       << (4 * static_cast<std::uint32_t>(pt::MaterialType::name)); \
     }
         PT_MATERIALS(PT_ADD_KIND)
 #undef PT_ADD_KIND
