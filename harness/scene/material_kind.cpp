@@ -75,17 +75,6 @@ Boundary<Real> make_boundary(double relative_ior) {
             static_cast<Real>((relative_ior - 1.0) * (relative_ior + 1.0))};
 }
 
-constexpr double largest_radiance = 1e30;
-
-Vec3d vector(const JsonValue& value, double low, double high, const std::string& allowed) {
-    if (!value.json().is_array() || value.json().size() != 3) {
-        value.fail("an array of 3 numbers");
-    }
-    const std::vector<JsonValue> elements = value.elements();
-    return {elements[0].number(low, high, allowed), elements[1].number(low, high, allowed),
-            elements[2].number(low, high, allowed)};
-}
-
 }  // namespace
 
 template <class Real>
@@ -104,9 +93,20 @@ template Boundary<double> entering_boundary(double);
 template Boundary<float> leaving_boundary(double);
 template Boundary<double> leaving_boundary(double);
 
-Vec3d read_fractions(const JsonValue& value) { return vector(value, 0, 1, "a number from 0 to 1"); }
-Vec3d read_radiance(const JsonValue& value) { return vector(value, 0, largest_radiance, "a number from 0 to 1e30"); }
-Vec3d read_sigma(const JsonValue& value) { return vector(value, 0, 1e18, "a number from 0 to 1e18"); }
+Vec3d read_vector(const JsonValue& value, double low, double high, const std::string& allowed) {
+    if (!value.json().is_array() || value.json().size() != 3) {
+        value.fail("an array of 3 numbers");
+    }
+    const std::vector<JsonValue> elements = value.elements();
+    return {elements[0].number(low, high, allowed), elements[1].number(low, high, allowed),
+            elements[2].number(low, high, allowed)};
+}
+
+Vec3d read_fractions(const JsonValue& value) { return read_vector(value, 0, 1, "a number from 0 to 1"); }
+Vec3d read_radiance(const JsonValue& value) {
+    return read_vector(value, 0, largest_radiance, "a number from 0 to 1e30");
+}
+Vec3d read_sigma(const JsonValue& value) { return read_vector(value, 0, 1e18, "a number from 0 to 1e18"); }
 double read_ior(const JsonValue& value) { return value.number(0.01, 1e4, "a number from 0.01 to 1e4"); }
 
 Vec3d read_colour(const JsonValue& value, SceneMaterial& material) {

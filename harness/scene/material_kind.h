@@ -83,6 +83,8 @@ template <class Real>
 DielectricMaterial<Real> packed_glass(const SceneMaterial& material) {
     return {narrow<Real>(material.tint), entering_boundary<Real>(material.ior), leaving_boundary<Real>(material.ior)};
 }
+inline constexpr double largest_radiance = 1e30;
+Vec3d read_vector(const JsonValue& value, double low, double high, const std::string& allowed);
 Vec3d read_fractions(const JsonValue& value);  // from 0 to 1
 Vec3d read_radiance(const JsonValue& value);
 Vec3d read_sigma(const JsonValue& value);

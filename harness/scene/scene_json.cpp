@@ -25,19 +25,9 @@ namespace {
 // Lengths beyond which squares would leave the range of float; scenes are checked before any kernel sees them.
 constexpr double largest_length = 1e18;
 constexpr double smallest_length = 1e-18;
-constexpr double largest_radiance = 1e30;
-
-Vec3d vector(const JsonValue& value, double low, double high, const std::string& allowed) {
-    if (!value.json().is_array() || value.json().size() != 3) {
-        value.fail("an array of 3 numbers");
-    }
-    const std::vector<JsonValue> elements = value.elements();
-    return {elements[0].number(low, high, allowed), elements[1].number(low, high, allowed),
-            elements[2].number(low, high, allowed)};
-}
 
 Vec3d point(const JsonValue& value) {
-    return vector(value, -largest_length, largest_length, "a number from -1e18 to 1e18");
+    return read_vector(value, -largest_length, largest_length, "a number from -1e18 to 1e18");
 }
 
 void read_shutter(const JsonValue& value, SceneCamera& camera) {
@@ -114,7 +104,7 @@ SceneCamera read_camera(const JsonValue& value) {
 Vec3d read_scale(const JsonValue& value) {
     const std::string allowed = "a number from 1e-18 to 1e18";
     if (value.json().is_array()) {
-        return vector(value, smallest_length, largest_length, allowed);
+        return read_vector(value, smallest_length, largest_length, allowed);
     }
     return Vec3d(value.number(smallest_length, largest_length, allowed + ", or an array of 3"));
 }
@@ -319,7 +309,8 @@ SceneObject read_object(const JsonValue& value, Scene& scene) {
     check_texture(material_value, *material, result, scene);
     result.translate = object.has("translate") ? point(object.at("translate")) : Vec3d(0.0);
     if (object.has("rotate_degrees")) {
-        result.rotate_degrees = vector(object.at("rotate_degrees"), -1e6, 1e6, "an angle from -1e6 to 1e6 degrees");
+        result.rotate_degrees =
+            read_vector(object.at("rotate_degrees"), -1e6, 1e6, "an angle from -1e6 to 1e6 degrees");
     }
     if (object.has("scale")) {
         result.scale = read_scale(object.at("scale"));
