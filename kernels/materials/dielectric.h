@@ -28,7 +28,7 @@ struct DielectricMaterial {
         return true;
     }
 
-    // The same by a random number, but for the medium; returns whether the path passes the boundary.
+    // Reflects or refracts the path by a random number in [0, 1), without a medium; returns whether it is refracted.
     template <class Config>
     PT_HD bool scatter_by(Path<Real>& path, const Vertex<Real>& vertex, Real u) const {
         const Boundary<Real>& boundary = seen_from(vertex.inside);
