@@ -8,6 +8,7 @@
 
 #include "kernels/boundary.h"
 #include "kernels/lobe.h"
+#include "kernels/sampling.h"
 
 namespace pt {
 
