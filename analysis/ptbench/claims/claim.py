@@ -20,6 +20,8 @@ from ptbench.studies.selection import parsed
 # The keys of a claim that its predictions are made of: whoever changes one of these predicts anew.
 _PREDICTED = ("claim", "number", "rule", "prediction", "experiment")
 _NO_PREDICTION = ("seconds", "also")
+# How a suite has a study shown: it may change after the prediction, since it changes nothing that is measured.
+_HOW_IT_IS_SHOWN = ("figure", "compares", "along")
 
 THEIRS = "theirs"
 
@@ -190,6 +192,10 @@ def prediction_in(text: str, suite_text: str) -> str:
         suite = json.loads(suite_text) if suite_text else {}
         parts = {key: document[key] for key in _PREDICTED}
         parts["experiment"] = {key: value for key, value in parts["experiment"].items() if key not in _NO_PREDICTION}
-        return json.dumps([parts, suite.get("studies")], sort_keys=True)
+        studies = [
+            {key: value for key, value in study.items() if key not in _HOW_IT_IS_SHOWN}
+            for study in suite.get("studies") or []
+        ]
+        return json.dumps([parts, studies if "studies" in suite else None], sort_keys=True)
     except (ValueError, KeyError, AttributeError):
         return ""

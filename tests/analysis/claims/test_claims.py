@@ -14,7 +14,7 @@ from builder import Builder
 from conftest import RESULTS, ROOT, committed
 from convergence_builder import Law, rows_of_errors
 
-from ptbench.claims.claim import Ledger, read_claim
+from ptbench.claims.claim import Ledger, prediction_in, read_claim
 from ptbench.claims.command import Call, claims, told_of
 from ptbench.claims.evidence import evidence_of
 from ptbench.claims.history import BY_DATE, LOOK_UP, REPEAT, TEST, UNCOMMITTED, UNKNOWN, Measured, order_of
@@ -327,6 +327,16 @@ def test_bytes_are_exact_and_a_batch_is_over_another(house):
 
 
 # --- which came first ---
+
+
+def test_how_a_study_is_shown_is_no_part_of_its_prediction():
+    claim = (ROOT / "claims" / "veach_1995_power.json").read_text(encoding="utf-8")
+
+    def predicted(**study) -> str:
+        return prediction_in(claim, json.dumps({"name": "s", "studies": [{"name": "a", "axes": {}, **study}]}))
+
+    assert predicted(figure="bars") == predicted(compares="choices", along="depth") == predicted() != ""
+    assert predicted(spp=64) != predicted()
 
 
 def test_a_program_with_the_prediction_in_its_history_tested_it(house):
