@@ -185,6 +185,14 @@ def _ends(rule: dict) -> tuple[float | None, float | None]:
     return rule["low"], rule["high"]
 
 
+def _measured(studies: object) -> object:
+    if isinstance(studies, list):
+        return [_measured(study) for study in studies]
+    if isinstance(studies, dict):
+        return {key: value for key, value in studies.items() if key not in _HOW_IT_IS_SHOWN}
+    return studies
+
+
 def prediction_in(text: str, suite_text: str) -> str:
     """What was predicted, from a claim's file and its suite's, as one string; empty: these are no such files."""
     try:
@@ -192,10 +200,6 @@ def prediction_in(text: str, suite_text: str) -> str:
         suite = json.loads(suite_text) if suite_text else {}
         parts = {key: document[key] for key in _PREDICTED}
         parts["experiment"] = {key: value for key, value in parts["experiment"].items() if key not in _NO_PREDICTION}
-        studies = [
-            {key: value for key, value in study.items() if key not in _HOW_IT_IS_SHOWN}
-            for study in suite.get("studies") or []
-        ]
-        return json.dumps([parts, studies if "studies" in suite else None], sort_keys=True)
+        return json.dumps([parts, _measured(suite.get("studies"))], sort_keys=True)
     except (ValueError, KeyError, AttributeError):
         return ""
