@@ -15,7 +15,7 @@ else()
   endif()
 endif()
 # What an image depends on: a cached reference is one of these sources.
-file(GLOB image_sources ${SOURCE_DIR}/kernels/*.h ${SOURCE_DIR}/variants/integrator/* ${SOURCE_DIR}/variants/sampler/*
+file(GLOB_RECURSE image_sources ${SOURCE_DIR}/kernels/*.h ${SOURCE_DIR}/variants/integrator/* ${SOURCE_DIR}/variants/sampler/*
      ${SOURCE_DIR}/harness/scene/* ${SOURCE_DIR}/harness/mesh/*)
 list(SORT image_sources)
 set(image_hashes "")

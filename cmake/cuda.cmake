@@ -46,7 +46,7 @@ set(PTBENCH_CCCL_VERSION "${cub_major}.${cub_minor}.${cub_patch}")
 
 # What NVRTC compiles: kernels/, the device side of choices, what both sides include, and the GLM headers behind
 # glm/vec3.hpp.
-file(GLOB embedded_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/kernels/*.h ${PROJECT_SOURCE_DIR}/kernels/shapes/*.h ${PROJECT_SOURCE_DIR}/variants/*/*.cuh
+file(GLOB embedded_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/kernels/*.h ${PROJECT_SOURCE_DIR}/kernels/shapes/*.h ${PROJECT_SOURCE_DIR}/kernels/materials/*.h ${PROJECT_SOURCE_DIR}/variants/*/*.cuh
      ${PROJECT_SOURCE_DIR}/variants/accelerator/*.h ${PROJECT_SOURCE_DIR}/variants/bvh/*.h ${PROJECT_SOURCE_DIR}/variants/cuda/device/*)
 # No kernel that NVRTC compiles has these, so a change to them must not empty the kernels' cache.
 list(FILTER embedded_headers EXCLUDE REGEX "/layout/payload_iterator\\.cuh$|/axis\\.h$")

@@ -6,7 +6,7 @@
 // Vorba and Krivanek, "Adjoint-Driven Russian Roulette and Splitting in Light Transport Simulation", SIGGRAPH 2016.
 #pragma once
 
-#include "kernels/diffuse.h"
+#include "kernels/vertex.h"
 
 namespace pt {
 

@@ -3,6 +3,7 @@
 // The idea of a feature mask that is a template argument is Cycles' (kernel/features.h).
 #pragma once
 
+#include "kernels/material_list.h"
 #include "kernels/shape_list.h"
 
 #include <cstdint>
@@ -48,21 +49,17 @@ enum class Feature : FeatureSet {
     // Every object is met by its 4x4 matrix (kernels/transform.h): another formula, which changes roundings and so the
     // film.
     matrix = feature_bit::shape << 15,
-    diffuse = feature_bit::material << 0,
-    emitter = feature_bit::material << 1,
-    mirror = feature_bit::material << 2,
-    mix = feature_bit::material << 3,
-    dielectric = feature_bit::material << 4,
-    subsurface = feature_bit::material << 5,
-    emission = feature_bit::material << 6,             // diffuse, mirror or mix surfaces that also emit
-    absorption = feature_bit::material << 7,           // Beer-Lambert inside a dielectric, smooth or rough
-    subsurface_boundary = feature_bit::material << 8,  // a subsurface body whose index is not 1
-    rough_conductor = feature_bit::material << 9,
-    rough_dielectric = feature_bit::material << 10,
-    multiple_scattering = feature_bit::material << 11,  // rough conductors that lose no light
-    textures = feature_bit::material << 12,             // colours and roughnesses that are images (kernels/texture.h)
-    principled = feature_bit::material << 13,           // kernels/principled.h
-    shading_normals = feature_bit::material << 14,      // other normals than the surface's (kernels/shading_normal.h)
+// Kinds of materials.
+#define PT_FEATURE(name, Type, traits) name = feature_bit::material << static_cast<std::uint32_t>(MaterialType::name),
+    PT_MATERIALS(PT_FEATURE)
+#undef PT_FEATURE
+    // What a material does besides.
+    emission = feature_bit::material << 11,             // surfaces that reflect and also emit
+    absorption = feature_bit::material << 12,           // Beer-Lambert inside a dielectric, smooth or rough
+    subsurface_boundary = feature_bit::material << 13,  // a subsurface body whose index is not 1
+    multiple_scattering = feature_bit::material << 14,  // rough conductors that lose no light
+    textures = feature_bit::material << 15,             // colours and roughnesses that are images (kernels/texture.h)
+    shading_normals = feature_bit::material << 16,      // other normals than the surface's (kernels/shading_normal.h)
     environment = feature_bit::light << 0,
     // What the variant asks for rather than the scene.
     final_bounce = feature_bit::light << 1,
@@ -121,11 +118,21 @@ inline constexpr FeatureSet no_features = 0;
 #define PT_FEATURE(name, array, Type) | static_cast<FeatureSet>(Feature::name)
 inline constexpr FeatureSet shape_features = no_features PT_SHAPES(PT_FEATURE);
 #undef PT_FEATURE
+// The kinds of materials that have any of these traits (material_trait).
+PT_HD constexpr FeatureSet materials_with(std::uint32_t wanted) {
+    using namespace material_trait;
+    FeatureSet set = no_features;
+#define PT_ADD(name, Type, traits) set |= ((traits)&wanted) != 0 ? static_cast<FeatureSet>(Feature::name) : no_features;
+    PT_MATERIALS(PT_ADD)
+#undef PT_ADD
+    return set;
+}
+#define PT_FEATURE(name, Type, traits) | static_cast<FeatureSet>(Feature::name)
+inline constexpr FeatureSet material_types = no_features PT_MATERIALS(PT_FEATURE);
+#undef PT_FEATURE
 inline constexpr FeatureSet material_features =
-    set_of(Feature::diffuse, Feature::emitter, Feature::mirror, Feature::mix, Feature::dielectric, Feature::subsurface,
-           Feature::emission, Feature::absorption, Feature::subsurface_boundary, Feature::rough_conductor,
-           Feature::rough_dielectric, Feature::multiple_scattering, Feature::textures, Feature::principled,
-           Feature::shading_normals);
+    material_types | set_of(Feature::emission, Feature::absorption, Feature::subsurface_boundary,
+                            Feature::multiple_scattering, Feature::textures, Feature::shading_normals);
 inline constexpr FeatureSet light_samplings =
     set_of(Feature::area_sampling, Feature::projected_sampling, Feature::automatic_sampling);
 inline constexpr FeatureSet light_selections = set_of(Feature::power_selection, Feature::tree_selection);
@@ -199,6 +206,10 @@ PT_HD constexpr bool has_one_light() {
 template <class Config>
 PT_HD constexpr bool has(Feature feature) {
     return contains(Config::features, feature);
+}
+template <class Config>
+PT_HD constexpr bool has_any(FeatureSet features) {
+    return (Config::features & features) != 0;
 }
 
 PT_HD constexpr bool has_everything(FeatureSet features) { return is_superset(features, all_features); }

@@ -6,27 +6,11 @@
 //   share that is not masked on its way out = ci (co + qo) / (co qi + ci qo) above, 2 ci / (ci + qi) below the surface.
 #pragma once
 
-#include "kernels/mirror.h"
+#include "kernels/boundary.h"
+#include "kernels/lobe.h"
+#include "kernels/sampling.h"
 
 namespace pt {
-
-// The least cosine that counts as above the surface: squares of it stay within single precision.
-template <class Real>
-inline constexpr Real least_cosine = Real(0x1p-40);
-
-// What a lobe sends from one direction to another, and how likely it draws that direction.
-template <class Real>
-struct LobeValue {
-    Vec3<Real> weight;  // BSDF * cosine / density
-    Real pdf;           // density, by solid angle, with which the lobe draws the direction
-};
-
-template <class Real>
-struct LobeSample {
-    Vec3<Real> direction;
-    Real cosine;  // to the normal; 0: the light is lost, and the rest is not set
-    LobeValue<Real> value;
-};
 
 template <class Real>
 struct GgxFacet {

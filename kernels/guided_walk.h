@@ -15,7 +15,7 @@
 // twentyfold).
 #pragma once
 
-#include "kernels/material.h"
+#include "kernels/medium.h"
 #include "kernels/sampling.h"
 
 namespace pt {
@@ -35,7 +35,7 @@ struct StepChoice {
 };
 
 template <class Real>
-PT_HD inline StepChoice choose_step(const Material<Real>& medium, const Vec3<Real>& throughput, Real u) {
+PT_HD inline StepChoice choose_step(const ScatteringMedium<Real>& medium, const Vec3<Real>& throughput, Real u) {
     const Real share = medium.guided_share;
     const bool is_guided = u < share;
     const Real rest = is_guided ? u / share : (u - share) / (Real(1) - share);
@@ -86,7 +86,7 @@ struct GuidedStep {
 
 // Weight of a step of length t: what light does on it over the mean density.
 template <class Real>
-PT_HD inline Vec3<Real> guided_step_weight(const Material<Real>& medium, const Vec3<Real>& throughput,
+PT_HD inline Vec3<Real> guided_step_weight(const ScatteringMedium<Real>& medium, const Vec3<Real>& throughput,
                                            const GuidedStep<Real>& step, Real t) {
     const Real share = medium.guided_share;
     const auto relative_density = [&](int i) {

@@ -5,7 +5,7 @@
 // Feature::environment_map as kernels/environment_map.h has it.
 #pragma once
 
-#include "kernels/dielectric.h"
+#include "kernels/absorption.h"
 #include "kernels/environment_map.h"
 
 namespace pt {

@@ -7,8 +7,8 @@
 // techniques weigh by it, so their weights add up to 1 (Veach 1997, sec. 9.2).
 #pragma once
 
-#include "kernels/diffuse.h"
 #include "kernels/random_words.h"
+#include "kernels/vertex.h"
 
 namespace pt {
 

@@ -8,11 +8,11 @@
 // leave the scene always count. One of Feature::environment_map is one more light.
 #pragma once
 
-#include "kernels/dielectric.h"
+#include "kernels/absorption.h"
 #include "kernels/environment_map.h"
-#include "kernels/ggx.h"
 #include "kernels/light_direction.h"
 #include "kernels/light_selection.h"
+#include "kernels/lobe.h"
 
 namespace pt {
 
@@ -118,17 +118,6 @@ PT_HD inline void meet_environment(const SceneView<typename Config::Real>& scene
     }
     path.radiance += path.throughput * place.radiance * weight;
 }
-
-// The Lambertian lobe with the interface of the other lobes.
-template <class Real>
-struct DiffuseLobe {
-    static constexpr bool transmits = false, may_be_opaque = false;
-    Vec3<Real> albedo;
-
-    PT_HD LobeValue<Real> towards(const Vec3<Real>&, Real cosine) const {
-        return {albedo, cosine * (Real(1) / pi<Real>)};
-    }
-};
 
 // The ray's hit with a light that it was drawn to and sees; else nowhere. `distance`: to the point that was drawn, or
 // 0. By the closest hit where lights are drawn by solid angle: over a few objects that costs less than to meet the

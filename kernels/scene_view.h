@@ -4,12 +4,22 @@
 
 #include "kernels/axis_aligned_enclosure.h"
 #include "kernels/camera.h"
-#include "kernels/material.h"
+#include "kernels/material_list.h"
 #include "kernels/object_tree.h"
 #include "kernels/shapes.h"
 #include "kernels/transform.h"
 
 namespace pt {
+
+template <class Real>
+struct Material;  // kernels/materials.h
+
+// What most hits need of an object's material, in one 16-byte read.
+template <class Real>
+struct alignas(4 * sizeof(Real)) Surface {
+    Vec3<Real> colour;  // albedo of a diffuse, reflectance of a mirror, radiance of an emitter material
+    MaterialType type;
+};
 
 // An object that emits, with what sampling points on it needs.
 struct Light {

@@ -8,14 +8,10 @@
 #include "kernels/adjoint.h"
 #include "kernels/film.h"
 #include "kernels/light.h"
-#include "kernels/mix.h"
+#include "kernels/materials.h"
 #include "kernels/next_event.h"
-#include "kernels/principled.h"
-#include "kernels/rough_conductor.h"
-#include "kernels/rough_dielectric.h"
 #include "kernels/russian_roulette.h"
 #include "kernels/shading_normal.h"
-#include "kernels/subsurface.h"
 
 namespace pt {
 
@@ -59,245 +55,29 @@ PT_HD inline void accumulate(const FilmView& film, const Path<Real>& path) {
     film.add(path.pixel, path.radiance);
 }
 
-// The diffuse lobe of the vertex: connected to a light where the variant asks for it, and then sampled. The last vertex
-// of a final-bounce path is connected only. Returns whether the path goes on. `traced`: the scene as rays walk through
-// it.
-template <class Config>
-PT_HD inline bool shade_diffuse(const SceneView<typename Config::Real>& scene,
-                                const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
-                                const VertexOf<Config>& vertex, const Vec3<typename Config::Real>& albedo,
-                                const RandomWords& words, bool last, auto& counters) {
+// Has the vertex's material pick the next direction. Returns whether the path goes on. The list is expanded as
+// statements: other forms give kernels other registers.
+template <class Config, class At>
+PT_HD inline bool scatter(const At& at) {
     using Real = typename Config::Real;
-    if constexpr (has<Config>(Feature::final_bounce)) {
-        if (last) {
-            const std::uint32_t connections = connect<Config>(scene, traced, path, vertex, albedo, words);
-            counters.rays += connections;
-            counters.connections += connections;
-            return false;
-        }
+    using namespace material_trait;
+#define PT_SCATTER_BY_SURFACE(name, Type, traits)                             \
+    if constexpr (has<Config>(Feature::name) && ((traits)&by_surface) != 0) { \
+        if (at.surface.type == MaterialType::name) {                          \
+            return Type<Real>::scatter(at);                                   \
+        }                                                                     \
     }
-    bool is_connected = false;
-    if constexpr (has<Config>(Feature::next_event)) {
-        is_connected = scene.next_event != 0;
-        if (is_connected) {
-            const std::uint32_t connections =
-                connect_next_event<Config>(scene, traced, path, vertex, DiffuseLobe<Real>{albedo});
-            counters.rays += connections;
-            counters.connections += connections;
-        }
+    PT_MATERIALS(PT_SCATTER_BY_SURFACE)
+#undef PT_SCATTER_BY_SURFACE
+    const Material<Real>& material = at.scene.materials[at.vertex.material];
+#define PT_SCATTER(name, Type, traits)                                                         \
+    if constexpr (has<Config>(Feature::name) && ((traits) & (by_surface | ends_paths)) == 0) { \
+        if (material.type == MaterialType::name) {                                             \
+            return material.name.scatter(at, material);                                        \
+        }                                                                                      \
     }
-    scatter_diffuse<Config>(path, vertex, albedo, words.y, words.z);
-    if (is_connected) {
-        if constexpr (has<Config>(Feature::multiple_importance)) {
-            constexpr Real least = Real(0x1p-60);
-            path.bsdf_pdf =
-                kept_pdf<Config>(path, max(vertex.dot_normal(path.direction), least) * (Real(1) / pi<Real>));
-        } else {
-            // Any number but 0, which says that there was no connection, will do unless light that is met is weighed.
-            path.bsdf_pdf = Real(1);
-        }
-    }
-    return true;
-}
-
-// Connects the vertex to a light where the variant asks for it and the lobe is wide enough; returns whether it is.
-template <class Config, class Lobe>
-PT_HD inline bool connect_rough(const SceneView<typename Config::Real>& scene,
-                                const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
-                                const VertexOf<Config>& vertex, const Lobe& lobe, auto& counters) {
-    bool is_connected = false;
-    if constexpr (has<Config>(Feature::next_event)) {
-        is_connected = scene.next_event != 0 && lobe.is_connectable();
-        if (is_connected) {
-            const std::uint32_t connections = connect_next_event<Config>(scene, traced, path, vertex, lobe);
-            counters.rays += connections;
-            counters.connections += connections;
-        }
-    }
-    return is_connected;
-}
-
-// The width of the facets' distribution at a vertex at the end of the path's ray: a roughness may be an image.
-template <class Config>
-PT_HD inline typename Config::Real facet_width(const SceneView<typename Config::Real>& scene,
-                                               const Path<typename Config::Real>& path, const VertexOf<Config>& vertex,
-                                               const Material<typename Config::Real>& material) {
-    using Real = typename Config::Real;
-    Real alpha = material.alpha;
-    if constexpr (has<Config>(Feature::textures)) {
-        Hit<Real> hit;
-        hit.side = vertex.hit;
-        hit.primitive = vertex.primitive;
-        put_roughness<Config>(alpha, scene, ray_of(path), hit, vertex.position, geometric_normal<Config>(vertex));
-    }
-    return alpha;
-}
-
-// A rough conductor. The last vertex of a final-bounce path goes on, as a mirror's does. Returns whether the path goes
-// on: it does not where the facet sends it into the surface.
-template <class Config>
-PT_HD inline bool shade_rough_conductor(const SceneView<typename Config::Real>& scene,
-                                        const SceneView<typename Config::Real>& traced,
-                                        Path<typename Config::Real>& path, const VertexOf<Config>& vertex,
-                                        const Material<typename Config::Real>& material,
-                                        const Vec3<typename Config::Real>& reflectance, const RandomWords& words,
-                                        auto& counters) {
-    using Real = typename Config::Real;
-    constexpr bool has_gain = has<Config>(Feature::multiple_scattering);
-    RoughConductor<Real, has_gain> lobe(reflectance, facet_width<Config>(scene, path, vertex, material),
-                                        -path.direction, vertex.normal());
-    if constexpr (has_gain) {
-        if (material.scatters_multiply != 0) {
-            lobe.scatter_multiply();
-        }
-    }
-    const bool is_connected = connect_rough<Config>(scene, traced, path, vertex, lobe, counters);
-    const LobeSample<Real> sample = lobe.sample(unit_interval<Real>(words.y), unit_interval<Real>(words.z));
-    if (!(sample.cosine > Real(0))) {
-        return false;
-    }
-    path.throughput *= sample.value.weight;
-    leave_on_same_side(path, vertex, sample.direction);
-    if (is_connected) {
-        path.bsdf_pdf = kept_pdf<Config>(path, sample.value.pdf);
-    }
-    return true;
-}
-
-// Shades rough glass. The path ends where the facet sends it to the wrong side of the surface.
-template <class Config>
-PT_HD inline bool shade_rough_dielectric(const SceneView<typename Config::Real>& scene,
-                                         const SceneView<typename Config::Real>& traced,
-                                         Path<typename Config::Real>& path, const VertexOf<Config>& vertex,
-                                         const Material<typename Config::Real>& material, const RandomWords& words,
-                                         auto& counters) {
-    using Real = typename Config::Real;
-    const RoughDielectric<Config> lobe(material, facet_width<Config>(scene, path, vertex, material), -path.direction,
-                                       vertex);
-    const bool is_connected = connect_rough<Config>(scene, traced, path, vertex, lobe, counters);
-    const LobeSample<Real> sample =
-        lobe.sample(unit_interval<Real>(words.x), unit_interval<Real>(words.y), unit_interval<Real>(words.z));
-    if (sample.cosine == Real(0)) {
-        return false;
-    }
-    path.throughput *= sample.value.weight;
-    if (sample.cosine > Real(0)) {
-        leave_on_same_side(path, vertex, sample.direction);
-    } else {
-        leave_on_other_side(path, vertex, sample.direction);
-        if constexpr (has<Config>(Feature::absorption)) {
-            path.medium = lobe.medium_beyond;
-        }
-    }
-    if (is_connected) {
-        // The density kept is never 0, which says that there was no connection.
-        constexpr Real least = Real(0x1p-60);
-        path.bsdf_pdf = kept_pdf<Config>(path, max(sample.value.pdf, least));
-    }
-    return true;
-}
-
-// Shades the principled material: metal, plastic and glass in one. The path ends where a facet sends it to the wrong
-// side of the surface. What narrow facets send on meets lights as from a mirror, though the diffuse surface beneath
-// them was connected.
-template <class Config>
-PT_HD inline bool shade_principled(const SceneView<typename Config::Real>& scene,
-                                   const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,
-                                   const VertexOf<Config>& vertex, const Material<typename Config::Real>& material,
-                                   const Vec3<typename Config::Real>& colour, const RandomWords& words,
-                                   auto& counters) {
-    using Real = typename Config::Real;
-    const Principled<Config> lobe(material, colour, facet_width<Config>(scene, path, vertex, material), -path.direction,
-                                  vertex);
-    const bool is_connected = connect_rough<Config>(scene, traced, path, vertex, lobe, counters);
-    const LobeSample<Real> sample =
-        lobe.sample(unit_interval<Real>(words.x), unit_interval<Real>(words.y), unit_interval<Real>(words.z));
-    if (sample.cosine == Real(0)) {
-        return false;
-    }
-    path.throughput *= sample.value.weight;
-    if (sample.cosine > Real(0)) {
-        leave_on_same_side(path, vertex, sample.direction);
-    } else {
-        leave_on_other_side(path, vertex, sample.direction);
-        if constexpr (has<Config>(Feature::absorption)) {
-            path.medium = lobe.medium_beyond;
-        }
-    }
-    if (is_connected) {
-        path.bsdf_pdf = sample.value.pdf > Real(0) ? kept_pdf<Config>(path, sample.value.pdf) : Real(0);
-    }
-    return true;
-}
-
-// The colour to shade with: the surface's where it may show an image, else the material's.
-template <class Config>
-PT_HD inline const Vec3<typename Config::Real>& colour_of(const Surface<typename Config::Real>& surface,
-                                                          const Vec3<typename Config::Real>& of_material) {
-    if constexpr (has<Config>(Feature::textures)) {
-        return surface.colour;
-    } else {
-        return of_material;
-    }
-}
-
-// Picks the lobe and the next direction by the material's type. Returns whether the path goes on.
-template <class Config>
-PT_HD inline bool scatter(const SceneView<typename Config::Real>& scene, const SceneView<typename Config::Real>& traced,
-                          Path<typename Config::Real>& path, const VertexOf<Config>& vertex,
-                          const Surface<typename Config::Real>& surface, const RandomWords& words, bool last,
-                          auto& counters, WalkOf<Config>& walk) {
-    using Real = typename Config::Real;
-    const Real lobe = unit_interval<Real>(words.x);
-    if (has<Config>(Feature::diffuse) && surface.type == MaterialType::diffuse) {
-        return shade_diffuse<Config>(scene, traced, path, vertex, surface.colour, words, last, counters);
-    }
-    if (has<Config>(Feature::mirror) && surface.type == MaterialType::mirror) {
-        scatter_mirror(path, vertex, surface.colour);
-        return true;
-    }
-    const Material<Real>& material = scene.materials[vertex.material];
-    if (has<Config>(Feature::mix) && material.type == MaterialType::mix) {
-        if (chooses_mirror(lobe, material.mirror_probability)) {
-            scatter_mirror(path, vertex, material.reflectance);
-            return true;
-        }
-        // An image's colour is the surface's. (By a function that picks one, kernels without images take more
-        // registers.)
-        if constexpr (has<Config>(Feature::textures)) {
-            return shade_diffuse<Config>(scene, traced, path, vertex, surface.colour, words, last, counters);
-        } else {
-            return shade_diffuse<Config>(scene, traced, path, vertex, material.albedo, words, last, counters);
-        }
-    }
-    if (has<Config>(Feature::dielectric) && material.type == MaterialType::dielectric) {
-        scatter_dielectric<Config>(path, vertex, material, lobe);
-        return true;
-    }
-    if constexpr (has<Config>(Feature::rough_conductor)) {
-        if (material.type == MaterialType::rough_conductor) {
-            return shade_rough_conductor<Config>(scene, traced, path, vertex, material,
-                                                 colour_of<Config>(surface, material.reflectance), words, counters);
-        }
-    }
-    if constexpr (has<Config>(Feature::rough_dielectric)) {
-        if (material.type == MaterialType::rough_dielectric) {
-            return shade_rough_dielectric<Config>(scene, traced, path, vertex, material, words, counters);
-        }
-    }
-    if constexpr (has<Config>(Feature::principled)) {
-        if (material.type == MaterialType::principled) {
-            return shade_principled<Config>(scene, traced, path, vertex, material,
-                                            colour_of<Config>(surface, material.albedo), words, counters);
-        }
-    }
-    if constexpr (has<Config>(Feature::subsurface)) {
-        if (material.type == MaterialType::subsurface) {
-            const bool begun = scatter_subsurface<Config>(scene, path, vertex, material, lobe, words.y, walk);
-            counters.unfinished_walks += begun ? 0u : 1u;
-            return begun;
-        }
-    }
+    PT_MATERIALS(PT_SCATTER)
+#undef PT_SCATTER
     return false;
 }
 
@@ -305,7 +85,8 @@ PT_HD inline bool scatter(const SceneView<typename Config::Real>& scene, const S
 template <class Config>
 PT_HD inline bool walk_on(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
                           WalkOf<Config>& walk, auto& counters) {
-    const WalkStep step = walk_step<Config>(scene, path, walk, scene.materials[scene.object_material[walk.object]]);
+    const WalkStep step =
+        walk_step<Config>(scene, path, walk, scene.materials[scene.object_material[walk.object]].subsurface);
     if (step != WalkStep::goes_on) {
         walk.step = Walk::none;
     }
@@ -392,7 +173,9 @@ PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const Sce
             return false;
         }
     }
-    if (!scatter<Config>(scene, traced, path, vertex, surface, words, last, counters, walk)) {
+    const Scattering<Config, std::remove_reference_t<decltype(counters)>, WalkOf<Config>> at{
+        scene, traced, path, vertex, surface, words, last, counters, walk};
+    if (!scatter<Config>(at)) {
         return false;
     }
     if (!is_on_one_side<Config>(vertex, path.direction, path.origin_surface.inside() != vertex.inside)) {

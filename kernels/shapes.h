@@ -1,33 +1,11 @@
 // Every shape of the list (kernels/shape_list.h), whole: a shape's header has the name of its line.
 #pragma once
 
+#include "kernels/pick_header.h"
 #include "kernels/shape.h"
 
-// PT_PICK_n is the name of the list's n-th header. An #include takes a macro, but no loop, hence one line for each
-// place.
 #define PT_STEM(name, array, Type) name,
-#define PT_PICK_0(a, ...) a
-#define PT_PICK_1(a, b, ...) b
-#define PT_PICK_2(a, b, c, ...) c
-#define PT_PICK_3(a, b, c, d, ...) d
-#define PT_PICK_4(a, b, c, d, e, ...) e
-#define PT_PICK_5(a, b, c, d, e, f, ...) f
-#define PT_PICK_6(a, b, c, d, e, f, g, ...) g
-#define PT_PICK_7(a, b, c, d, e, f, g, h, ...) h
-#define PT_PICK_8(a, b, c, d, e, f, g, h, i, ...) i
-#define PT_PICK_9(a, b, c, d, e, f, g, h, i, j, ...) j
-#define PT_PICK_10(a, b, c, d, e, f, g, h, i, j, k, ...) k
-#define PT_PICK_11(a, b, c, d, e, f, g, h, i, j, k, l, ...) l
-#define PT_PICK_12(a, b, c, d, e, f, g, h, i, j, k, l, m, ...) m
-#define PT_PICK(n, ...) PT_PICK_##n(__VA_ARGS__)
-#define PT_QUOTED(path) #path
-// clang-format off
-#define PT_FILE_NAMED(name) PT_QUOTED(kernels/shapes/name.h)
-// clang-format on
-#define PT_FILE_OF(name) PT_FILE_NAMED(name)
-#define PT_FILE_AT(n, ...) PT_FILE_OF(PT_PICK(n, __VA_ARGS__))
-#define PT_SHAPE_FILE(n) \
-    PT_FILE_AT(n, PT_SHAPES(PT_STEM) none, none, none, none, none, none, none, none, none, none, none, none, none, none)
+#define PT_SHAPE_FILE(n) PT_FILE_AT(n, shapes, PT_SHAPES(PT_STEM) PT_NO_MORE)
 
 #include PT_SHAPE_FILE(0)
 #include PT_SHAPE_FILE(1)

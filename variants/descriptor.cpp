@@ -76,17 +76,12 @@ constexpr NamedFeature named_features[] = {
     PT_SHAPES(PT_NAMED)
 #undef PT_NAMED
         {Feature::motion, "motion"},
-    {Feature::diffuse, "diffuse"},
-    {Feature::emitter, "emitter"},
-    {Feature::mirror, "mirror"},
-    {Feature::mix, "mix"},
-    {Feature::dielectric, "dielectric"},
-    {Feature::subsurface, "subsurface"},
-    {Feature::emission, "emission"},
+#define PT_NAMED(name, Type, traits) {Feature::name, #name},
+    PT_MATERIALS(PT_NAMED)
+#undef PT_NAMED
+        {Feature::emission, "emission"},
     {Feature::absorption, "absorption"},
     {Feature::subsurface_boundary, "subsurface_boundary"},
-    {Feature::rough_conductor, "rough_conductor"},
-    {Feature::rough_dielectric, "rough_dielectric"},
     {Feature::multiple_scattering, "multiple_scattering"},
     {Feature::environment, "environment"},
     {Feature::jitter, "jitter"},
@@ -116,7 +111,6 @@ constexpr NamedFeature named_features[] = {
     {Feature::naive, "naive"},
     {Feature::near_sphere, "near_sphere"},
     {Feature::textures, "textures"},
-    {Feature::principled, "principled"},
     {Feature::shading_normals, "shading_normals"},
     {Feature::object_tree, "object_tree"},
     {Feature::flat_tree, "flat_tree"},

@@ -1,4 +1,5 @@
-// `new`: writes the starting files of a choice or a shape of one's own, whole and working, from harness/templates/KIND.
+// `new`: writes the starting files of a choice, a shape or a material of one's own, whole and working, from
+// harness/templates/KIND.
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -28,8 +29,8 @@ struct TemplateFile {
     std::string_view what;
 };
 
-// Placeholders in a template's path and text: "@NAME@" stands for the name, "@TYPE@" for the class that a shape has of
-// it.
+// Placeholders in a template's path and text: "@NAME@" stands for the name, "@TYPE@" for the class that a shape or a
+// material has of it.
 constexpr std::string_view name_placeholder = "@NAME@";
 constexpr std::string_view type_placeholder = "@TYPE@";
 
@@ -47,7 +48,24 @@ constexpr TemplateFile shape_files[] = {
     {"shape.h.in", "kernels/shapes/@NAME@.h", "the shape"},
     {"test.cpp.in", "tests/unit/@NAME@_shape_test.cpp", "its test"},
 };
-constexpr std::string_view shape_list = "kernels/shape_list.h";
+constexpr TemplateFile material_files[] = {
+    {"material.h.in", "kernels/materials/@NAME@.h", "the material in kernels"},
+    {"kind.cpp.in", "harness/scene/materials/@NAME@.cpp", "the material in scene files"},
+    {"test.cpp.in", "tests/unit/@NAME@_material_test.cpp", "its test"},
+};
+
+// A list that has a line more for each of a kind.
+struct ListOf {
+    std::string_view file;
+    std::string_view end_of_lines;  // after its last line, with the line's own last words
+    std::string_view words;         // that end_of_lines has of its line
+    std::string_view line;          // {0}: the name, {1}: the class, {2}: the name in capitals
+    std::string_view example;       // of a line, for messages
+};
+constexpr ListOf shape_list{"kernels/shape_list.h", ", more)\n\n", ", more)", "SHAPE({0}, {0}s, {1}, {2}S, more)",
+                            "SHAPE(..., more)"};
+constexpr ListOf material_list{"kernels/material_list.h", ")\n\n#define PT_MATERIAL_TYPE", ")",
+                               "MATERIAL({0}, {1}, is_delta)", "MATERIAL(...)"};
 
 // A kind of thing that `ptbench new` makes.
 struct Kind {
@@ -55,6 +73,7 @@ struct Kind {
     std::span<const TemplateFile> files;
     std::string_view folder;  // where its files lie
     std::string_view next;    // what to do then; {0}: the repository, {1}: the name
+    const ListOf* list = nullptr;
 };
 constexpr Kind kinds[] = {
     {"compaction", compaction_files, "variants/compaction",
@@ -71,7 +90,12 @@ constexpr Kind kinds[] = {
      "  build/ptbench run --scene cornell_open,cornell_closed --axis integrator=wavefront,{1}\n"},
     {"shape", shape_files, "kernels/shapes",
      "  ./run build {1}_shape_test && build/tests/{1}_shape_test\n"
-     "  build/ptbench verify --scene my_scene.json --quiet, of a scene with {{\"shape\": \"{1}\", ...}}\n"},
+     "  build/ptbench verify --scene my_scene.json --quiet, of a scene with {{\"shape\": \"{1}\", ...}}\n",
+     &shape_list},
+    {"material", material_files, "kernels/materials",
+     "  ./run build {1}_material_test && build/tests/{1}_material_test\n"
+     "  build/ptbench verify --scene my_scene.json --quiet, of a scene with {{\"type\": \"{1}\", ...}}\n",
+     &material_list},
 };
 
 struct NewFile {
@@ -89,31 +113,31 @@ std::string replaced(std::string text, std::string_view placeholder, std::string
     return text;
 }
 
-// The name of the class that a shape has: MyBallShape for my_ball.
-std::string type_of(const std::string& name) {
+// The name of the class: MyBallShape for a shape my_ball.
+std::string type_of(const std::string& name, const Kind& kind) {
     std::string type;
     bool begins = true;
-    for (const char c : name) {
+    for (const char c : name + "_" + std::string(kind.name)) {
         if (c != '_') {
             type += begins ? static_cast<char>(std::toupper(static_cast<unsigned char>(c))) : c;
         }
         begins = c == '_';
     }
-    return type + "Shape";
+    return type;
 }
 
-std::string with_name(std::string_view text, const std::string& name) {
-    return replaced(replaced(std::string(text), name_placeholder, name), type_placeholder, type_of(name));
+std::string with_name(std::string_view text, const std::string& name, const Kind& kind) {
+    return replaced(replaced(std::string(text), name_placeholder, name), type_placeholder, type_of(name, kind));
 }
 
-// The list of shapes with one more line, after the last.
-std::string with_shape(const std::string& list, const std::string& name) {
-    constexpr std::string_view end_of_lines = ", more)\n\n";
-    const std::size_t end = list.find(end_of_lines);
+// The kind's list with one more line, after the last.
+std::string with_line(const std::string& list, const std::string& name, const Kind& kind) {
+    const std::size_t end = list.find(kind.list->end_of_lines);
     if (end == std::string::npos) {
-        throw InputError("new", "file", std::string(shape_list), "a list of lines SHAPE(..., more)");
+        throw InputError("new", "file", std::string(kind.list->file),
+                         fmt::format("a list of lines {}", kind.list->example));
     }
-    const std::size_t after = end + end_of_lines.size() - 2;
+    const std::size_t after = end + kind.list->words.size();
     const std::size_t line = list.rfind('\n', end) + 1;
     const std::size_t line_before = list.rfind('\n', line - 2) + 1;
     // The backslashes of all lines but the last stand in one column.
@@ -121,8 +145,8 @@ std::string with_shape(const std::string& list, const std::string& name) {
     std::string upper = name;
     std::transform(upper.begin(), upper.end(), upper.begin(),
                    [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-    return list.substr(0, after) + std::string(column > after - line ? column - (after - line) : 1, ' ') +
-           fmt::format("\\\n    SHAPE({0}, {0}s, {1}, {2}S, more)", name, type_of(name), upper) + list.substr(after);
+    return list.substr(0, after) + std::string(column > after - line ? column - (after - line) : 1, ' ') + "\\\n    " +
+           fmt::format(fmt::runtime(kind.list->line), name, type_of(name, kind), upper) + list.substr(after);
 }
 
 // Names that are words of C++ or of the command line, or that would hide what the written files refer to.
@@ -179,12 +203,16 @@ fs::path file_named(const fs::path& folder, const std::string& name) {
     throw InputError("new", "NAME", "\"" + name + "\"", "a name that is not taken: " + by);
 }
 
-// The name of a shape is also that of a feature and, with an s, of an array: both must be free.
-void check_shape_is_free(const std::string& name) {
+// The name of a shape or material is also that of a feature, which must be free.
+void check_feature_is_free(const std::string& name) {
     const std::vector<std::string> features = feature_names(~FeatureSet{0});
     if (std::find(features.begin(), features.end(), name) != features.end()) {
         refuse_taken(name, name + " is a feature of kernels");
     }
+}
+
+// The name of a shape is, with an s, that of an array too.
+void check_array_is_free(const std::string& name) {
     SceneView<float> view{};
     for_each_array(view, [&](const SceneArray& array, const auto&) {
         if (array.name == name + "s") {
@@ -200,8 +228,11 @@ void check_is_free(const fs::path& home, const Kind& kind, const std::string& na
             refuse_taken(name, fmt::format("{} is a choice of {} (see ptbench list)", name, axis));
         }
     }
+    if (kind.list != nullptr) {
+        check_feature_is_free(name);
+    }
     if (kind.name == "shape") {
-        check_shape_is_free(name);
+        check_array_is_free(name);
     }
     for (const auto& [folder, stem] :
          {std::pair{home / kind.folder, name}, std::pair{home / "tests", fmt::format("{}_{}_test", name, axis)}}) {
@@ -215,14 +246,14 @@ void check_is_free(const fs::path& home, const Kind& kind, const std::string& na
 std::vector<NewFile> new_files(const fs::path& home, const Kind& kind, const std::string& name) {
     std::vector<NewFile> files;
     for (const TemplateFile& file : kind.files) {
-        files.push_back({home / with_name(file.written, name),
-                         with_name(read_file((home / "harness/templates" / kind.name / file.source).string()), name),
-                         file.what, std::nullopt});
+        const std::string text = read_file((home / "harness/templates" / kind.name / file.source).string());
+        files.push_back(
+            {home / with_name(file.written, name, kind), with_name(text, name, kind), file.what, std::nullopt});
     }
-    if (kind.name == "shape") {
-        const fs::path path = home / shape_list;
+    if (kind.list != nullptr) {
+        const fs::path path = home / kind.list->file;
         const std::string list = read_file(path.string());
-        files.push_back({path, with_shape(list, name), "its line in the list of shapes", list});
+        files.push_back({path, with_line(list, name, kind), "its line in the list", list});
     }
     return files;
 }
@@ -251,7 +282,7 @@ int run(const std::string& kind_name, const std::string& name) {
     const auto* const kind =
         std::find_if(std::begin(kinds), std::end(kinds), [&](const Kind& known) { return known.name == kind_name; });
     if (kind == std::end(kinds)) {
-        throw InputError("new", "KIND", "\"" + kind_name + "\"", "compaction, integrator, shape");
+        throw InputError("new", "KIND", "\"" + kind_name + "\"", fmt::format("{}", fmt::join(kinds_of_new(), ", ")));
     }
     check_name(name);
     const fs::path home = home_folder();
@@ -289,8 +320,9 @@ Command add_new_command(CLI::App& app) {
     };
     auto arguments = std::make_shared<NewArguments>();
     CLI::App* command =
-        app.add_subcommand("new", "Write the starting files of a choice or shape of your own, with its test");
-    command->add_option("KIND", arguments->kind, "What is new: a compaction, an integrator or a shape")->required();
+        app.add_subcommand("new", "Write the starting files of a choice, shape or material of your own, with its test");
+    command->add_option("KIND", arguments->kind, "What is new: a compaction, an integrator, a shape or a material")
+        ->required();
     command->add_option("NAME", arguments->name, "Its name, in lower_snake_case")->required();
     return [arguments] { return run(arguments->kind, arguments->name); };
 }

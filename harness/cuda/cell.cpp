@@ -55,7 +55,7 @@ std::vector<unsigned char> object_classes(const SceneView<Real>& scene) {
     std::vector<unsigned char> classes;
     for (std::uint32_t object = 0; object < scene.object_material.size; ++object) {
         const MaterialType type = scene.materials[scene.object_material[object]].type;
-        classes.push_back(type == MaterialType::mirror || type == MaterialType::dielectric ? 1 : 0);
+        classes.push_back(has_trait(type, material_trait::is_delta) ? 1 : 0);
     }
     return classes;
 }

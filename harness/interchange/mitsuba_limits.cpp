@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "harness/failure.h"
+#include "harness/scene/material_kind.h"
 #include "harness/scene/scene_mesh.h"
 
 namespace pt {
@@ -59,43 +60,8 @@ void check_material(const SceneMaterial& material, std::uint32_t depth, Problems
         problems.add(place + ".normal", "the image " + material.normal_texture->file,
                      "none: normal maps are not exported");
     }
-    switch (material.type) {
-        case MaterialType::diffuse:
-        case MaterialType::emitter:
-        case MaterialType::mirror:
-        case MaterialType::dielectric:
-            return;
-        case MaterialType::mix:
-            if (material.mirror_probability > 0 && material.mirror_probability < 1) {
-                problems.add(place + ".mirror_probability", fmt::format("{}", material.mirror_probability),
-                             "0 or 1: Mitsuba's blendbsdf adds a mirror's probability to a diffuse lobe's density");
-            }
-            return;
-        case MaterialType::subsurface:
-            if (depth < endless_depth) {
-                problems.add(place, fmt::format("subsurface at depth {}", depth),
-                             fmt::format("--depth {} or more, where paths have no end in Mitsuba: it counts each "
-                                         "scattering towards its max_depth",
-                                         endless_depth));
-            }
-            if (material.max_scatterings != SceneMaterial{}.max_scatterings) {
-                problems.add(place + ".max_scatterings", fmt::format("{}", material.max_scatterings),
-                             "none: Mitsuba's walks end at the surface only");
-            }
-            return;
-        case MaterialType::rough_conductor:
-        case MaterialType::rough_dielectric:
-            problems.add(place, "rough facets",
-                         "another material: Mitsuba masks the facets of each direction on its own, ptbench of both "
-                         "together (Heitz 2014)");
-            return;
-        case MaterialType::principled:
-            problems.add(place, "principled",
-                         "another material: Mitsuba's has Disney's lobes and this one glTF's, of other formulas");
-            return;
-        default:
-            problems.add(place, "a material that has no counterpart in Mitsuba",
-                         "diffuse, emitter, mirror, mix (with mirror_probability 0 or 1), dielectric or subsurface");
+    for (const BeyondMitsuba& beyond : kind_of(material).beyond_mitsuba(material, depth)) {
+        problems.add(beyond.key.empty() ? place : place + "." + beyond.key, beyond.found, beyond.allowed);
     }
 }
 

@@ -9,10 +9,6 @@
 
 namespace pt {
 
-// Depth from which on paths of a scene with a subsurface material have no end in Mitsuba, which counts each scattering
-// of a walk towards its max_depth: what paths bring after a thousand segments is no part of a picture.
-inline constexpr std::uint32_t endless_depth = 1000;
-
 // Why the scene cannot be exported at that depth, one line each, "FILE: PLACE: found X, allowed: Y"; empty: it can.
 std::vector<std::string> mitsuba_problems(const Scene& scene, const std::string& file, std::uint32_t depth);
 

@@ -1,5 +1,6 @@
 #include "harness/render/first_hits.h"
 
+#include "harness/scene/material_kind.h"
 #include "harness/scene/scene_buffers.h"
 #include "kernels/shade.h"
 #include "variants/cpu/parallel_for.h"
@@ -86,34 +87,11 @@ void fill_first_hits(FirstHits& hits, const Scene& scene, const RenderRequest& r
 }  // namespace
 
 Vec3d first_hit_albedo(const SceneMaterial& material) {
-    const bool is_metal = material.type == MaterialType::mirror || material.type == MaterialType::rough_conductor;
-    return first_hit_albedo(material, is_metal ? material.reflectance : material.albedo);
+    return first_hit_albedo(material, kind_of(material).surface_colour(material));
 }
 
 Vec3d first_hit_albedo(const SceneMaterial& material, const Vec3d& colour) {
-    switch (material.type) {
-        case MaterialType::diffuse:
-        case MaterialType::mirror:
-        case MaterialType::rough_conductor:
-        case MaterialType::principled:
-            return colour;
-        case MaterialType::mix:
-            return material.reflectance * material.mirror_probability + colour * (1 - material.mirror_probability);
-        case MaterialType::dielectric:
-        case MaterialType::rough_dielectric:
-            return material.tint;
-        case MaterialType::subsurface: {
-            Vec3d albedo(0.0);
-            for (int i = 0; i < 3; ++i) {
-                const double sigma_t = material.sigma_a[i] + material.sigma_s[i];
-                albedo[i] = sigma_t > 0 ? material.sigma_s[i] / sigma_t : 0;
-            }
-            return albedo;
-        }
-        case MaterialType::emitter:
-            break;
-    }
-    return Vec3d(0.0);
+    return kind_of(material).first_hit_albedo(material, colour);
 }
 
 FirstHits first_hits(const Scene& scene, const RenderRequest& request) {

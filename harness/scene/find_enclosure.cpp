@@ -6,6 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "kernels/materials.h"
+
 namespace pt {
 
 namespace {

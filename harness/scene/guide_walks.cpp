@@ -49,20 +49,20 @@ double depth_of(const SceneObject& object) {
 }
 
 template <class Real>
-void guide_walks(Material<Real>& material, const SceneMaterial& body, double guided_share, double depth) {
-    material.guided_share = static_cast<Real>(guided_share);
+void guide_walks(ScatteringMedium<Real>& medium, const SceneMaterial& body, double guided_share, double depth) {
+    medium.guided_share = static_cast<Real>(guided_share);
     for (int i = 0; i < 3; ++i) {
         const double sigma_t = body.sigma_a[i] + body.sigma_s[i];
         const double albedo = sigma_t > 0 ? body.sigma_s[i] / sigma_t : 0;
         const double in_mean_free_paths = sigma_t > 0 ? sigma_t * depth : 0;
-        material.guide_decay[i] = static_cast<Real>(guide_decay(albedo, body.g, in_mean_free_paths));
+        medium.guide_decay[i] = static_cast<Real>(guide_decay(albedo, body.g, in_mean_free_paths));
         // The albedo follows from the decay as it is kept, so that the densities add up.
-        const auto kept = static_cast<double>(material.guide_decay[i]);
-        material.guide_albedo[i] = static_cast<Real>(kept / std::atanh(kept));
+        const auto kept = static_cast<double>(medium.guide_decay[i]);
+        medium.guide_albedo[i] = static_cast<Real>(kept / std::atanh(kept));
     }
 }
 
-template void guide_walks(Material<float>&, const SceneMaterial&, double, double);
-template void guide_walks(Material<double>&, const SceneMaterial&, double, double);
+template void guide_walks(ScatteringMedium<float>&, const SceneMaterial&, double, double);
+template void guide_walks(ScatteringMedium<double>&, const SceneMaterial&, double, double);
 
 }  // namespace pt

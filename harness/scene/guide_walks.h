@@ -2,7 +2,7 @@
 #pragma once
 
 #include "harness/scene/scene.h"
-#include "kernels/material.h"
+#include "kernels/medium.h"
 
 namespace pt {
 
@@ -25,6 +25,6 @@ double depth_of(const SceneObject& object);
 
 // Fills in what guided walks need of a body's material. `depth`: the least depth_of an object that the material fills.
 template <class Real>
-void guide_walks(Material<Real>& material, const SceneMaterial& body, double guided_share, double depth);
+void guide_walks(ScatteringMedium<Real>& medium, const SceneMaterial& body, double guided_share, double depth);
 
 }  // namespace pt

@@ -1,5 +1,6 @@
 #include "harness/scene/scene.h"
 
+#include "harness/scene/material_kind.h"
 #include "harness/scene/scene_mesh.h"
 
 #include <algorithm>
@@ -28,32 +29,6 @@ SinCosDegrees sin_cos_degrees(double degrees) {
 }
 
 bool is_quarter_turn(double degrees) { return std::fmod(degrees, 90.0) == 0.0; }
-
-FeatureSet features_of_material(const SceneMaterial& material) {
-    switch (material.type) {
-        case MaterialType::emitter:
-            return no_features | Feature::emitter;
-        case MaterialType::diffuse:
-            return Feature::diffuse | (is_black(material.emission) ? Feature::diffuse : Feature::emission);
-        case MaterialType::mirror:
-            return Feature::mirror | (is_black(material.emission) ? Feature::mirror : Feature::emission);
-        case MaterialType::mix:
-            return Feature::mix | (is_black(material.emission) ? Feature::mix : Feature::emission);
-        case MaterialType::dielectric:
-            return Feature::dielectric | (is_black(material.sigma_a) ? Feature::dielectric : Feature::absorption);
-        case MaterialType::rough_dielectric:
-            return Feature::rough_dielectric |
-                   (is_black(material.sigma_a) ? Feature::rough_dielectric : Feature::absorption);
-        case MaterialType::rough_conductor:
-            return set_of(Feature::rough_conductor,
-                          is_black(material.emission) ? Feature::rough_conductor : Feature::emission,
-                          material.multiple_scattering ? Feature::multiple_scattering : Feature::rough_conductor);
-        case MaterialType::principled:
-            return Feature::principled | (is_black(material.emission) ? Feature::principled : Feature::emission);
-        default:
-            return Feature::subsurface | (material.ior == 1 ? Feature::subsurface : Feature::subsurface_boundary);
-    }
-}
 
 }  // namespace
 
@@ -211,8 +186,7 @@ bool is_near_eye(const SceneObject& object, const Vec3d& eye) {
 }
 
 bool lets_light_in(const SceneMaterial& material) {
-    return is_glass(material.type) ||
-           (material.type == MaterialType::principled && material.metallic < 1 && material.transmission > 0);
+    return kind_of(material).needs_inside(material) && !has_trait(material.type, material_trait::has_walks);
 }
 
 bool shows_images(const SceneMaterial& material) {
@@ -226,7 +200,8 @@ bool has_textures(const Scene& scene) {
 
 bool has_shading_normals(const Scene& scene, const SceneObject& object) {
     const SceneMaterial& material = scene.materials[object.material];
-    return material.normal_texture != nullptr || (object.shading_normals && material.type != MaterialType::emitter);
+    return material.normal_texture != nullptr ||
+           (object.shading_normals && !has_trait(material.type, material_trait::ends_paths));
 }
 
 FeatureSet features_of(const Scene& scene) {
@@ -238,7 +213,7 @@ FeatureSet features_of(const Scene& scene) {
     for (const SceneObject& object : scene.objects) {
         const ShapeKind kind = classify(object);
         features = features | by_kind[static_cast<std::size_t>(kind)];
-        features |= features_of_material(scene.materials[object.material]);
+        features |= features_of(scene.materials[object.material]);
         if (kind == ShapeKind::sphere && is_near_eye(object, scene.camera.eye)) {
             features = features | Feature::near_sphere;
         }

@@ -2,6 +2,7 @@
 // units a second, sigma in 1/unit, radiance linear RGB.
 #pragma once
 
+#include <any>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -9,7 +10,7 @@
 
 #include "harness/scene/environment_image.h"
 #include "harness/scene/texture_image.h"
-#include "kernels/material.h"
+#include "kernels/material_list.h"
 #include "kernels/shapes.h"
 #include "variants/bvh/binary_tree.h"
 
@@ -54,6 +55,7 @@ struct SceneMaterial {
     double normal_scale = 1;
     bool multiple_scattering = false;
     double metallic = 0, transmission = 0;  // principled
+    std::any own;  // what its kind alone has, of a type that is known in the kind's file (harness/scene/materials/)
     double ior = 1;
     double g = 0;
     std::uint32_t max_scatterings = 1000000;

@@ -11,6 +11,7 @@
 
 #include "harness/scene/find_enclosure.h"
 #include "harness/scene/guide_walks.h"
+#include "harness/scene/material_kind.h"
 #include "kernels/adjoint.h"
 #include "kernels/scene_arrays.h"
 
@@ -30,68 +31,6 @@ auto canonical_key(const Scene& scene, const SceneObject& object) {
 }
 
 template <class Real>
-Vec3<Real> narrow(const Vec3d& v) {
-    return {static_cast<Real>(v.x), static_cast<Real>(v.y), static_cast<Real>(v.z)};
-}
-
-template <class Real>
-Boundary<Real> make_boundary(double relative_ior) {
-    return {static_cast<Real>(relative_ior), static_cast<Real>(1.0 / relative_ior),
-            static_cast<Real>((relative_ior - 1.0) * (relative_ior + 1.0))};
-}
-
-// However its facets are turned, a boundary between equals bends no light.
-bool is_smooth(const SceneMaterial& m) { return m.type == MaterialType::rough_dielectric && m.ior == 1; }
-
-template <class Real>
-Material<Real> make_material(const SceneMaterial& m) {
-    Material<Real> material{};
-    material.type = m.type;
-    material.emits = m.emission != Vec3d(0.0) ? 1 : 0;
-    material.emission = narrow<Real>(m.emission);
-    material.albedo = narrow<Real>(m.albedo);
-    material.reflectance = narrow<Real>(m.reflectance);
-    const bool is_principled = m.type == MaterialType::principled;
-    if (is_principled) {
-        material.metallic = static_cast<Real>(m.metallic);
-    } else {
-        material.mirror_probability = static_cast<Real>(m.mirror_probability);
-    }
-    material.tint = narrow<Real>(m.tint);
-    material.entering = make_boundary<Real>(m.ior);
-    material.leaving = make_boundary<Real>(1.0 / m.ior);
-    // (1/n - 1)(1/n + 1) from n itself: 1/n is already rounded.
-    material.leaving.k = static_cast<Real>(-(m.ior - 1.0) * (m.ior + 1.0) / (m.ior * m.ior));
-    material.has_boundary = m.ior != 1.0 ? 1 : 0;
-    if (m.type == MaterialType::rough_conductor) {
-        material.scatters_multiply = m.multiple_scattering ? 1 : 0;
-    } else {
-        material.absorbs = is_glass(m.type) && m.sigma_a != Vec3d(0.0) ? 1 : 0;
-    }
-    const Vec3d sigma_t = m.sigma_a + m.sigma_s;
-    material.sigma_a = narrow<Real>(m.sigma_a);
-    material.sigma_s = narrow<Real>(m.sigma_s);
-    material.sigma_t = narrow<Real>(sigma_t);
-    for (int i = 0; i < 3; ++i) {
-        material.scattering_albedo[i] = static_cast<Real>(sigma_t[i] > 0 ? m.sigma_s[i] / sigma_t[i] : 0.0);
-    }
-    if (is_principled) {
-        material.transmission = static_cast<Real>(m.transmission);
-    } else {
-        material.grey = sigma_t.x == sigma_t.y && sigma_t.y == sigma_t.z ? 1 : 0;
-    }
-    if (m.type == MaterialType::rough_conductor || is_principled) {
-        material.alpha = static_cast<Real>(m.roughness * m.roughness);
-    } else if (m.type == MaterialType::rough_dielectric) {
-        material.alpha = static_cast<Real>(is_smooth(m) ? 0 : m.roughness * m.roughness);
-    } else {
-        material.g = static_cast<Real>(m.g);
-    }
-    material.max_scatterings = m.max_scatterings;
-    return material;
-}
-
-template <class Real>
 void guide_bodies(std::vector<Material<Real>>& materials, const Scene& scene, double guided_share) {
     for (std::uint32_t index = 0; index < materials.size(); ++index) {
         if (materials[index].type != MaterialType::subsurface) {
@@ -101,17 +40,8 @@ void guide_bodies(std::vector<Material<Real>>& materials, const Scene& scene, do
         for (const SceneObject& object : scene.objects) {
             depth = object.material == index ? std::min(depth, depth_of(object)) : depth;
         }
-        guide_walks(materials[index], scene.materials[index], guided_share, depth);
+        guide_walks(materials[index].subsurface.medium, scene.materials[index], guided_share, depth);
     }
-}
-
-template <class Real>
-Surface<Real> surface_of(const Material<Real>& material) {
-    return {material.type == MaterialType::emitter ? material.emission
-            : material.type == MaterialType::mirror || material.type == MaterialType::rough_conductor
-                ? material.reflectance
-                : material.albedo,
-            material.type};
 }
 
 // The innermost dielectric around the eye (the one of least volume), if it absorbs.
@@ -371,10 +301,11 @@ SceneBuffers<Real>::SceneBuffers(const Scene& scene, const RenderSettings& setti
         add_object(scene, index, acceleration);
     }
     for (const SceneMaterial& material : scene.materials) {
-        arrays_.materials.push_back(make_material<Real>(material));
+        arrays_.materials.push_back(packed<Real>(material));
     }
     for (const std::uint32_t index : arrays_.object_material) {
-        arrays_.surfaces.push_back(surface_of(arrays_.materials[index]));
+        const SceneMaterial& material = scene.materials[index];
+        arrays_.surfaces.push_back({narrow<Real>(kind_of(material).surface_colour(material)), material.type});
     }
     if (settings.guided_share > 0) {
         guide_bodies(arrays_.materials, scene, settings.guided_share);
@@ -422,7 +353,8 @@ void SceneBuffers<Real>::make_textures(const Scene& scene) {
     for (std::size_t number = 0; number < file_index_.size(); ++number) {
         const SceneObject& object = scene.objects[file_index_[number]];
         const SceneMaterial& material = scene.materials[object.material];
-        const SceneTexture* const roughness = is_smooth(material) ? nullptr : material.roughness_texture.get();
+        const SceneTexture* const roughness =
+            kind_of(material).ignores_roughness(material) ? nullptr : material.roughness_texture.get();
         ObjectTexture<Real> shown{arrays_.transforms[number], images.place(material.texture.get()),
                                   images.place(roughness), 0};
         if (shows_images(material) && object.mesh != SceneObject::no_mesh) {
@@ -501,14 +433,10 @@ namespace {
 
 double brightest_channel(const Vec3d& v) { return std::max({v.x, v.y, v.z}); }
 
-// Lobes that scatter some directions by up to 3.3, with multiple scattering, or 32, of facets over a diffuse surface,
-// which are drawn by what a smooth one reflects; none by more than 1 in the mean.
 double gain_of(const Scene& scene) {
     double gain = 1;
     for (const SceneMaterial& material : scene.materials) {
-        const bool is_layered = material.type == MaterialType::principled && material.metallic < 1 &&
-                                material.transmission < 1 && material.ior != 1;
-        gain = std::max(gain, is_layered ? 32.0 : material.multiple_scattering ? 16.0 : 1.0);
+        gain = std::max(gain, kind_of(material).largest_gain(material));
     }
     return gain;
 }
@@ -520,13 +448,10 @@ double bound_on_sources(const Scene& scene, std::uint32_t depth) {
     double albedo = 0;
     for (const SceneMaterial& material : scene.materials) {
         brightest = std::max(brightest, brightest_channel(material.emission));
-        if (material.type != MaterialType::emitter) {
+        if (!has_trait(material.type, material_trait::ends_paths)) {
             brightest_reflector = std::max(brightest_reflector, brightest_channel(material.emission));
         }
-        // Rough conductors and principled materials reflect all light at grazing angles.
-        const bool is_bright =
-            material.type == MaterialType::rough_conductor || material.type == MaterialType::principled;
-        const double grazing = is_bright ? 1 : 0;
+        const double grazing = kind_of(material).reflects_all_at_grazing ? 1 : 0;
         albedo =
             std::max({albedo, brightest_channel(material.albedo), brightest_channel(material.reflectance), grazing});
     }

@@ -9,6 +9,7 @@
 #include "harness/scene/light_tables.h"
 #include "harness/scene/mesh_search.h"
 #include "harness/scene/scene.h"
+#include "kernels/materials.h"
 #include "kernels/scene_view.h"
 
 namespace pt {

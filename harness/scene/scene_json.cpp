@@ -11,6 +11,7 @@
 #include "harness/scene/inline_mesh.h"
 #include "harness/scene/instances.h"
 #include "harness/scene/json_lines.h"
+#include "harness/scene/material_kind.h"
 #include "harness/scene/scene.h"
 #include "harness/scene/scene_mesh.h"
 #include "harness/scene/scene_texture.h"
@@ -24,23 +25,10 @@ namespace {
 // Lengths beyond which squares would leave the range of float; scenes are checked before any kernel sees them.
 constexpr double largest_length = 1e18;
 constexpr double smallest_length = 1e-18;
-constexpr double largest_radiance = 1e30;
-
-Vec3d vector(const JsonValue& value, double low, double high, const std::string& allowed) {
-    if (!value.json().is_array() || value.json().size() != 3) {
-        value.fail("an array of 3 numbers");
-    }
-    const std::vector<JsonValue> elements = value.elements();
-    return {elements[0].number(low, high, allowed), elements[1].number(low, high, allowed),
-            elements[2].number(low, high, allowed)};
-}
 
 Vec3d point(const JsonValue& value) {
-    return vector(value, -largest_length, largest_length, "a number from -1e18 to 1e18");
+    return read_vector(value, -largest_length, largest_length, "a number from -1e18 to 1e18");
 }
-Vec3d fraction_colour(const JsonValue& value) { return vector(value, 0, 1, "a number from 0 to 1"); }
-Vec3d radiance(const JsonValue& value) { return vector(value, 0, largest_radiance, "a number from 0 to 1e30"); }
-Vec3d sigma(const JsonValue& value) { return vector(value, 0, 1e18, "a number from 0 to 1e18"); }
 
 void read_shutter(const JsonValue& value, SceneCamera& camera) {
     const JsonObject shutter(value, {"open", "close", "density"});
@@ -113,162 +101,10 @@ SceneCamera read_camera(const JsonValue& value) {
     return camera;
 }
 
-double read_ior(const JsonValue& value) { return value.number(0.01, 1e4, "a number from 0.01 to 1e4"); }
-
-SceneMaterial read_subsurface(const JsonValue& value) {
-    const JsonObject object(value, {"type", "ior", "sigma_a", "sigma_s", "g", "max_scatterings"});
-    SceneMaterial material;
-    material.type = MaterialType::subsurface;
-    material.ior = object.has("ior") ? read_ior(object.at("ior")) : 1;
-    material.sigma_a = object.has("sigma_a") ? sigma(object.at("sigma_a")) : Vec3d(0.0);
-    material.sigma_s = sigma(object.required("sigma_s"));
-    material.g = object.has("g") ? object.at("g").number(-0.9999, 0.9999, "a number from -0.9999 to 0.9999") : 0;
-    if (object.has("max_scatterings")) {
-        material.max_scatterings = static_cast<std::uint32_t>(
-            object.at("max_scatterings").whole(1, 1000000000, "a whole number from 1 to 1000000000"));
-    }
-    return material;
-}
-
-// A colour, or {"image": NAME}; the name is relative to the scene's file.
-Vec3d read_colour(const JsonValue& value, SceneMaterial& material) {
-    if (value.json().is_array()) {
-        return fraction_colour(value);
-    }
-    if (!value.json().is_object()) {
-        value.fail(R"(an array of 3 numbers, or {"image": NAME})");
-    }
-    material.texture = read_texture(value, TexelMeaning::colour);
-    return largest_texel(*material.texture);
-}
-
-// Reads a roughness: a number, or an image of numbers, which the material keeps. Returns the largest number.
-double read_roughness(const JsonValue& value, SceneMaterial& material) {
-    if (value.json().is_number()) {
-        return value.number(0, 1, "a number from 0 to 1");
-    }
-    if (!value.json().is_object()) {
-        value.fail(R"(a number from 0 to 1, or {"image": NAME})");
-    }
-    material.roughness_texture = read_texture(value, TexelMeaning::number);
-    return largest_texel(*material.roughness_texture).x;
-}
-
-SceneMaterial read_dielectric(const JsonValue& value, MaterialType type) {
-    const bool is_rough = type == MaterialType::rough_dielectric;
-    std::vector<std::string> keys{"type", "ior", "tint", "sigma_a", "normal"};
-    if (is_rough) {
-        keys.insert(keys.begin() + 2, "roughness");
-    }
-    const JsonObject object(value, keys);
-    SceneMaterial material;
-    material.type = type;
-    material.ior = read_ior(object.required("ior"));
-    material.tint = object.has("tint") ? fraction_colour(object.at("tint")) : Vec3d(1.0);
-    material.sigma_a = object.has("sigma_a") ? sigma(object.at("sigma_a")) : Vec3d(0.0);
-    read_normal_map(object, material);
-    if (is_rough) {
-        material.roughness = read_roughness(object.required("roughness"), material);
-    }
-    return material;
-}
-
-SceneMaterial read_rough_conductor(const JsonValue& value) {
-    const JsonObject object(value, {"type", "reflectance", "roughness", "multiple_scattering", "emission", "normal"});
-    SceneMaterial material;
-    material.type = MaterialType::rough_conductor;
-    material.reflectance = read_colour(object.required("reflectance"), material);
-    material.roughness = read_roughness(object.required("roughness"), material);
-    material.multiple_scattering = object.has("multiple_scattering") && object.at("multiple_scattering").boolean();
-    material.emission = object.has("emission") ? radiance(object.at("emission")) : Vec3d(0.0);
-    read_normal_map(object, material);
-    return material;
-}
-
-SceneMaterial read_principled(const JsonValue& value) {
-    const JsonObject object(
-        value, {"type", "base_colour", "metallic", "roughness", "transmission", "ior", "emission", "normal"});
-    const auto share = [&](const char* key) {
-        return object.has(key) ? object.at(key).number(0, 1, "a number from 0 to 1") : 0;
-    };
-    SceneMaterial material;
-    material.type = MaterialType::principled;
-    material.albedo = read_colour(object.required("base_colour"), material);
-    material.metallic = share("metallic");
-    material.roughness = read_roughness(object.required("roughness"), material);
-    material.transmission = share("transmission");
-    material.ior = object.has("ior") ? object.at("ior").number(1, 1e4, "a number from 1 to 1e4") : 1.5;
-    material.emission = object.has("emission") ? radiance(object.at("emission")) : Vec3d(0.0);
-    read_normal_map(object, material);
-    if (!is_black(material.emission) && lets_light_in(material)) {
-        object.at("emission").fail("none, where light passes through: transmission 0 or metallic 1");
-    }
-    return material;
-}
-
-SceneMaterial read_material(const JsonValue& value) {
-    if (!value.json().is_object()) {
-        value.fail("an object");
-    }
-    const std::vector<std::string> types{"diffuse",    "emitter",         "mirror",           "mix",       "dielectric",
-                                         "subsurface", "rough_conductor", "rough_dielectric", "principled"};
-    if (!value.json().contains("type")) {
-        throw InputError(value.file(), value.path(), "no key \"type\"",
-                         fmt::format("it is required: {}", fmt::join(types, ", ")));
-    }
-    const std::string type = JsonValue(value.json().at("type"), value.file(), value.path() + ".type").one_of(types);
-    SceneMaterial material;
-    if (type == "dielectric") {
-        return read_dielectric(value, MaterialType::dielectric);
-    }
-    if (type == "rough_dielectric") {
-        return read_dielectric(value, MaterialType::rough_dielectric);
-    }
-    if (type == "subsurface") {
-        return read_subsurface(value);
-    }
-    if (type == "rough_conductor") {
-        return read_rough_conductor(value);
-    }
-    if (type == "principled") {
-        return read_principled(value);
-    }
-    if (type == "emitter") {
-        const JsonObject object(value, {"type", "radiance"});
-        material.type = MaterialType::emitter;
-        material.emission = radiance(object.required("radiance"));
-        return material;
-    }
-    if (type == "diffuse") {
-        const JsonObject object(value, {"type", "albedo", "emission", "normal"});
-        material.type = MaterialType::diffuse;
-        material.albedo = read_colour(object.required("albedo"), material);
-        material.emission = object.has("emission") ? radiance(object.at("emission")) : Vec3d(0.0);
-        read_normal_map(object, material);
-        return material;
-    }
-    if (type == "mirror") {
-        const JsonObject object(value, {"type", "reflectance", "emission", "normal"});
-        material.type = MaterialType::mirror;
-        material.reflectance = read_colour(object.required("reflectance"), material);
-        material.emission = object.has("emission") ? radiance(object.at("emission")) : Vec3d(0.0);
-        read_normal_map(object, material);
-        return material;
-    }
-    const JsonObject object(value, {"type", "albedo", "reflectance", "mirror_probability", "emission", "normal"});
-    material.type = MaterialType::mix;
-    material.albedo = read_colour(object.required("albedo"), material);
-    material.reflectance = fraction_colour(object.required("reflectance"));
-    material.mirror_probability = object.required("mirror_probability").number(0, 1, "a number from 0 to 1");
-    material.emission = object.has("emission") ? radiance(object.at("emission")) : Vec3d(0.0);
-    read_normal_map(object, material);
-    return material;
-}
-
 Vec3d read_scale(const JsonValue& value) {
     const std::string allowed = "a number from 1e-18 to 1e18";
     if (value.json().is_array()) {
-        return vector(value, smallest_length, largest_length, allowed);
+        return read_vector(value, smallest_length, largest_length, allowed);
     }
     return Vec3d(value.number(smallest_length, largest_length, allowed + ", or an array of 3"));
 }
@@ -297,7 +133,7 @@ std::string names_of(const std::vector<SceneMaterial>& materials) {
 // Checks what takes the whole scene to tell about an object; `index` is its place in the file.
 void check_object(const Scene& scene, const SceneObject& object, std::size_t index, const std::string& file) {
     check_motion(scene, object, index, file);
-    const bool is_body = scene.materials[object.material].type == MaterialType::subsurface;
+    const bool is_body = has_trait(scene.materials[object.material].type, material_trait::has_walks);
     if (is_body && contains_point(scene, object, scene.camera.eye)) {
         throw InputError(file, "$.camera.eye", fmt::format("a point inside $.objects[{}], a subsurface body", index),
                          "a point outside of subsurface bodies");
@@ -361,29 +197,68 @@ std::uint32_t index_of(const std::shared_ptr<const SceneMesh>& mesh, Scene& scen
     return index;
 }
 
+// "a, b or c" of names of which there are two or more.
+std::string one_of(std::vector<std::string> names, const char* word) {
+    const std::string last = names.back();
+    names.pop_back();
+    return fmt::format("{} {} {}", fmt::join(names, ", "), word, last);
+}
+
+// The names of kinds of materials that may be asked for, "a, b or c"; those that need an inside in some of their
+// settings alone come last.
+template <class IsAllowed>
+std::string materials_for(const IsAllowed& is_allowed, bool with_inside) {
+    std::vector<std::string> names, in_part;
+    const std::vector<std::string> all = material_type_names();
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        SceneMaterial plain;
+        plain.type = static_cast<MaterialType>(i);
+        const bool may_need_inside = has_trait(plain.type, material_trait::has_inside);
+        if (!is_allowed(plain)) {
+            continue;
+        }
+        (may_need_inside && !with_inside ? in_part : names).push_back(all[i]);
+    }
+    names.insert(names.end(), in_part.begin(), in_part.end());
+    return one_of(names, "or") + (in_part.empty() ? "" : " without transmission");
+}
+
+// The names of kinds that are always bodies: "a, b and c".
+std::string solids() {
+    std::vector<std::string> names;
+    const std::vector<std::string> all = material_type_names();
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        SceneMaterial plain;
+        plain.type = static_cast<MaterialType>(i);
+        if (kind_of(plain).needs_inside(plain)) {
+            names.push_back(all[i]);
+        }
+    }
+    return one_of(names, "and");
+}
+
 // Checks that the shape can be made of the material: a dielectric has an inside, and a walk through a body meets its
 // surface once.
 void check_material(const JsonValue& value, const SceneMaterial& material, const SceneObject& object,
                     const Scene& scene) {
     const bool is_mesh = object.mesh != SceneObject::no_mesh;
-    if (is_mesh && material.type == MaterialType::subsurface) {
-        value.fail(
-            "on a mesh: diffuse, emitter, mirror, rough_conductor, mix, dielectric, rough_dielectric or principled "
-            "(subsurface needs a convex shape)");
+    const auto has_walks = [](const SceneMaterial& m) { return has_trait(m.type, material_trait::has_walks); };
+    const auto is_surface = [](const SceneMaterial& m) { return !kind_of(m).needs_inside(m); };
+    if (is_mesh && has_walks(material)) {
+        value.fail(fmt::format("on a mesh: {} ({} needs a convex shape)",
+                               materials_for([&](const SceneMaterial& m) { return !has_walks(m); }, true),
+                               material_type_names()[static_cast<std::size_t>(material.type)]));
     }
-    const bool lets_in = lets_light_in(material);
-    if (is_mesh && lets_in && !scene.meshes[object.mesh]->is_closed) {
-        value.fail(fmt::format(
-            "on the mesh {}, which is not closed: diffuse, emitter, mirror, rough_conductor, mix or principled without "
-            "transmission (dielectric and rough_dielectric need a shape with an inside)",
-            scene.meshes[object.mesh]->source));
+    if (is_surface(material)) {
+        return;
     }
-    const bool needs_inside = lets_in || material.type == MaterialType::subsurface;
-    if (!is_mesh && is_flat(object) && needs_inside) {
-        value.fail(
-            fmt::format("on a {}: diffuse, emitter, mirror, rough_conductor, mix or principled without transmission "
-                        "(dielectric, rough_dielectric and subsurface need a shape with an inside)",
-                        name_of(object.shape)));
+    if (is_mesh && !scene.meshes[object.mesh]->is_closed) {
+        value.fail(fmt::format("on the mesh {}, which is not closed: {} ({} need a shape with an inside)",
+                               scene.meshes[object.mesh]->source, materials_for(is_surface, false), solids()));
+    }
+    if (!is_mesh && is_flat(object)) {
+        value.fail(fmt::format("on a {}: {} ({} need a shape with an inside)", name_of(object.shape),
+                               materials_for(is_surface, false), solids()));
     }
 }
 
@@ -434,7 +309,8 @@ SceneObject read_object(const JsonValue& value, Scene& scene) {
     check_texture(material_value, *material, result, scene);
     result.translate = object.has("translate") ? point(object.at("translate")) : Vec3d(0.0);
     if (object.has("rotate_degrees")) {
-        result.rotate_degrees = vector(object.at("rotate_degrees"), -1e6, 1e6, "an angle from -1e6 to 1e6 degrees");
+        result.rotate_degrees =
+            read_vector(object.at("rotate_degrees"), -1e6, 1e6, "an angle from -1e6 to 1e6 degrees");
     }
     if (object.has("scale")) {
         result.scale = read_scale(object.at("scale"));
@@ -505,7 +381,7 @@ std::shared_ptr<const SceneEnvironment> environment_of(EnvironmentImage image, d
 std::shared_ptr<const SceneEnvironment> read_environment(const JsonValue& value) {
     if (value.json().contains("radiance")) {
         const JsonObject object(value, {"radiance"});
-        return environment_of({1, 1, {Vec3<float>(radiance(object.at("radiance")))}}, 1, value);
+        return environment_of({1, 1, {Vec3<float>(read_radiance(object.at("radiance")))}}, 1, value);
     }
     const JsonObject object(value, {"file", "scale", "rotation"});
     if (!object.has("file")) {
@@ -541,7 +417,7 @@ Scene parse_scene(const std::string& text, const std::string& file) {
         if (!root.at("environment").json().is_array()) {
             root.at("environment").fail(R"(an array of 3 numbers, {"radiance": [R, G, B]} or {"file": NAME, ..})");
         }
-        scene.environment = radiance(root.at("environment"));
+        scene.environment = read_radiance(root.at("environment"));
     }
     scene.camera = read_camera(root.required("camera"));
     const JsonValue materials = root.required("materials");

@@ -18,7 +18,7 @@ Boundary<Real> boundary_of(double ior, bool leaving) {
     text.sphere(text.dielectric(ior), {0, 0, 5}, 1);
     const HostScene<Config<Real, all_features>> scene(text);
     const Material<Real>& material = scene.view().materials[0];
-    return leaving ? material.leaving : material.entering;
+    return material.dielectric.seen_from(leaving);
 }
 
 long double excess_of(double ior, bool leaving) {

@@ -6,7 +6,7 @@
 
 #include "harness/stability/case.h"
 #include "kernels/light.h"
-#include "kernels/mix.h"
+#include "kernels/materials/mix.h"
 #include "kernels/next_event.h"
 
 namespace pt::stability::film_random {

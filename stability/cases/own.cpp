@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "harness/scene/scene.h"
-#include "kernels/mix.h"
+#include "kernels/materials/mix.h"
 #include "kernels/rng.h"
 #include "stability/oracles/furnace.h"
 #include "stability/oracles/irradiance.h"

@@ -47,6 +47,7 @@ WRITTEN_BY_THE_READER = {
     "tests/unit/my_scan_compaction_test.cpp",
     "kernels/shapes/my_ball.h",
     "tests/unit/my_ball_shape_test.cpp",
+    "tests/unit/my_velvet_material_test.cpp",
     "variants/compaction/std_remove_if.cpp",
     "variants/integrator/my_tiles.cuh",
     "variants/integrator/my_tiles.h",

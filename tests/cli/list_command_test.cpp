@@ -222,11 +222,12 @@ TEST(ListTest, ASceneSaysWhatAppliesToIt) {
     ASSERT_EQ(result.exit_code, 0) << result.err;
     for (const char* text :
          {"Scenes\n", "  cornell_open ", "   needs sphere axis_box diffuse emitter mirror jitter\n",
-          "   leaves out ellipsoid oriented_box quad motion mix dielectric subsurface emission absorption "
-          "subsurface_boundary rough_conductor rough_dielectric multiple_scattering environment lens final_bounce "
-          "next_event multiple_importance area_sampling projected_sampling automatic_sampling power_selection "
+          "   leaves out ellipsoid oriented_box quad motion mix dielectric rough_conductor "
+          "rough_dielectric principled subsurface emission absorption subsurface_boundary multiple_scattering "
+          "environment lens final_bounce next_event multiple_importance area_sampling projected_sampling "
+          "automatic_sampling power_selection "
           "tree_selection one_sample environment_map russian_roulette adjoint_roulette near_sphere textures "
-          "principled shading_normals\n",
+          "shading_normals\n",
           "   n/a: first_bounce=cached needs jitter off (camera.jitter is true in the scene)\n", "Backends\n", "  cpu ",
           "  cuda                       not available ("}) {
         EXPECT_NE(result.out.find(text), std::string::npos) << text;

@@ -28,10 +28,14 @@ protected:
         for (const auto& entry : fs::directory_iterator(fs::path(test::source_folder()) / integrator_folder)) {
             fs::copy_file(entry.path(), home.path() / integrator_folder / entry.path().filename());
         }
-        fs::create_directories(home.path() / "kernels/shapes");
-        fs::create_directories(home.path() / "harness/templates/shape");
+        for (const char* folder : {"kernels/shapes", "kernels/materials", "harness/scene/materials",
+                                   "harness/templates/shape", "harness/templates/material"}) {
+            fs::create_directories(home.path() / folder);
+        }
         for (const char* file :
-             {"kernels/shape_list.h", "harness/templates/shape/shape.h.in", "harness/templates/shape/test.cpp.in"}) {
+             {"kernels/shape_list.h", "harness/templates/shape/shape.h.in", "harness/templates/shape/test.cpp.in",
+              "kernels/material_list.h", "harness/templates/material/material.h.in",
+              "harness/templates/material/kind.cpp.in", "harness/templates/material/test.cpp.in"}) {
             fs::copy_file(fs::path(test::source_folder()) / file, home.path() / file);
         }
     }
@@ -137,6 +141,33 @@ TEST_F(NewCommandTest, AShapeIsAHeaderAndALineOfTheList) {
     EXPECT_NE(call({"shape", "my_ball2"}).exit_code, 0);
 }
 
+TEST_F(NewCommandTest, AMaterialIsTwoFilesAndALineOfTheList) {
+    const std::string before = content_of(home.file("kernels/material_list.h"));
+    std::vector<std::string> expected = home.content();
+    const CommandResult result = call({"material", "my_velvet"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.err, "");
+    for (const char* file : {"kernels/materials/my_velvet.h", "harness/scene/materials/my_velvet.cpp",
+                             "tests/unit/my_velvet_material_test.cpp"}) {
+        EXPECT_NE(content_of(home.file(file)).find("MyVelvetMaterial"), std::string::npos);
+        EXPECT_EQ(content_of(home.file(file)).find('@'), std::string::npos);
+        EXPECT_NE(result.out.find(home.file(file) + "  "), std::string::npos) << result.out;
+        expected.emplace_back(file);
+    }
+    std::sort(expected.begin(), expected.end());
+    EXPECT_EQ(home.content(), expected);
+    const std::string list = content_of(home.file("kernels/material_list.h"));
+    const std::size_t last = before.find(")\n\n#define PT_MATERIAL_TYPE") + 1;
+    EXPECT_EQ(list.substr(0, last), before.substr(0, last));
+    const std::string end = before.substr(last);
+    EXPECT_EQ(list.substr(list.size() - end.size()), end);
+    std::string added = list.substr(last, list.size() - end.size() - last);
+    added.erase(std::remove(added.begin(), added.end(), ' '), added.end());
+    EXPECT_EQ(added, "\\\nMATERIAL(my_velvet,MyVelvetMaterial,is_delta)");
+    expect_refusal({"material", "mirror"},
+                   "new: NAME: found \"mirror\", allowed: a name that is not taken: mirror is a feature of kernels");
+}
+
 TEST_F(NewCommandTest, RefusesAShapeThatWouldHideSomethingElse) {
     const auto taken = [](const std::string& name, const std::string& by) {
         return "new: NAME: found \"" + name + "\", allowed: a name that is not taken: " + by;
@@ -187,7 +218,8 @@ TEST_F(NewCommandTest, RefusesANameThatIsTaken) {
 
 TEST_F(NewCommandTest, RefusesWhatHasNoTemplates) {
     for (const std::string kind : {"sorting", "scene", "frob", ""}) {
-        expect_refusal({kind, "my_own"}, "new: KIND: found \"" + kind + "\", allowed: compaction, integrator, shape");
+        expect_refusal({kind, "my_own"},
+                       "new: KIND: found \"" + kind + "\", allowed: compaction, integrator, shape, material");
     }
     expect_refusal({}, "KIND is required (see ptbench --help)");
     expect_refusal({"compaction"}, "NAME is required (see ptbench --help)");

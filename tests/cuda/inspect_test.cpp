@@ -218,12 +218,13 @@ TEST_F(InspectTest, LeavingOutMakesAKernelSmaller) {
                                           "motion",
                                           "mix",
                                           "dielectric",
+                                          "rough_conductor",
+                                          "rough_dielectric",
+                                          "principled",
                                           "subsurface",
                                           "emission",
                                           "absorption",
                                           "subsurface_boundary",
-                                          "rough_conductor",
-                                          "rough_dielectric",
                                           "multiple_scattering",
                                           "environment",
                                           "lens",
@@ -241,7 +242,6 @@ TEST_F(InspectTest, LeavingOutMakesAKernelSmaller) {
                                           "adjoint_roulette",
                                           "near_sphere",
                                           "textures",
-                                          "principled",
                                           "shading_normals"}));
     EXPECT_EQ(generic["features"].size(), 37u);
     EXPECT_EQ(generic["left_out"], Json::array());

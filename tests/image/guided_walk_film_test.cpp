@@ -1,5 +1,5 @@
 // Guided walks have the mean of the plain ones, wherever that is known: radiative transfer's closed forms and the walks
-// of kernels/subsurface.h, whose tests are in subsurface_test.cpp. And they are shorter, with less noise.
+// of kernels/materials/subsurface.h, whose tests are in subsurface_test.cpp. And they are shorter, with less noise.
 #include <cmath>
 #include <string>
 

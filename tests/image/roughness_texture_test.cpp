@@ -208,7 +208,7 @@ TYPED_TEST(RoughnessTextureTest, OfTwoTexelsIsARamp) {
             const SurfacePoint<Real> point = stages.surface(ray_of(path), hit);
             const VertexOf<Kernel> vertex{point.position, point.normal, hit.side.object(), false, 0,
                                           hit.side,       hit.primitive};
-            const Real alpha = facet_width<Kernel>(stages.view(), path, vertex, stages.view().materials[0]);
+            const Real alpha = facet_width<Kernel>(stages.view(), path, vertex, Real(0));
             const double u = (static_cast<double>(point.position.x) + builder.scene.camera.eye.x) / 2;
             const double off = std::abs(u - 0.25);
             const double roughness = low + (high - low) * 2 * std::min(off, 1 - off);

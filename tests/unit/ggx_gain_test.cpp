@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "kernels/rough_conductor.h"
+#include "kernels/materials/rough_conductor.h"
 #include "tests/support/ggx_textbook.h"
 #include "tests/support/statistics.h"
 

@@ -28,14 +28,14 @@ TYPED_TEST_SUITE(GuidedWalkTest, Reals);
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 template <class Real>
-Material<Real> medium(const Vec3d& sigma_s, const Vec3d& sigma_a, double share, double g = 0, double depth = infinity) {
+ScatteringMedium<Real> medium(const Vec3d& sigma_s, const Vec3d& sigma_a, double share, double g = 0,
+                              double depth = infinity) {
     SceneMaterial body;
     body.type = MaterialType::subsurface;
     body.sigma_s = sigma_s;
     body.sigma_a = sigma_a;
     body.g = g;
-    Material<Real> material{};
-    material.type = body.type;
+    ScatteringMedium<Real> material{};
     material.g = static_cast<Real>(g);
     for (int i = 0; i < 3; ++i) {
         const double sigma_t = sigma_s[i] + sigma_a[i];
@@ -306,7 +306,7 @@ TYPED_TEST(GuidedWalkTest, StepsHaveTheirDistribution) {
     RenderSettings settings = default_settings(builder.scene);
     settings.guided_share = share;
     const SceneBuffers<TypeParam> buffers(builder.scene, settings);
-    const Material<TypeParam>& m = buffers.view().materials[0];
+    const ScatteringMedium<TypeParam>& m = buffers.view().materials[0].subsurface.medium;
     constexpr int columns = 16, rows = 8;
     std::vector<std::uint64_t> counts(columns * rows);
     std::vector<double> probabilities(columns * rows);

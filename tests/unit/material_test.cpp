@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "kernels/dielectric.h"
+#include "kernels/materials/dielectric.h"
 #include "tests/support/render.h"
 #include "tests/support/scenes.h"
 
@@ -21,10 +21,10 @@ template <class Real>
 constexpr Real epsilon = std::numeric_limits<Real>::epsilon();
 
 template <class Real>
-Material<Real> glass(double ior) {
+DielectricMaterial<Real> glass(double ior) {
     test::SceneBuilder builder;
     builder.sphere(builder.dielectric(ior), {0, 0, 4}, 2);
-    return test::Stages<Real>(builder.scene).view().materials[0];
+    return test::Stages<Real>(builder.scene).view().materials[0].dielectric;
 }
 
 struct Exact {
@@ -71,7 +71,7 @@ std::vector<Real> cosines(double relative_ior) {
 TYPED_TEST(MaterialTest, FresnelMatchesTheTextbook) {
     using Real = TypeParam;
     for (const double ior : indices()) {
-        const Material<Real> material = glass<Real>(ior);
+        const DielectricMaterial<Real> material = glass<Real>(ior);
         for (const bool leaving : {false, true}) {
             const Boundary<Real>& boundary = leaving ? material.leaving : material.entering;
             const long double n = leaving ? 1 / static_cast<long double>(ior) : static_cast<long double>(ior);
@@ -107,7 +107,7 @@ TYPED_TEST(MaterialTest, FresnelMatchesTheTextbook) {
 TYPED_TEST(MaterialTest, FresnelTransmitsTheSameBothWaysAtAHighIndex) {
     using Real = TypeParam;
     for (const double ior : {10.0, 100.0, 1000.0, 10000.0}) {
-        const Material<Real> material = glass<Real>(ior);
+        const DielectricMaterial<Real> material = glass<Real>(ior);
         const double transmittance = 4 * ior / ((ior + 1) * (ior + 1));
         EXPECT_NEAR(1 - fresnel(material.entering, Real(1)).reflectance, transmittance, 4 * epsilon<Real>) << ior;
         EXPECT_NEAR(1 - fresnel(material.leaving, Real(1)).reflectance, transmittance, 4 * epsilon<Real>) << ior;
@@ -116,7 +116,7 @@ TYPED_TEST(MaterialTest, FresnelTransmitsTheSameBothWaysAtAHighIndex) {
 
 TYPED_TEST(MaterialTest, IndexOneReflectsNothingAndBendsNothing) {
     using Real = TypeParam;
-    const Material<Real> material = glass<Real>(1);
+    const DielectricMaterial<Real> material = glass<Real>(1);
     for (const Real cosine : cosines<Real>(1)) {
         for (const Boundary<Real>* boundary : {&material.entering, &material.leaving}) {
             const Refraction<Real> got = fresnel(*boundary, cosine);
@@ -150,7 +150,7 @@ TYPED_TEST(MaterialTest, TotalReflectionStartsAtTheCriticalAngle) {
 TYPED_TEST(MaterialTest, ReflectanceIsTheSameFromBothSides) {
     using Real = TypeParam;
     for (const double ior : {1.001, 1.33, 1.5, 2.4}) {
-        const Material<Real> material = glass<Real>(ior);
+        const DielectricMaterial<Real> material = glass<Real>(ior);
         for (int i = 1; i <= 100; ++i) {
             const Real cosine = static_cast<Real>(i / 100.0);
             const Refraction<Real> in = fresnel(material.entering, cosine);
@@ -165,7 +165,7 @@ TYPED_TEST(MaterialTest, RefractionObeysSnell) {
     using Real = TypeParam;
     test::Random random(1);
     for (const double ior : {1.0001, 1.33, 1.5, 2.4, 1 / 1.5}) {
-        const Material<Real> material = glass<Real>(ior);
+        const DielectricMaterial<Real> material = glass<Real>(ior);
         for (int i = 0; i < 2000; ++i) {
             const auto component = [&] { return static_cast<Real>(random.uniform(-1, 1)); };
             const Vec3<Real> normal = normalize(Vec3<Real>{component(), component(), component()});

@@ -1,6 +1,6 @@
 // The principled lobe against quadrature in double and the textbook's forms: energy, density, reciprocity, samples by
 // chi-square, and its limits, which are other materials bit for bit.
-#include "kernels/principled.h"
+#include "kernels/materials/principled.h"
 
 #include <algorithm>
 #include <cmath>
@@ -145,18 +145,17 @@ struct Slanted {
         const Vec3d v(world);
         return {dot(v, frame.tangent), dot(v, frame.bitangent), dot(v, frame.normal)};
     }
-    Material<Real> material(const Kind& kind, double roughness) const {
-        Material<Real> material{};
-        material.type = MaterialType::principled;
+    PrincipledMaterial<Real> material(const Kind& kind, double roughness) const {
+        PrincipledMaterial<Real> material{};
         material.metallic = static_cast<Real>(kind.metallic);
         material.transmission = static_cast<Real>(kind.transmission);
         material.alpha = static_cast<Real>(roughness * roughness);
-        material.tint = Vec3<Real>(Real(1));
+        material.glass.tint = Vec3<Real>(Real(1));
         const auto boundary = [](double n) {
             return Boundary<Real>{static_cast<Real>(n), static_cast<Real>(1 / n), static_cast<Real>((n - 1) * (n + 1))};
         };
-        material.entering = boundary(kind.ior);
-        material.leaving = boundary(1 / kind.ior);
+        material.glass.entering = boundary(kind.ior);
+        material.glass.leaving = boundary(1 / kind.ior);
         return material;
     }
     Vertex<Real> vertex(const Kind& kind) const {
@@ -167,8 +166,8 @@ struct Slanted {
         return vertex;
     }
     Lobe<Real> lobe(const Kind& kind, double roughness, const Vec3d& viewer) const {
-        const Material<Real> made = material(kind, roughness);
-        return {made, Vec3<Real>(kind.colour), made.alpha, to_world(viewer), vertex(kind)};
+        const PrincipledMaterial<Real> made = material(kind, roughness);
+        return {made, Path<Real>::no_medium, Vec3<Real>(kind.colour), made.alpha, to_world(viewer), vertex(kind)};
     }
 };
 
@@ -510,9 +509,9 @@ TYPED_TEST(PrincipledTest, AllGlassItIsARoughDielectricBitByBit) {
             const Vec3d light = direction_at(random.uniform(-1, 1), random.uniform(0, 7));
             const Kind kind{0, 1, random.uniform(1.05, 2), Vec3d(1.0), i % 2 == 0};
             const Lobe<Real> lobe = surface.lobe(kind, roughness, viewer);
-            const Material<Real> material = surface.material(kind, roughness);
-            const RoughDielectric<Config<Real, all_features>> glass(material, material.alpha, surface.to_world(viewer),
-                                                                    surface.vertex(kind));
+            const PrincipledMaterial<Real> material = surface.material(kind, roughness);
+            const RoughDielectric<Config<Real, all_features>> glass(
+                material.glass, Path<Real>::no_medium, material.alpha, surface.to_world(viewer), surface.vertex(kind));
             const Real choice = unit_interval<Real>(random.word()), u = unit_interval<Real>(random.word());
             const Real v = unit_interval<Real>(random.word());
             LobeSample<Real> other = glass.sample(choice, u, v);

@@ -1,6 +1,6 @@
 // The GGX lobe of rough conductors against quadrature in double: energy, normalisation, masking, reciprocity, and the
 // sampler by chi-square.
-#include "kernels/rough_conductor.h"
+#include "kernels/materials/rough_conductor.h"
 
 #include <algorithm>
 #include <cmath>

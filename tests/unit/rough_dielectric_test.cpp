@@ -1,6 +1,6 @@
 // The lobes of rough glass against quadrature in double and the textbook's forms (Walter et al. 2007): energy, density,
 // reciprocity with its factor n^2, samples by chi-square, and the smooth boundary as its limit.
-#include "kernels/rough_dielectric.h"
+#include "kernels/materials/rough_dielectric.h"
 
 #include <algorithm>
 #include <cmath>
@@ -114,20 +114,18 @@ struct Slanted {
     }
     // From above the surface, or, if `inside`, from below.
     Lobe<Real> lobe(double roughness, double ior, const Vec3d& viewer, bool inside = false) const {
-        Material<Real> material{};
-        material.type = MaterialType::rough_dielectric;
-        material.tint = Vec3<Real>(Real(1));
-        material.alpha = static_cast<Real>(roughness * roughness);
+        DielectricMaterial<Real> glass{};
+        glass.tint = Vec3<Real>(Real(1));
         const auto boundary = [](double n) {
             return Boundary<Real>{static_cast<Real>(n), static_cast<Real>(1 / n), static_cast<Real>((n - 1) * (n + 1))};
         };
-        material.entering = boundary(ior);
-        material.leaving = boundary(1 / ior);
+        glass.entering = boundary(ior);
+        glass.leaving = boundary(1 / ior);
         Vertex<Real> vertex{};
         vertex.surface_normal = inside ? -normal : normal;
         vertex.inside = inside;
         vertex.hit = SurfaceId::of(0, inside);
-        return {material, material.alpha, to_world(viewer), vertex};
+        return {glass, Path<Real>::no_medium, static_cast<Real>(roughness * roughness), to_world(viewer), vertex};
     }
 };
 
@@ -392,10 +390,10 @@ TYPED_TEST(RoughDielectricTest, WithoutRoughnessItIsTheSmoothBoundaryBitByBit) {
     int passed = 0;
     for (int i = 0; i < 20000; ++i) {
         const auto component = [&] { return static_cast<Real>(random.uniform(-1, 1)); };
-        Material<Real> material{};
-        material.tint = Vec3<Real>(Real(1));
-        material.entering = {Real(1.5), Real(1 / 1.5), Real(1.25)};
-        material.leaving = {Real(1 / 1.5), Real(1.5), Real(-1.25 / 2.25)};
+        DielectricMaterial<Real> glass{};
+        glass.tint = Vec3<Real>(Real(1));
+        glass.entering = {Real(1.5), Real(1 / 1.5), Real(1.25)};
+        glass.leaving = {Real(1 / 1.5), Real(1.5), Real(-1.25 / 2.25)};
         Vertex<Real> vertex{};
         vertex.inside = i % 2 == 0;
         vertex.hit = SurfaceId::of(0, vertex.inside);
@@ -404,11 +402,11 @@ TYPED_TEST(RoughDielectricTest, WithoutRoughnessItIsTheSmoothBoundaryBitByBit) {
         path.direction = normalize(Vec3<Real>{component(), component(), component()});
         path.throughput = Vec3<Real>(Real(1));
         path.direction = dot(path.direction, vertex.normal()) > 0 ? -path.direction : path.direction;
-        const Lobe<Real> lobe(material, material.alpha, -path.direction, vertex);
+        const Lobe<Real> lobe(glass, Path<Real>::no_medium, Real(0), -path.direction, vertex);
         const Real choice = unit_interval<Real>(random.word());
         const Real u = unit_interval<Real>(random.word());
         const LobeSample<Real> sample = lobe.sample(choice, u, unit_interval<Real>(random.word()));
-        scatter_dielectric<SmoothConfig>(path, vertex, material, choice);
+        glass.template scatter_by<SmoothConfig>(path, vertex, choice);
         ASSERT_EQ(sample.direction, path.direction);
         ASSERT_EQ(sample.value.weight, Vec3<Real>(Real(1)));
         ASSERT_EQ(sample.value.pdf, Real(0));

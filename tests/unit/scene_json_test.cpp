@@ -429,15 +429,15 @@ TEST(SceneJsonErrors, Camera) {
 
 TEST(SceneJsonErrors, Materials) {
     const std::string types =
-        R"("diffuse", "emitter", "mirror", "mix", "dielectric", "subsurface", "rough_conductor", "rough_dielectric", )"
-        R"("principled")";
+        R"("diffuse", "emitter", "mirror", "mix", "dielectric", "rough_conductor", "rough_dielectric", "principled", )"
+        R"("subsurface")";
     const std::string fraction = "a number from 0 to 1";
     const std::string sigma = "a number from 0 to 1e18";
     expect_messages({
         {material_line, "3", "s.json: $.materials.m: found 3, allowed: an object"},
         {material_line, R"({"albedo": [1, 1, 1]})",
          "s.json: $.materials.m: found no key \"type\", allowed: it is required: diffuse, emitter, mirror, mix, "
-         "dielectric, subsurface, rough_conductor, rough_dielectric, principled"},
+         "dielectric, rough_conductor, rough_dielectric, principled, subsurface"},
         {"\"diffuse\"", "\"glossy\"", R"(s.json: $.materials.m.type: found "glossy", allowed: )" + types},
         {"\"diffuse\"", "null", "s.json: $.materials.m.type: found null, allowed: " + types},
         {material_line, R"({"type": "diffuse"})",
@@ -592,8 +592,8 @@ TEST(SceneJsonErrors, NoMoreLevelsThan64) {
 TEST(SceneJsonErrors, QuadsNeedNoInside) {
     const std::string quad = replaced(good, "\"sphere\"", "\"quad\"");
     const std::string message =
-        "s.json: $.objects[0].material: found \"m\", allowed: on a quad: diffuse, emitter, mirror, "
-        "rough_conductor, mix or principled without transmission (dielectric, rough_dielectric and subsurface need a "
+        "s.json: $.objects[0].material: found \"m\", allowed: on a quad: diffuse, emitter, mirror, mix, "
+        "rough_conductor or principled without transmission (dielectric, rough_dielectric and subsurface need a "
         "shape with an inside)";
     EXPECT_EQ(error_of(replaced(quad, material_line, R"({"type": "dielectric", "ior": 1.5})")), message);
     EXPECT_EQ(error_of(replaced(quad, material_line, R"({"type": "rough_dielectric", "ior": 1.5, "roughness": 0.1})")),

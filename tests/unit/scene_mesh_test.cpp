@@ -67,8 +67,8 @@ TEST(SceneMeshTest, AClosedMeshMayBeGlass) {
     EXPECT_EQ(error_of(mesh_with(ball, "glass")), "");
     EXPECT_EQ(error_of(mesh_with(R"("generate": {"mesh": "needles", "size": 3})", "glass")),
               "s.json: $.objects[0].material: found \"glass\", allowed: on the mesh needles 3, which is not closed: "
-              "diffuse, emitter, mirror, rough_conductor, mix or principled without transmission (dielectric and "
-              "rough_dielectric need a shape with an inside)");
+              "diffuse, emitter, mirror, mix, rough_conductor or principled without transmission (dielectric, "
+              "rough_dielectric and subsurface need a shape with an inside)");
 }
 
 TEST(SceneMeshTest, FaultsAreToldWithTheirPlace) {
@@ -78,8 +78,8 @@ TEST(SceneMeshTest, FaultsAreToldWithTheirPlace) {
     EXPECT_EQ(error_of(mesh_with(ball + R"(, "file": "a.ply")")),
               "s.json: $.objects[0]: found \"file\" and \"generate\", allowed: one of them, for a mesh");
     EXPECT_EQ(error_of(mesh_with(ball, "wax")),
-              "s.json: $.objects[0].material: found \"wax\", allowed: on a mesh: diffuse, emitter, mirror, "
-              "rough_conductor, mix, dielectric, rough_dielectric or principled (subsurface needs a convex shape)");
+              "s.json: $.objects[0].material: found \"wax\", allowed: on a mesh: diffuse, emitter, mirror, mix, "
+              "dielectric, rough_conductor, rough_dielectric or principled (subsurface needs a convex shape)");
     EXPECT_EQ(error_of(mesh_with(R"("generate": {"mesh": "tori", "size": 0})")),
               "s.json: $.objects[0].generate.size: found 0, allowed: a whole number from 1 to 32768 (tori)");
     EXPECT_NE(error_of(mesh_with(R"("generate": {"mesh": "tor", "size": 1})")).find("(did you mean \"tori\"?)"),

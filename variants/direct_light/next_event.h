@@ -12,8 +12,7 @@ inline Reason next_event_unsupported_reason(FeatureSet scene, const VariantTrait
     if ((scene & set_of(Feature::emitter, Feature::emission, Feature::environment_map)) == 0) {
         return {"needs_emitter", "needs an object that emits, or an environment that is drawn (docs/scene_format.md)"};
     }
-    if ((scene & set_of(Feature::diffuse, Feature::mix, Feature::rough_conductor, Feature::rough_dielectric,
-                        Feature::principled)) == 0) {
+    if ((scene & materials_with(material_trait::connects)) == 0) {
         return {"needs_diffuse", "needs a diffuse or rough surface to connect"};
     }
     return {};

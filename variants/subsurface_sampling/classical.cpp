@@ -1,4 +1,4 @@
-// Walks as light makes them: directions by the phase function, free paths by sigma_t (kernels/subsurface.h).
+// Walks as light makes them: directions by the phase function, free paths by sigma_t (kernels/materials/subsurface.h).
 #include "variants/registry.h"
 
 namespace pt::subsurface_sampling::classical {

@@ -11,21 +11,16 @@ struct SurfaceKinds {
     std::uint32_t count = 0;
 
     __device__ static constexpr SurfaceKinds after(std::uint32_t others) {
-        constexpr pt::Feature features[] = {pt::Feature::diffuse,         pt::Feature::emitter,
-                                            pt::Feature::mirror,          pt::Feature::mix,
-                                            pt::Feature::dielectric,      pt::Feature::subsurface,
-                                            pt::Feature::rough_conductor, pt::Feature::rough_dielectric,
-                                            pt::Feature::principled};
-        constexpr std::uint32_t types = sizeof features / sizeof features[0];
-        static_assert(types == static_cast<std::uint32_t>(pt::MaterialType::principled) + 1);
+        using namespace pt::material_trait;
         SurfaceKinds kinds;
-        for (std::uint32_t type = 0; type < types; ++type) {
-            const bool ends_paths = type == static_cast<std::uint32_t>(pt::MaterialType::emitter);
-            if (!ends_paths && pt::has<Configuration>(features[type])) {
-                kinds.count += tuned::by_material != 0 || kinds.count == 0 ? 1u : 0u;
-                kinds.table |= static_cast<std::uint64_t>(others + kinds.count - 1) << (4 * type);
-            }
-        }
+#define PT_ADD_KIND(name, Type, traits)                                             \
+    if (((traits)&ends_paths) == 0 && pt::has<Configuration>(pt::Feature::name)) {  \
+        kinds.count += tuned::by_material != 0 || kinds.count == 0 ? 1u : 0u;       \
+        kinds.table |= static_cast<std::uint64_t>(others + kinds.count - 1)         \
+                       << (4 * static_cast<std::uint32_t>(pt::MaterialType::name)); \
+    }
+        PT_MATERIALS(PT_ADD_KIND)
+#undef PT_ADD_KIND
         return kinds;
     }
 };

@@ -1,5 +1,5 @@
 // Rough glass: boundaries of one kind under the GGX distribution of normals (kernels/ggx.h; Walter et al. 2007), each
-// reflecting and refracting as a smooth one does (kernels/dielectric.h). Radiance is not scaled by n^2 either.
+// reflecting and refracting as a smooth one does (kernels/boundary.h). Radiance is not scaled by n^2 either.
 // With n = index ahead / index behind, c the cosine of incidence on the facet and q = n cos(theta_t), the facet is
 // along
 // +-(outgoing + n incoming), and a refracted direction is as dense as the facet's mirrored one times
@@ -7,8 +7,8 @@
 // Single scattering, and Smith's masking of both sides on their own where light is refracted (Walter et al., eq. 23).
 #pragma once
 
-#include "kernels/dielectric.h"
 #include "kernels/ggx.h"
+#include "kernels/materials/dielectric.h"
 
 namespace pt {
 
@@ -24,12 +24,13 @@ struct RoughDielectric {
     Vec3<Real> tint;
     std::uint32_t medium_beyond;
 
-    PT_HD RoughDielectric(const Material<Real>& material, Real alpha, const Vec3<Real>& outgoing,
-                          const Vertex<Real>& vertex)
+    // `beyond`: the medium that the path runs in once it has crossed the surface.
+    PT_HD RoughDielectric(const DielectricMaterial<Real>& glass, std::uint32_t beyond, Real alpha,
+                          const Vec3<Real>& outgoing, const Vertex<Real>& vertex)
         : facets(alpha, outgoing, vertex.normal()),
-          boundary(vertex.inside ? material.leaving : material.entering),
-          tint(material.tint),
-          medium_beyond(medium_behind(vertex, material)) {}
+          boundary(glass.seen_from(vertex.inside)),
+          tint(glass.tint),
+          medium_beyond(beyond) {}
 
     // A narrower lobe is not connected to lights, as smooth glass is not. Indices that are nearly equal bend light less
     // than facets are turned.
@@ -110,6 +111,33 @@ private:
         const Real sum = (refraction.q + facet_cosine) / boundary.k;
         const Real spread = Real(4) * facet_cosine * boundary.relative_ior * refraction.q * (sum * sum);
         return {weight, mirrored * ((Real(1) - refraction.reflectance) * spread)};
+    }
+};
+
+template <class Real>
+struct RoughDielectricMaterial {
+    DielectricMaterial<Real> glass;
+    Real alpha;  // width of the GGX distribution, roughness^2
+
+    // A path ends where the facet sends it to the wrong side of the surface.
+    template <class At>
+    PT_HD bool scatter(const At& at, const Material<Real>& material) const {
+        using Config = typename At::Config;
+        const RoughDielectric<Config> lobe(glass, medium_behind(at.vertex, material), at.roughness(alpha),
+                                           -at.path.direction, at.vertex);
+        const bool is_connected = at.connect_if_wide(lobe);
+        const LobeSample<Real> sample =
+            lobe.sample(at.random_lobe(), unit_interval<Real>(at.words.y), unit_interval<Real>(at.words.z));
+        if (sample.cosine == Real(0)) {
+            return false;
+        }
+        at.leave_by(sample, lobe.medium_beyond);
+        if (is_connected) {
+            // The density kept is never 0, which says that there was no connection.
+            constexpr Real least = Real(0x1p-60);
+            at.path.bsdf_pdf = kept_pdf<Config>(at.path, max(sample.value.pdf, least));
+        }
+        return true;
     }
 };
 

@@ -1,9 +1,9 @@
 // Metal, plastic and glass in one: the base colour, metallic, roughness and transmission of glTF 2.0 (appendix B of its
 // specification, KHR_materials_transmission and _ior), over the facets of the other rough materials (kernels/ggx.h,
 // alpha = roughness^2). With c the base colour, m metallic, t transmission, h the facet between both directions,
-//   m      a metal: facets that reflect c + (1 - c) (1 - v.h)^5 (Schlick 1994), as kernels/rough_conductor.h,
+//   m      a metal: facets that reflect c + (1 - c) (1 - v.h)^5 (Schlick 1994), as kernels/materials/rough_conductor.h,
 //   1 - m  a dielectric: facets that reflect F(v.h), and beneath them
-//            t      glass, tinted by c, as kernels/rough_dielectric.h,
+//            t      glass, tinted by c, as kernels/materials/rough_dielectric.h,
 //            1 - t  a diffuse surface, (c / pi) (1 - max(F(n.v), F(n.l))).
 // F is the exact reflectance of the boundary, where glTF has Schlick's; from within glass it is total at grazing
 // angles. glTF weighs the diffuse surface by 1 - F(v.h), which with the facets' reflection adds up to more than 1 at
@@ -11,10 +11,22 @@
 // KHR_materials_sheen keeps its sum within 1 in that way. Single scattering: what facets send into others is lost.
 #pragma once
 
-#include "kernels/rough_conductor.h"
-#include "kernels/rough_dielectric.h"
+#include "kernels/materials/rough_conductor.h"
+#include "kernels/materials/rough_dielectric.h"
 
 namespace pt {
+
+template <class Real>
+struct PrincipledMaterial {
+    DielectricMaterial<Real> glass;  // its tint is the base colour, which may be an image
+    Vec3<Real> base_colour;
+    Real metallic;
+    Real transmission;
+    Real alpha;  // width of the GGX distribution, roughness^2
+
+    template <class At>
+    PT_HD bool scatter(const At& at, const Material<Real>& material) const;
+};
 
 // The principled material's lobe at one vertex, seen from one direction. All vectors are unit.
 template <class ConfigT>
@@ -32,18 +44,18 @@ struct Principled {
     bool are_facets_wide;
     std::uint32_t medium_beyond;
 
-    PT_HD Principled(const Material<Real>& material, const Vec3<Real>& colour_of, Real alpha,
-                     const Vec3<Real>& outgoing, const Vertex<Real>& vertex)
-        : glass(material, alpha, outgoing, vertex),
+    PT_HD Principled(const PrincipledMaterial<Real>& material, std::uint32_t beyond, const Vec3<Real>& colour_of,
+                     Real alpha, const Vec3<Real>& outgoing, const Vertex<Real>& vertex)
+        : glass(material.glass, beyond, alpha, outgoing, vertex),
           colour(colour_of),
           metal_share(material.metallic),
           diffuse_share((Real(1) - material.metallic) * (Real(1) - material.transmission)),
           glass_share((Real(1) - material.metallic) * material.transmission),
-          medium_beyond(glass.medium_beyond) {
+          medium_beyond(beyond) {
         glass.tint = colour;
         if (!(glass_share > Real(0))) {
             // No light comes from within: both sides are the outside.
-            glass.boundary = material.entering;
+            glass.boundary = material.glass.entering;
         }
         are_facets_wide = glass_share > Real(0) ? glass.is_connectable() : glass.facets.are_wide();
         layer_reflectance = reflectance_of(glass.facets.cosine);
@@ -193,5 +205,26 @@ private:
         return sample;
     }
 };
+
+// The path ends where a facet sends it to the wrong side of the surface. What narrow facets send on meets lights as
+// from a mirror, though the diffuse surface beneath them was connected.
+template <class Real>
+template <class At>
+PT_HD inline bool PrincipledMaterial<Real>::scatter(const At& at, const Material<Real>& material) const {
+    using Config = typename At::Config;
+    const Principled<Config> lobe(*this, medium_behind(at.vertex, material), at.colour(base_colour),
+                                  at.roughness(alpha), -at.path.direction, at.vertex);
+    const bool is_connected = at.connect_if_wide(lobe);
+    const LobeSample<Real> sample =
+        lobe.sample(at.random_lobe(), unit_interval<Real>(at.words.y), unit_interval<Real>(at.words.z));
+    if (sample.cosine == Real(0)) {
+        return false;
+    }
+    at.leave_by(sample, lobe.medium_beyond);
+    if (is_connected) {
+        at.path.bsdf_pdf = sample.value.pdf > Real(0) ? kept_pdf<Config>(at.path, sample.value.pdf) : Real(0);
+    }
+    return true;
+}
 
 }  // namespace pt

@@ -1,8 +1,7 @@
-// Lambertian reflection, sampled by the cosine: BSDF * cosine / density = albedo.
+// The point where a path meets a surface and is shaded, and the ways to leave it.
 #pragma once
 
 #include "kernels/intersect.h"
-#include "kernels/sampling.h"
 
 namespace pt {
 
@@ -89,37 +88,6 @@ PT_HD inline void leave_on_other_side(Path<Real>& path, const Vertex<Real>& vert
     path.direction = direction;
     path.origin_surface = SurfaceId::of(vertex.object, !vertex.inside);
     path.primitive = vertex.primitive;
-}
-
-// Frame::to_world for a normal along an axis: the frame's entries are 0, 1 and -1, so coordinates only change places
-// and signs. Where one is 0, the frame's sums decide about the sign of a zero: then only the frame has its bits, if
-// anybody wants them.
-template <class Real>
-PT_HD inline bool axis_to_world(const SurfaceId& face, const Vec3<Real>& local, Vec3<Real>& world) {
-    const Real sign = face.face_looks_up() ? Real(1) : Real(-1);
-    const std::uint32_t axis = face.face_axis();
-    const Real along = sign * local.z;
-    world = {axis == 0 ? along : local.x,
-             axis == 1   ? along
-             : axis == 2 ? sign * local.y
-                         : local.y,
-             axis == 2 ? along : -sign * (axis == 0 ? local.x : local.y)};
-    return draws_approximately<Real> || local.x * local.y * local.z != Real(0);
-}
-
-// Scatters the path by a Lambertian surface, in a direction that two random words of 32 bits give.
-template <class Config>
-PT_HD inline void scatter_diffuse(Path<typename Config::Real>& path, const Vertex<typename Config::Real>& vertex,
-                                  const Vec3<typename Config::Real>& albedo, std::uint32_t u, std::uint32_t v) {
-    using Real = typename Config::Real;
-    path.throughput *= albedo;
-    const Vec3<Real> local = cosine_hemisphere_of_square(symmetric_interval<Real>(u), symmetric_interval<Real>(v));
-    Vec3<Real> direction;
-    if (!has<Config>(Feature::enclosure) || !vertex.hit.has_face() || !axis_to_world(vertex.hit, local, direction)) {
-        direction = Frame<Real>(vertex.normal()).to_world(local);
-    }
-    // The direction is unit but for the rounding of three sums, which is not worth another nine operations.
-    leave_on_same_side(path, vertex, direction);
 }
 
 }  // namespace pt

@@ -1,19 +1,24 @@
 // Perfect specular reflection.
 #pragma once
 
-#include "kernels/diffuse.h"
+#include "kernels/boundary.h"
+#include "kernels/scattering.h"
 
 namespace pt {
-
-template <class Real>
-PT_HD inline Vec3<Real> reflect(const Vec3<Real>& direction, const Vec3<Real>& normal) {
-    return renormalize(direction - normal * (Real(2) * dot(direction, normal)));
-}
 
 template <class Real>
 PT_HD inline void scatter_mirror(Path<Real>& path, const Vertex<Real>& vertex, const Vec3<Real>& reflectance) {
     path.throughput *= reflectance;
     leave_on_same_side(path, vertex, reflect(path.direction, vertex.normal()));
 }
+
+template <class Real>
+struct MirrorMaterial {
+    template <class At>
+    PT_HD static bool scatter(const At& at) {
+        scatter_mirror(at.path, at.vertex, at.surface.colour);
+        return true;
+    }
+};
 
 }  // namespace pt

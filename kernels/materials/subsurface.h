@@ -7,9 +7,10 @@
 // the body are not met. Where the variant asks for it, walks are guided to the surface (kernels/guided_walk.h).
 #pragma once
 
-#include "kernels/dielectric.h"
+#include "kernels/boundary.h"
 #include "kernels/guided_walk.h"
 #include "kernels/nearest_surface.h"
+#include "kernels/scattering.h"
 
 namespace pt {
 
@@ -49,7 +50,7 @@ PT_HD inline Real channel(const Vec3<Real>& v, std::uint32_t i) {
 // Weight of a flight of length t: transmittance over the mean density. `scattered`: the flight ended in a collision
 // (density sigma_t e^-sigma_t t), else it reached the surface (probability e^-sigma_t t).
 template <class Real>
-PT_HD inline Vec3<Real> flight_weight(const Material<Real>& medium, const Vec3<Real>& throughput, Real t,
+PT_HD inline Vec3<Real> flight_weight(const ScatteringMedium<Real>& medium, const Vec3<Real>& throughput, Real t,
                                       bool scattered) {
     if (medium.grey != 0) {
         return scattered ? medium.scattering_albedo : Vec3<Real>{Real(1), Real(1), Real(1)};
@@ -97,14 +98,14 @@ using WalkOf = std::conditional_t<has<Config>(Feature::guided_walk), GuidedWalk<
 
 // Whether walks in this medium are guided; no walk is where a kernel could guide them and the variant asks for none.
 template <class Real>
-PT_HD inline bool is_guided(const Material<Real>& medium) {
+PT_HD inline bool is_guided(const ScatteringMedium<Real>& medium) {
     return medium.guided_share > Real(0);
 }
 
 // The extinction coefficient sigma_t that the next flight is drawn by.
 template <class Config>
 PT_HD inline typename Config::Real sigma_of_flight(const Path<typename Config::Real>& path, const WalkOf<Config>& walk,
-                                                   const Material<typename Config::Real>& medium,
+                                                   const ScatteringMedium<typename Config::Real>& medium,
                                                    const RandomWords& words) {
     using Real = typename Config::Real;
     if constexpr (has<Config>(Feature::guided_walk)) {
@@ -121,7 +122,7 @@ PT_HD inline typename Config::Real sigma_of_flight(const Path<typename Config::R
 template <class Config>
 PT_HD inline Vec3<typename Config::Real> step_weight(const Path<typename Config::Real>& path,
                                                      const WalkOf<Config>& walk,
-                                                     const Material<typename Config::Real>& medium,
+                                                     const ScatteringMedium<typename Config::Real>& medium,
                                                      typename Config::Real t, bool scattered) {
     using Real = typename Config::Real;
     if constexpr (has<Config>(Feature::guided_walk)) {
@@ -144,7 +145,7 @@ PT_HD inline Vec3<Real> turn_about(const Vec3<Real>& axis, Real cosine, std::uin
 // The direction after a collision. A guided walk chooses here by what it goes on.
 template <class Config>
 PT_HD inline void scatter_in_medium(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
-                                    WalkOf<Config>& walk, const Material<typename Config::Real>& medium,
+                                    WalkOf<Config>& walk, const ScatteringMedium<typename Config::Real>& medium,
                                     const RandomWords& words) {
     using Real = typename Config::Real;
     const Real u = unit_interval<Real>(words.z);
@@ -167,15 +168,64 @@ PT_HD inline void scatter_in_medium(const SceneView<typename Config::Real>& scen
     path.direction = turn_about(path.direction, henyey_greenstein_cosine(medium.g, u), words.w);
 }
 
+template <class Real>
+struct SubsurfaceMaterial {
+    Boundary<Real> entering, leaving;
+    std::uint32_t has_boundary;     // 1 if ior != 1
+    std::uint32_t max_scatterings;  // cap of one walk
+    ScatteringMedium<Real> medium;
+
+    // Reflects the path at the boundary, or lets it in, to begin a walk. A walk that cannot begin is a lost path, and
+    // counted.
+    template <class At>
+    PT_HD bool scatter(const At& at, const Material<Real>&) const {
+        const bool has_begun = begin_walk(at);
+        at.counters.unfinished_walks += has_begun ? 0u : 1u;
+        return has_begun;
+    }
+
+private:
+    template <class At>
+    PT_HD bool begin_walk(const At& at) const {
+        using Config = typename At::Config;
+        Path<Real>& path = at.path;
+        const VertexOf<Config>& vertex = at.vertex;
+        // Walks start at surfaces. A path that meets one from within came there through another body that reaches in:
+        // what it missed is not known, so it is lost and counted (the loader refuses an eye inside a body).
+        if (vertex.inside) {
+            return false;
+        }
+        if constexpr (has<Config>(Feature::subsurface_boundary)) {
+            if (has_boundary != 0) {
+                const Real cosine = cosine_of_incidence(path.direction, vertex.normal());
+                const Refraction<Real> refraction = fresnel<Config>(entering, cosine);
+                if (at.random_lobe() < refraction.reflectance) {
+                    leave_on_same_side(path, vertex, reflect(path.direction, vertex.normal()));
+                    return true;
+                }
+                path.direction = refract(entering, path.direction, vertex.normal(), cosine, refraction.q);
+            }
+        }
+        path.origin = at_rest<Config>(at.scene, vertex.object, vertex.position, path.time);
+        static_cast<Walk&>(at.walk) = {.step = 0, .object = vertex.object, .on_surface = true};
+        if constexpr (has<Config>(Feature::guided_walk)) {
+            at.walk.meet_surface(vertex.normal(),
+                                 choose_step(medium, path.throughput, unit_interval<Real>(at.words.y)));
+        }
+        return true;
+    }
+};
+
 enum class WalkStep { goes_on, left, lost };
 
 // One flight of the walk, to a collision or to the surface. `left`: the path stands on the surface, heading out;
 // `lost`: the cap on scatterings and internal reflections was met first.
 template <class Config>
 PT_HD inline WalkStep walk_step(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
-                                WalkOf<Config>& walk, const Material<typename Config::Real>& medium) {
+                                WalkOf<Config>& walk, const SubsurfaceMaterial<typename Config::Real>& body) {
     using Real = typename Config::Real;
-    if (walk.step > medium.max_scatterings) {
+    const ScatteringMedium<Real>& medium = body.medium;
+    if (walk.step > body.max_scatterings) {
         return WalkStep::lost;
     }
     const Vec3<Real> direction = path.direction;
@@ -202,10 +252,10 @@ PT_HD inline WalkStep walk_step(const SceneView<typename Config::Real>& scene, P
                         SurfaceId{}};
     const SurfacePoint<Real> exit = surface_at<Config>(scene, ray, {to_exit, SurfaceId::of(walk.object, true)});
     if constexpr (has<Config>(Feature::subsurface_boundary)) {
-        if (medium.has_boundary != 0) {
+        if (body.has_boundary != 0) {
             const Vec3<Real> inward = -exit.normal;
             const Real cosine = cosine_of_incidence(direction, inward);
-            const Refraction<Real> refraction = fresnel<Config>(medium.leaving, cosine);
+            const Refraction<Real> refraction = fresnel<Config>(body.leaving, cosine);
             if (unit_interval<Real>(words.z) < refraction.reflectance) {
                 path.origin = at_rest<Config>(scene, walk.object, exit.position, path.time);
                 path.direction = reflect(direction, inward);
@@ -215,46 +265,13 @@ PT_HD inline WalkStep walk_step(const SceneView<typename Config::Real>& scene, P
                 }
                 return WalkStep::goes_on;
             }
-            path.direction = refract(medium.leaving, direction, inward, cosine, refraction.q);
+            path.direction = refract(body.leaving, direction, inward, cosine, refraction.q);
         }
     }
     path.origin = exit.position;
     path.origin_surface = SurfaceId::of(walk.object, false);
     path.primitive = 0;
     return WalkStep::left;
-}
-
-// One event of the path at a subsurface surface: reflected at the boundary, or let in, to begin a walk.
-// False: the walk cannot begin; the path is lost and must be counted. `u`: whether it is let in; `of_first_step`: by
-// what a guided walk begins.
-template <class Config>
-PT_HD inline bool scatter_subsurface(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
-                                     const Vertex<typename Config::Real>& vertex,
-                                     const Material<typename Config::Real>& medium, typename Config::Real u,
-                                     std::uint32_t of_first_step, WalkOf<Config>& walk) {
-    using Real = typename Config::Real;
-    // Walks start at surfaces. A path that meets one from within came there through another body that reaches in: what
-    // it missed is not known, so it is lost and counted (the loader refuses an eye inside a body).
-    if (vertex.inside) {
-        return false;
-    }
-    if constexpr (has<Config>(Feature::subsurface_boundary)) {
-        if (medium.has_boundary != 0) {
-            const Real cosine = cosine_of_incidence(path.direction, vertex.normal());
-            const Refraction<Real> refraction = fresnel<Config>(medium.entering, cosine);
-            if (u < refraction.reflectance) {
-                leave_on_same_side(path, vertex, reflect(path.direction, vertex.normal()));
-                return true;
-            }
-            path.direction = refract(medium.entering, path.direction, vertex.normal(), cosine, refraction.q);
-        }
-    }
-    path.origin = at_rest<Config>(scene, vertex.object, vertex.position, path.time);
-    static_cast<Walk&>(walk) = {.step = 0, .object = vertex.object, .on_surface = true};
-    if constexpr (has<Config>(Feature::guided_walk)) {
-        walk.meet_surface(vertex.normal(), choose_step(medium, path.throughput, unit_interval<Real>(of_first_step)));
-    }
-    return true;
 }
 
 }  // namespace pt

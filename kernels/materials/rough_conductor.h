@@ -6,6 +6,7 @@
 
 #include "kernels/ggx.h"
 #include "kernels/ggx_gain.h"
+#include "kernels/scattering.h"
 
 namespace pt {
 
@@ -70,6 +71,39 @@ struct RoughConductor {
             sample.value.pdf = facets.mirrored_pdf(facet);
         }
         return sample;
+    }
+};
+
+template <class Real>
+struct RoughConductorMaterial {
+    Vec3<Real> reflectance;           // at normal incidence
+    Real alpha;                       // width of the GGX distribution, roughness^2
+    std::uint32_t scatters_multiply;  // 1 if what facets send into others is not lost
+
+    // The last vertex of a final-bounce path goes on, as a mirror's does. A path ends where the facet sends it into the
+    // surface.
+    template <class At>
+    PT_HD bool scatter(const At& at, const Material<Real>&) const {
+        using Config = typename At::Config;
+        constexpr bool has_gain = has<Config>(Feature::multiple_scattering);
+        RoughConductor<Real, has_gain> lobe(at.colour(reflectance), at.roughness(alpha), -at.path.direction,
+                                            at.vertex.normal());
+        if constexpr (has_gain) {
+            if (scatters_multiply != 0) {
+                lobe.scatter_multiply();
+            }
+        }
+        const bool is_connected = at.connect_if_wide(lobe);
+        const LobeSample<Real> sample = lobe.sample(unit_interval<Real>(at.words.y), unit_interval<Real>(at.words.z));
+        if (!(sample.cosine > Real(0))) {
+            return false;
+        }
+        at.path.throughput *= sample.value.weight;
+        leave_on_same_side(at.path, at.vertex, sample.direction);
+        if (is_connected) {
+            at.path.bsdf_pdf = kept_pdf<Config>(at.path, sample.value.pdf);
+        }
+        return true;
     }
 };
 

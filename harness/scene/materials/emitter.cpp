@@ -1,0 +1,22 @@
+// A surface that emits and reflects nothing.
+#include "harness/scene/material_kind.h"
+
+namespace pt {
+
+MaterialKind kind_of_emitter() {
+    MaterialKind kind;
+    kind.read = [](const JsonValue& value) {
+        const JsonObject object(value, {"type", "radiance"});
+        SceneMaterial material;
+        material.emission = read_radiance(object.required("radiance"));
+        return material;
+    };
+    const auto pack = [](const SceneMaterial&, auto&) {};  // all that kernels need stands in Surface
+    kind.pack_single = pack;
+    kind.pack_double = pack;
+    kind.surface_colour = [](const SceneMaterial& m) { return m.emission; };
+    kind.first_hit_albedo = [](const SceneMaterial&, const Vec3d&) { return Vec3d(0.0); };
+    return kind;
+}
+
+}  // namespace pt

@@ -1,0 +1,48 @@
+// Metal, plastic and glass in one, with the parameters of glTF.
+#include "harness/scene/material_kind.h"
+#include "harness/scene/scene_texture.h"
+
+namespace pt {
+
+MaterialKind kind_of_principled() {
+    MaterialKind kind;
+    kind.read = [](const JsonValue& value) {
+        const JsonObject object(
+            value, {"type", "base_colour", "metallic", "roughness", "transmission", "ior", "emission", "normal"});
+        const auto share = [&](const char* key) {
+            return object.has(key) ? object.at(key).number(0, 1, "a number from 0 to 1") : 0;
+        };
+        SceneMaterial material;
+        material.albedo = read_colour(object.required("base_colour"), material);
+        material.metallic = share("metallic");
+        material.roughness = read_roughness(object.required("roughness"), material);
+        material.transmission = share("transmission");
+        material.ior = object.has("ior") ? object.at("ior").number(1, 1e4, "a number from 1 to 1e4") : 1.5;
+        read_emission(object, material);
+        read_normal_map(object, material);
+        if (!is_black(material.emission) && material.metallic < 1 && material.transmission > 0) {
+            object.at("emission").fail("none, where light passes through: transmission 0 or metallic 1");
+        }
+        return material;
+    };
+    const auto pack = []<class Real>(const SceneMaterial& m, Material<Real>& packed) {
+        packed.principled = {packed_glass<Real>(m), narrow<Real>(m.albedo), static_cast<Real>(m.metallic),
+                             static_cast<Real>(m.transmission), static_cast<Real>(m.roughness * m.roughness)};
+    };
+    kind.pack_single = pack;
+    kind.pack_double = pack;
+    kind.needs_inside = [](const SceneMaterial& m) { return m.metallic < 1 && m.transmission > 0; };
+    // Facets over a diffuse surface scatter some directions by up to 32, since they are drawn by what a smooth surface
+    // reflects; none by more than 1 in the mean.
+    kind.largest_gain = [](const SceneMaterial& m) {
+        return m.metallic < 1 && m.transmission < 1 && m.ior != 1 ? 32.0 : 1.0;
+    };
+    kind.reflects_all_at_grazing = true;
+    kind.beyond_mitsuba = [](const SceneMaterial&, std::uint32_t) -> std::vector<BeyondMitsuba> {
+        return {{"", "principled",
+                 "another material: Mitsuba's has Disney's lobes and this one glTF's, of other formulas"}};
+    };
+    return kind;
+}
+
+}  // namespace pt

@@ -1,0 +1,28 @@
+// What a material's lobe says to whoever connects a vertex to a light or sends the path on: all that it sends from one
+// direction to another. A lobe is a class with `transmits` and `may_be_opaque` (whether it may let light through, and
+// whether one that may does not always: then it has lets_through()) and towards(direction, cosine).
+#pragma once
+
+#include "kernels/math.h"
+
+namespace pt {
+
+// The least cosine that counts as above the surface: squares of it stay within single precision.
+template <class Real>
+inline constexpr Real least_cosine = Real(0x1p-40);
+
+// What a lobe sends from one direction to another, and how likely it draws that direction.
+template <class Real>
+struct LobeValue {
+    Vec3<Real> weight;  // BSDF * cosine / density
+    Real pdf;           // density, by solid angle, with which the lobe draws the direction
+};
+
+template <class Real>
+struct LobeSample {
+    Vec3<Real> direction;
+    Real cosine;  // to the normal; 0: the light is lost, and the rest is not set
+    LobeValue<Real> value;
+};
+
+}  // namespace pt

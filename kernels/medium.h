@@ -1,0 +1,26 @@
+// A homogeneous medium that scatters, as walks through it read it.
+#pragma once
+
+#include "kernels/math.h"
+
+namespace pt {
+
+template <class Real>
+struct ScatteringMedium {
+    Vec3<Real> sigma_s;            // 1 / scene unit
+    Vec3<Real> sigma_t;            // sigma_a + sigma_s
+    Vec3<Real> scattering_albedo;  // sigma_s / sigma_t, 0 where sigma_t is 0
+    std::uint32_t grey;            // 1 if the three sigma_t are equal
+    Real g;                        // Henyey-Greenstein mean cosine
+    // What guided walks go by (kernels/guided_walk.h).
+    Real guided_share;        // of the steps; 0: walks are not guided
+    Vec3<Real> guide_decay;   // with depth, per mean free path
+    Vec3<Real> guide_albedo;  // guide_decay / artanh(guide_decay)
+
+    // Whether the guided walks of all three colour channels are drawn alike.
+    PT_HD constexpr bool has_one_guide() const {
+        return grey != 0 && guide_decay.x == guide_decay.y && guide_decay.y == guide_decay.z;
+    }
+};
+
+}  // namespace pt

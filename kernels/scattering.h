@@ -1,0 +1,90 @@
+// What a material has at hand where a path meets it, and what materials share: connecting their lobes to lights, and
+// colours and roughnesses that may be images.
+#pragma once
+
+#include "kernels/absorption.h"
+#include "kernels/next_event.h"
+#include "kernels/texture.h"
+
+namespace pt {
+
+// The roughness to shade with at a vertex at the end of the path's ray: the material's, unless it is an image.
+template <class Config>
+PT_HD inline typename Config::Real facet_width(const SceneView<typename Config::Real>& scene,
+                                               const Path<typename Config::Real>& path, const VertexOf<Config>& vertex,
+                                               typename Config::Real of_material) {
+    using Real = typename Config::Real;
+    Real alpha = of_material;
+    if constexpr (has<Config>(Feature::textures)) {
+        Hit<Real> hit;
+        hit.side = vertex.hit;
+        hit.primitive = vertex.primitive;
+        put_roughness<Config>(alpha, scene, ray_of(path), hit, vertex.position, geometric_normal<Config>(vertex));
+    }
+    return alpha;
+}
+
+// A path at a vertex that is about to scatter. A material's scatter() leaves the path with its next direction and
+// throughput, and returns whether the path goes on.
+template <class ConfigT, class Counters, class Walk>
+struct Scattering {
+    using Config = ConfigT;
+    using Real = typename Config::Real;
+
+    const SceneView<Real>& scene;
+    const SceneView<Real>& traced;  // the scene as rays traverse it
+    Path<Real>& path;
+    const VertexOf<Config>& vertex;
+    const Surface<Real>& surface;
+    const RandomWords& words;
+    bool is_last;  // of a final-bounce path: the vertex is connected only, where its lobe is diffuse
+    Counters& counters;
+    Walk& walk;  // through a body, where it begins here
+
+    PT_HD Real random_lobe() const { return unit_interval<Real>(words.x); }
+
+    PT_HD void count_connections(std::uint32_t connections) const {
+        counters.rays += connections;
+        counters.connections += connections;
+    }
+
+    // Connects the vertex to a light where the variant asks for it and the lobe is wide enough; returns whether it is.
+    template <class Lobe>
+    PT_HD bool connect_if_wide(const Lobe& lobe) const {
+        bool is_connected = false;
+        if constexpr (has<Config>(Feature::next_event)) {
+            is_connected = scene.next_event != 0 && lobe.is_connectable();
+            if (is_connected) {
+                count_connections(connect_next_event<Config>(scene, traced, path, vertex, lobe));
+            }
+        }
+        return is_connected;
+    }
+
+    PT_HD Real roughness(Real of_material) const { return facet_width<Config>(scene, path, vertex, of_material); }
+
+    // The colour to shade with: the surface's where it may show an image, else the material's.
+    PT_HD const Vec3<Real>& colour(const Vec3<Real>& of_material) const {
+        if constexpr (has<Config>(Feature::textures)) {
+            return surface.colour;
+        } else {
+            return of_material;
+        }
+    }
+
+    // Sends the path by a sample of a lobe that may let light through, whose cosine is below 0 there. `medium_beyond`:
+    // the medium that the path runs in then.
+    PT_HD void leave_by(const LobeSample<Real>& sample, std::uint32_t medium_beyond) const {
+        path.throughput *= sample.value.weight;
+        if (sample.cosine > Real(0)) {
+            leave_on_same_side(path, vertex, sample.direction);
+        } else {
+            leave_on_other_side(path, vertex, sample.direction);
+            if constexpr (has<Config>(Feature::absorption)) {
+                path.medium = medium_beyond;
+            }
+        }
+    }
+};
+
+}  // namespace pt
