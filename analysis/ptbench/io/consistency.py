@@ -104,27 +104,25 @@ def contradictions(root: Node) -> Iterator[Contradiction]:
             yield from _medians(cell)
     comparisons = root.need("ptbench").maybe("comparisons")
     if comparisons is not None:
+        medians = {cell.node.need("cell").value: _median(cell) for cell in cells}
         for comparison in comparisons.items():
-            yield from _ratio(comparison, cells)
+            yield from _ratio(comparison, medians)
 
 
-def _ratio(comparison: Node, cells: Sequence[_Cell]) -> Iterator[Contradiction]:
-    """The comparison's ratio where it is not that of the cells' medians a sample per pixel."""
+def _median(cell: _Cell) -> float | None:
+    """Of the milliseconds a sample per pixel; None: the cell has no samples."""
+    times = [row.need("real_time").value / row.need("pt_spp").value for row in cell.samples]
+    return statistics.median(times) if times else None
 
-    def median(key: str) -> float | None:
-        name = comparison.need(key).value
-        rows = next((cell.samples for cell in cells if cell.node.need("cell").value == name), ())
-        return (
-            statistics.median(row.need("real_time").value / row.need("pt_spp").value for row in rows) if rows else None
-        )
 
-    known = {cell.node.need("cell").value for cell in cells}
+def _ratio(comparison: Node, medians: Mapping[str, float | None]) -> Iterator[Contradiction]:
+    """The comparison's ratio where it is not that of the cells' medians."""
     for key in ("cell", "baseline"):
-        if (node := comparison.need(key)).value not in known and (key == "cell" or node.value is not None):
+        if (node := comparison.need(key)).value not in medians and (key == "cell" or node.value is not None):
             yield Contradiction(node.place, shown(node.value), "a cell of the file")
             return
     ratio, node = comparison.need("ratio").value, comparison.need("ratio")
-    above, below = median("cell"), median("baseline")
+    above, below = (medians.get(comparison.need(key).value) for key in ("cell", "baseline"))
     right = above / below if above and below else None
     if ratio is not None and (right is None or not math.isclose(ratio, right, rel_tol=_ROUNDING)):
         of = comparison.need("cell").text()

@@ -82,17 +82,13 @@ def _judged(
     baseline = next((one for one in cells if said is not None and one.name == said.baseline), None)
     if said is None or said.ratio is None or baseline is None:
         return None, _without_ratio(question, baseline)
-    return _ratio_of(said, cell, baseline), _verdict_of(said, cell, baseline)
-
-
-def _ratio_of(said: Comparison, cell: Cell, baseline: Cell) -> Estimate:
     low, high = said.interval or (None, None)
-    return Estimate(said.ratio, low, high, min(len(cell.samples), len(baseline.samples)))
+    ratio = Estimate(said.ratio, low, high, min(len(cell.samples), len(baseline.samples)))
+    return ratio, _verdict_of(said, ratio, cell, baseline)
 
 
-def _verdict_of(said: Comparison, cell: Cell, baseline: Cell) -> Verdict:
+def _verdict_of(said: Comparison, ratio: Estimate, cell: Cell, baseline: Cell) -> Verdict:
     """The run's verdict with its reason in words; what is withdrawn since, it could not know."""
-    ratio = _ratio_of(said, cell, baseline)
     by_time = verdict_of_ratio(ratio) if said.in_time == UNSURE else Verdict(said.in_time)
     verdict = confirmed(by_time, Verdict(said.in_cycles) if said.in_cycles else None)
     verdict = replace(verdict, note=_note(cell, baseline, is_clock_unknown=not said.in_cycles))
