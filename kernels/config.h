@@ -207,9 +207,11 @@ template <class Config>
 PT_HD constexpr bool has(Feature feature) {
     return contains(Config::features, feature);
 }
+
+// Whether a kernel has materials within whose bodies rays run.
 template <class Config>
-PT_HD constexpr bool has_any(FeatureSet features) {
-    return (Config::features & features) != 0;
+PT_HD constexpr bool has_insides() {
+    return (Config::features & materials_with(material_trait::has_inside)) != 0;
 }
 
 PT_HD constexpr bool has_everything(FeatureSet features) { return is_superset(features, all_features); }

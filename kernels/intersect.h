@@ -250,7 +250,7 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
             leave_enclosure(scene.enclosure, ray.origin, inverse, has_finite_reciprocal(ray.direction));
         // A ray inside a wall, even on its face, is not taken as inside the enclosure.
         bool in_wall = ray.origin_surface.exists() && ray.origin_surface.inside();
-        if constexpr (has_any<Config>(materials_with(material_trait::has_inside))) {
+        if constexpr (has_insides<Config>()) {
             in_wall =
                 in_wall && scene.enclosure.is_wall(ray.origin_surface.object() - first_of<ShapeKind::axis_box>(scene));
         }

@@ -147,7 +147,7 @@ PT_HD inline Sight line_of_sight(const Scene& scene, std::uint32_t object, const
     bool without_walls = false;
     if constexpr (has<Config>(Feature::enclosure)) {
         bool in_wall = ray.origin_surface.exists() && ray.origin_surface.inside();
-        if constexpr (has_any<Config>(materials_with(material_trait::has_inside))) {
+        if constexpr (has_insides<Config>()) {
             in_wall =
                 in_wall && scene.enclosure.is_wall(ray.origin_surface.object() - first_of<ShapeKind::axis_box>(scene));
         }

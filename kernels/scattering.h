@@ -72,18 +72,24 @@ struct Scattering {
         }
     }
 
-    // Sends the path by a sample of a lobe that may let light through, whose cosine is below 0 there. `medium_beyond`:
-    // the medium that the path runs in then.
-    PT_HD void leave_by(const LobeSample<Real>& sample, std::uint32_t medium_beyond) const {
+    // Draws a sample of a lobe that may let light through, whose cosine is below 0 there, and sends the path by it.
+    // Returns whether the path goes on: it does not where a facet sends it to the wrong side of the surface.
+    template <class Lobe>
+    PT_HD bool leave_by(const Lobe& lobe, LobeSample<Real>& sample) const {
+        sample = lobe.sample(random_lobe(), unit_interval<Real>(words.y), unit_interval<Real>(words.z));
+        if (sample.cosine == Real(0)) {
+            return false;
+        }
         path.throughput *= sample.value.weight;
         if (sample.cosine > Real(0)) {
             leave_on_same_side(path, vertex, sample.direction);
         } else {
             leave_on_other_side(path, vertex, sample.direction);
             if constexpr (has<Config>(Feature::absorption)) {
-                path.medium = medium_beyond;
+                path.medium = lobe.medium_beyond;
             }
         }
+        return true;
     }
 };
 

@@ -57,14 +57,13 @@ constexpr TemplateFile material_files[] = {
 // A list that has a line more for each of a kind.
 struct ListOf {
     std::string_view file;
-    std::string_view end_of_lines;  // after its last line, with the line's own last words
-    std::string_view words;         // that end_of_lines has of its line
+    std::string_view end_of_lines;  // how its last line ends, and what follows that
     std::string_view line;          // {0}: the name, {1}: the class, {2}: the name in capitals
     std::string_view example;       // of a line, for messages
 };
-constexpr ListOf shape_list{"kernels/shape_list.h", ", more)\n\n", ", more)", "SHAPE({0}, {0}s, {1}, {2}S, more)",
+constexpr ListOf shape_list{"kernels/shape_list.h", ", more)\n\n", "SHAPE({0}, {0}s, {1}, {2}S, more)",
                             "SHAPE(..., more)"};
-constexpr ListOf material_list{"kernels/material_list.h", ")\n\n#define PT_MATERIAL_TYPE", ")",
+constexpr ListOf material_list{"kernels/material_list.h", ")\n\n#define PT_MATERIAL_TYPE",
                                "MATERIAL({0}, {1}, is_delta)", "MATERIAL(...)"};
 
 // A kind of thing that `ptbench new` makes.
@@ -137,7 +136,7 @@ std::string with_line(const std::string& list, const std::string& name, const Ki
         throw InputError("new", "file", std::string(kind.list->file),
                          fmt::format("a list of lines {}", kind.list->example));
     }
-    const std::size_t after = end + kind.list->words.size();
+    const std::size_t after = end + kind.list->end_of_lines.find('\n');
     const std::size_t line = list.rfind('\n', end) + 1;
     const std::size_t line_before = list.rfind('\n', line - 2) + 1;
     // The backslashes of all lines but the last stand in one column.

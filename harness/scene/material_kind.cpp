@@ -16,6 +16,12 @@ const MaterialKind& kind_of(MaterialType type) {
     return kinds[static_cast<std::size_t>(type)];
 }
 
+std::vector<BeyondMitsuba> rough_facets_beyond_mitsuba(const SceneMaterial&, std::uint32_t) {
+    return {{"", "rough facets",
+             "another material: Mitsuba masks the facets of each direction on its own, ptbench of both together (Heitz "
+             "2014)"}};
+}
+
 std::vector<std::string> material_type_names() {
 #define PT_NAME(name, Type, traits) #name,
     return {PT_MATERIALS(PT_NAME)};
@@ -131,8 +137,9 @@ double read_roughness(const JsonValue& value, SceneMaterial& material) {
     return largest_texel(*material.roughness_texture).x;
 }
 
-void read_emission(const JsonObject& object, SceneMaterial& material) {
+void read_emission_and_normal(const JsonObject& object, SceneMaterial& material) {
     material.emission = object.has("emission") ? read_radiance(object.at("emission")) : Vec3d(0.0);
+    read_normal_map(object, material);
 }
 
 }  // namespace pt

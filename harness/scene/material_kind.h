@@ -22,14 +22,20 @@ struct BeyondMitsuba {
     std::string key, found, allowed;
 };
 
+// Of a rough material, of which Mitsuba has another formula.
+std::vector<BeyondMitsuba> rough_facets_beyond_mitsuba(const SceneMaterial& material, std::uint32_t depth);
+
 struct MaterialKind {
     // The material that a scene file describes, without its name. Throws InputError.
     SceneMaterial (*read)(const JsonValue& value) = nullptr;
     // What kernels need for it beyond the kind's own feature and Feature::emission.
     FeatureSet (*extra_features)(const SceneMaterial& material) = [](const SceneMaterial&) { return no_features; };
-    // Fills in the kind's parameters; `absorbs` and what every material has stand there already.
-    void (*pack_single)(const SceneMaterial& material, Material<float>& packed) = nullptr;
-    void (*pack_double)(const SceneMaterial& material, Material<double>& packed) = nullptr;
+    // Fills in the kind's parameters, of which one that is by_surface has none; `absorbs` and what every material has
+    // stand there already.
+    void (*pack_single)(const SceneMaterial& material, Material<float>& packed) = [](const SceneMaterial&,
+                                                                                     Material<float>&) {};
+    void (*pack_double)(const SceneMaterial& material, Material<double>& packed) = [](const SceneMaterial&,
+                                                                                      Material<double>&) {};
     // The colour that most hits need (Surface): what a texture stands for.
     Vec3d (*surface_colour)(const SceneMaterial& material) = [](const SceneMaterial& m) { return m.albedo; };
     // What the picture of albedos shows, with `colour` in place of surface_colour.
@@ -45,6 +51,13 @@ struct MaterialKind {
     // What an export to Mitsuba with paths of `depth` segments cannot express.
     std::vector<BeyondMitsuba> (*beyond_mitsuba)(const SceneMaterial& material, std::uint32_t depth) =
         [](const SceneMaterial&, std::uint32_t) { return std::vector<BeyondMitsuba>{}; };
+
+    // `pack` fills in the parameters in either precision: a lambda that captures nothing.
+    template <class Pack>
+    void set_pack(Pack pack) {
+        pack_single = pack;
+        pack_double = pack;
+    }
 };
 
 // The kinds, each defined in its file: kind_of_diffuse() and so on.
@@ -79,10 +92,6 @@ template <class Real>
 Boundary<Real> entering_boundary(double ior);
 template <class Real>
 Boundary<Real> leaving_boundary(double ior);
-template <class Real>
-DielectricMaterial<Real> packed_glass(const SceneMaterial& material) {
-    return {narrow<Real>(material.tint), entering_boundary<Real>(material.ior), leaving_boundary<Real>(material.ior)};
-}
 inline constexpr double largest_radiance = 1e30;
 Vec3d read_vector(const JsonValue& value, double low, double high, const std::string& allowed);
 Vec3d read_fractions(const JsonValue& value);  // from 0 to 1
@@ -94,7 +103,7 @@ double read_ior(const JsonValue& value);
 Vec3d read_colour(const JsonValue& value, SceneMaterial& material);
 // A roughness: a number, or an image of numbers, which the material keeps. Returns the largest number.
 double read_roughness(const JsonValue& value, SceneMaterial& material);
-// The keys "emission" and "normal", of which both may be absent.
-void read_emission(const JsonObject& object, SceneMaterial& material);
+// The keys that all have that reflect, "emission" and "normal": each may be absent.
+void read_emission_and_normal(const JsonObject& object, SceneMaterial& material);
 
 }  // namespace pt

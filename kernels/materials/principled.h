@@ -18,8 +18,7 @@ namespace pt {
 
 template <class Real>
 struct PrincipledMaterial {
-    DielectricMaterial<Real> glass;  // its tint is the base colour, which may be an image
-    Vec3<Real> base_colour;
+    DielectricMaterial<Real> glass;  // its tint is the base colour
     Real metallic;
     Real transmission;
     Real alpha;  // width of the GGX distribution, roughness^2
@@ -206,21 +205,18 @@ private:
     }
 };
 
-// The path ends where a facet sends it to the wrong side of the surface. What narrow facets send on meets lights as
-// from a mirror, though the diffuse surface beneath them was connected.
+// What narrow facets send on meets lights as from a mirror, though the diffuse surface beneath them was connected.
 template <class Real>
 template <class At>
 PT_HD inline bool PrincipledMaterial<Real>::scatter(const At& at, const Material<Real>& material) const {
     using Config = typename At::Config;
-    const Principled<Config> lobe(*this, medium_behind(at.vertex, material), at.colour(base_colour),
-                                  at.roughness(alpha), -at.path.direction, at.vertex);
+    const Principled<Config> lobe(*this, medium_behind(at.vertex, material), at.colour(glass.tint), at.roughness(alpha),
+                                  -at.path.direction, at.vertex);
     const bool is_connected = at.connect_if_wide(lobe);
-    const LobeSample<Real> sample =
-        lobe.sample(at.random_lobe(), unit_interval<Real>(at.words.y), unit_interval<Real>(at.words.z));
-    if (sample.cosine == Real(0)) {
+    LobeSample<Real> sample;
+    if (!at.leave_by(lobe, sample)) {
         return false;
     }
-    at.leave_by(sample, lobe.medium_beyond);
     if (is_connected) {
         at.path.bsdf_pdf = sample.value.pdf > Real(0) ? kept_pdf<Config>(at.path, sample.value.pdf) : Real(0);
     }

@@ -119,19 +119,16 @@ struct RoughDielectricMaterial {
     DielectricMaterial<Real> glass;
     Real alpha;  // width of the GGX distribution, roughness^2
 
-    // A path ends where the facet sends it to the wrong side of the surface.
     template <class At>
     PT_HD bool scatter(const At& at, const Material<Real>& material) const {
         using Config = typename At::Config;
         const RoughDielectric<Config> lobe(glass, medium_behind(at.vertex, material), at.roughness(alpha),
                                            -at.path.direction, at.vertex);
         const bool is_connected = at.connect_if_wide(lobe);
-        const LobeSample<Real> sample =
-            lobe.sample(at.random_lobe(), unit_interval<Real>(at.words.y), unit_interval<Real>(at.words.z));
-        if (sample.cosine == Real(0)) {
+        LobeSample<Real> sample;
+        if (!at.leave_by(lobe, sample)) {
             return false;
         }
-        at.leave_by(sample, lobe.medium_beyond);
         if (is_connected) {
             // The density kept is never 0, which says that there was no connection.
             constexpr Real least = Real(0x1p-60);

@@ -143,7 +143,7 @@ inline void leave_enclosure(EnclosureExits<typename Config::Real>& exits, const 
         const EnclosureExit<Real> exit = lanes::leave_enclosure(enclosure, origin, inverses[l]);
         const SurfaceId origin_surface{paths.origin_surface[l]};
         bool in_wall = origin_surface.exists() & is_inside(origin_surface);
-        if constexpr (has_any<Config>(materials_with(material_trait::has_inside))) {
+        if constexpr (has_insides<Config>()) {
             const std::uint32_t box = origin_surface.object() - first;
             in_wall = in_wall & (box < 32) & has_bit(enclosure.walls >> (box & 31u), 0);
         }

@@ -1,30 +1,15 @@
 // Smooth glass.
-#include "harness/scene/material_kind.h"
-#include "harness/scene/scene_texture.h"
+#include "harness/scene/materials/glass.h"
 
 namespace pt {
 
 MaterialKind kind_of_dielectric() {
-    MaterialKind kind;
+    MaterialKind kind = glass_kind();
     kind.read = [](const JsonValue& value) {
-        const JsonObject object(value, {"type", "ior", "tint", "sigma_a", "normal"});
-        SceneMaterial material;
-        material.ior = read_ior(object.required("ior"));
-        material.tint = object.has("tint") ? read_fractions(object.at("tint")) : Vec3d(1.0);
-        material.sigma_a = object.has("sigma_a") ? read_sigma(object.at("sigma_a")) : Vec3d(0.0);
-        read_normal_map(object, material);
-        return material;
+        return read_glass(JsonObject(value, {"type", "ior", "tint", "sigma_a", "normal"}));
     };
-    kind.extra_features = [](const SceneMaterial& m) {
-        return is_black(m.sigma_a) ? no_features : no_features | Feature::absorption;
-    };
-    const auto pack = []<class Real>(const SceneMaterial& m, Material<Real>& packed) {
-        packed.dielectric = packed_glass<Real>(m);
-    };
-    kind.pack_single = pack;
-    kind.pack_double = pack;
-    kind.first_hit_albedo = [](const SceneMaterial& m, const Vec3d&) { return m.tint; };
-    kind.needs_inside = [](const SceneMaterial&) { return true; };
+    kind.set_pack(
+        []<class Real>(const SceneMaterial& m, Material<Real>& packed) { packed.dielectric = packed_glass<Real>(m); });
     return kind;
 }
 

@@ -11,9 +11,6 @@ MaterialKind kind_of_emitter() {
         material.emission = read_radiance(object.required("radiance"));
         return material;
     };
-    const auto pack = [](const SceneMaterial&, auto&) {};  // all that kernels need stands in Surface
-    kind.pack_single = pack;
-    kind.pack_double = pack;
     kind.surface_colour = [](const SceneMaterial& m) { return m.emission; };
     kind.first_hit_albedo = [](const SceneMaterial&, const Vec3d&) { return Vec3d(0.0); };
     return kind;

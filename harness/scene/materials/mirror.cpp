@@ -1,6 +1,5 @@
 // Perfect specular reflection.
 #include "harness/scene/material_kind.h"
-#include "harness/scene/scene_texture.h"
 
 namespace pt {
 
@@ -10,13 +9,9 @@ MaterialKind kind_of_mirror() {
         const JsonObject object(value, {"type", "reflectance", "emission", "normal"});
         SceneMaterial material;
         material.reflectance = read_colour(object.required("reflectance"), material);
-        read_emission(object, material);
-        read_normal_map(object, material);
+        read_emission_and_normal(object, material);
         return material;
     };
-    const auto pack = [](const SceneMaterial&, auto&) {};  // all that kernels need stands in Surface
-    kind.pack_single = pack;
-    kind.pack_double = pack;
     kind.surface_colour = [](const SceneMaterial& m) { return m.reflectance; };
     return kind;
 }

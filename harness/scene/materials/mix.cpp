@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include "harness/scene/material_kind.h"
-#include "harness/scene/scene_texture.h"
 
 namespace pt {
 
@@ -14,15 +13,12 @@ MaterialKind kind_of_mix() {
         material.albedo = read_colour(object.required("albedo"), material);
         material.reflectance = read_fractions(object.required("reflectance"));
         material.mirror_probability = object.required("mirror_probability").number(0, 1, "a number from 0 to 1");
-        read_emission(object, material);
-        read_normal_map(object, material);
+        read_emission_and_normal(object, material);
         return material;
     };
-    const auto pack = []<class Real>(const SceneMaterial& m, Material<Real>& packed) {
+    kind.set_pack([]<class Real>(const SceneMaterial& m, Material<Real>& packed) {
         packed.mix = {narrow<Real>(m.albedo), narrow<Real>(m.reflectance), static_cast<Real>(m.mirror_probability)};
-    };
-    kind.pack_single = pack;
-    kind.pack_double = pack;
+    });
     kind.first_hit_albedo = [](const SceneMaterial& m, const Vec3d& colour) {
         return m.reflectance * m.mirror_probability + colour * (1 - m.mirror_probability);
     };

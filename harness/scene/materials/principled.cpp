@@ -1,6 +1,5 @@
 // Metal, plastic and glass in one, with the parameters of glTF.
-#include "harness/scene/material_kind.h"
-#include "harness/scene/scene_texture.h"
+#include "harness/scene/materials/glass.h"
 
 namespace pt {
 
@@ -18,19 +17,17 @@ MaterialKind kind_of_principled() {
         material.roughness = read_roughness(object.required("roughness"), material);
         material.transmission = share("transmission");
         material.ior = object.has("ior") ? object.at("ior").number(1, 1e4, "a number from 1 to 1e4") : 1.5;
-        read_emission(object, material);
-        read_normal_map(object, material);
+        read_emission_and_normal(object, material);
         if (!is_black(material.emission) && material.metallic < 1 && material.transmission > 0) {
             object.at("emission").fail("none, where light passes through: transmission 0 or metallic 1");
         }
         return material;
     };
-    const auto pack = []<class Real>(const SceneMaterial& m, Material<Real>& packed) {
-        packed.principled = {packed_glass<Real>(m), narrow<Real>(m.albedo), static_cast<Real>(m.metallic),
-                             static_cast<Real>(m.transmission), static_cast<Real>(m.roughness * m.roughness)};
-    };
-    kind.pack_single = pack;
-    kind.pack_double = pack;
+    kind.set_pack([]<class Real>(const SceneMaterial& m, Material<Real>& packed) {
+        packed.principled = {packed_glass<Real>(m), static_cast<Real>(m.metallic), static_cast<Real>(m.transmission),
+                             static_cast<Real>(m.roughness * m.roughness)};
+        packed.principled.glass.tint = narrow<Real>(m.albedo);
+    });
     kind.needs_inside = [](const SceneMaterial& m) { return m.metallic < 1 && m.transmission > 0; };
     // Facets over a diffuse surface scatter some directions by up to 32, since they are drawn by what a smooth surface
     // reflects; none by more than 1 in the mean.

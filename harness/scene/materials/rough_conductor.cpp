@@ -1,6 +1,5 @@
 // A rough metal.
 #include "harness/scene/material_kind.h"
-#include "harness/scene/scene_texture.h"
 
 namespace pt {
 
@@ -13,28 +12,21 @@ MaterialKind kind_of_rough_conductor() {
         material.reflectance = read_colour(object.required("reflectance"), material);
         material.roughness = read_roughness(object.required("roughness"), material);
         material.multiple_scattering = object.has("multiple_scattering") && object.at("multiple_scattering").boolean();
-        read_emission(object, material);
-        read_normal_map(object, material);
+        read_emission_and_normal(object, material);
         return material;
     };
     kind.extra_features = [](const SceneMaterial& m) {
         return m.multiple_scattering ? no_features | Feature::multiple_scattering : no_features;
     };
-    const auto pack = []<class Real>(const SceneMaterial& m, Material<Real>& packed) {
+    kind.set_pack([]<class Real>(const SceneMaterial& m, Material<Real>& packed) {
         packed.rough_conductor = {narrow<Real>(m.reflectance), static_cast<Real>(m.roughness * m.roughness),
                                   m.multiple_scattering ? 1u : 0u};
-    };
-    kind.pack_single = pack;
-    kind.pack_double = pack;
+    });
     kind.surface_colour = [](const SceneMaterial& m) { return m.reflectance; };
     // Lobes scatter some directions by up to 3.3 with multiple scattering, and none by more than 1 in the mean.
     kind.largest_gain = [](const SceneMaterial& m) { return m.multiple_scattering ? 16.0 : 1.0; };
     kind.reflects_all_at_grazing = true;
-    kind.beyond_mitsuba = [](const SceneMaterial&, std::uint32_t) -> std::vector<BeyondMitsuba> {
-        return {{"", "rough facets",
-                 "another material: Mitsuba masks the facets of each direction on its own, ptbench of both "
-                 "together (Heitz 2014)"}};
-    };
+    kind.beyond_mitsuba = rough_facets_beyond_mitsuba;
     return kind;
 }
 

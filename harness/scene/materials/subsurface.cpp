@@ -23,7 +23,7 @@ MaterialKind kind_of_subsurface() {
     kind.extra_features = [](const SceneMaterial& m) {
         return m.ior == 1 ? no_features : no_features | Feature::subsurface_boundary;
     };
-    const auto pack = []<class Real>(const SceneMaterial& m, Material<Real>& packed) {
+    kind.set_pack([]<class Real>(const SceneMaterial& m, Material<Real>& packed) {
         ScatteringMedium<Real> medium{};
         const Vec3d sigma_t = m.sigma_a + m.sigma_s;
         medium.sigma_s = narrow<Real>(m.sigma_s);
@@ -35,9 +35,7 @@ MaterialKind kind_of_subsurface() {
         medium.g = static_cast<Real>(m.g);
         packed.subsurface = {entering_boundary<Real>(m.ior), leaving_boundary<Real>(m.ior), m.ior != 1 ? 1u : 0u,
                              m.max_scatterings, medium};
-    };
-    kind.pack_single = pack;
-    kind.pack_double = pack;
+    });
     kind.first_hit_albedo = [](const SceneMaterial& m, const Vec3d&) {
         Vec3d albedo(0.0);
         for (int i = 0; i < 3; ++i) {
