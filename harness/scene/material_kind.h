@@ -22,7 +22,7 @@ struct BeyondMitsuba {
     std::string key, found, allowed;
 };
 
-// Of a rough material, of which Mitsuba has another formula.
+// What is beyond Mitsuba of a material with rough facets, which it masks by another formula.
 std::vector<BeyondMitsuba> rough_facets_beyond_mitsuba(const SceneMaterial& material, std::uint32_t depth);
 
 struct MaterialKind {
