@@ -110,7 +110,7 @@ def contradictions(root: Node) -> Iterator[Contradiction]:
 
 
 def _median(cell: _Cell) -> float | None:
-    """Of the milliseconds a sample per pixel; None: the cell has no samples."""
+    """The median of the milliseconds that a sample per pixel took; None: the cell has no samples."""
     times = [row.need("real_time").value / row.need("pt_spp").value for row in cell.samples]
     return statistics.median(times) if times else None
 
