@@ -19,7 +19,7 @@
 #include "harness/say.h"
 #include "harness/stability/evaluate.h"
 #include "harness/stability/report.h"
-#include "harness/stability/workers.h"
+#include "harness/workers.h"
 #include "harness/write_file.h"
 
 namespace pt {
@@ -104,7 +104,7 @@ std::string evaluated(const Task& task, bool quiet) {
 }
 
 // The function by which a worker answers a question such as "cuda 17": the call's 17th task on that backend.
-stability::Answer worker_of(const StabilityArguments& arguments) {
+Answer worker_of(const StabilityArguments& arguments) {
     auto tasks = std::make_shared<std::vector<Task>>();
     return [&arguments, tasks](const std::string& question) {
         const std::size_t space = question.find(' ');
@@ -168,7 +168,7 @@ public:
     }
 
     // Answers the missing tasks, by the workers or, without any, in this process by `answer`.
-    int run(stability::Workers* workers, const stability::Answer& answer) {
+    int run(Workers* workers, const Answer& answer) {
         std::vector<std::string> questions;
         for (const std::size_t task : missing_) {
             questions.push_back(fmt::format("{} {}", to_string(backend_), task));
@@ -253,8 +253,8 @@ int run(const StabilityArguments& arguments) {
         return exit_good;
     }
     // Workers are forked before the backend is looked at: a process that has started CUDA cannot be forked.
-    const stability::Answer answer = worker_of(arguments);
-    std::optional<stability::Workers> workers;
+    const Answer answer = worker_of(arguments);
+    std::optional<Workers> workers;
     if (const std::size_t count = worker_count(arguments); count > 1) {
         workers.emplace(count, answer);
     }

@@ -1,6 +1,5 @@
 #include <algorithm>
-#include <functional>
-#include <map>
+#include <optional>
 #include <set>
 
 #include <fmt/format.h>
@@ -9,9 +8,9 @@
 #include "harness/bench/compile_ahead.h"
 #include "harness/bench/progress.h"
 #include "harness/bench/suite.h"
-#include "harness/bench/verify.h"
 #include "harness/bench/verify_statistical.h"
 #include "harness/cli/commands.h"
+#include "harness/cli/verify_films.h"
 #include "harness/counted.h"
 #include "harness/scene/places.h"
 #include "variants/variant_name.h"
@@ -19,189 +18,6 @@
 namespace pt {
 
 namespace {
-
-struct VerifyArguments {
-    std::string scenes;
-    std::vector<std::string> axes;
-    std::string devices;
-    std::vector<std::string> tunables;
-    std::string backend;
-    std::string resolution;  // empty and 0: the test's own
-    std::uint32_t spp = 0;
-    std::uint32_t depth = 0;
-    std::uint64_t seed = 1;
-    bool quick = false;
-    CompileOnly compile_only;
-    bool quiet = false;
-    bool statistical = false;
-    std::vector<std::string> against;
-    std::uint32_t runs = 16;
-
-    std::string size() const { return !resolution.empty() ? resolution : statistical ? "32x32" : "64x64"; }
-    bool names_no_size() const { return resolution.empty() && spp == 0; }
-    std::uint32_t samples() const { return spp != 0 ? spp : statistical ? 64 : 4; }
-};
-
-struct Tally {
-    std::size_t held = 0, failed = 0, not_applicable = 0;
-};
-
-// Collects what does not apply in a scene: most of a product of axes, for few reasons, of which each is a line.
-class NotApplicableLines {
-public:
-    void add(const std::string& variant, const std::string& reason) {
-        const auto known =
-            std::find_if(groups_.begin(), groups_.end(), [&](const Group& g) { return g.reason == reason; });
-        if (known == groups_.end()) {
-            groups_.push_back({reason, variant, 1});
-        } else {
-            known->variants += 1;
-        }
-    }
-    void print(const std::string& scene) const {
-        for (const Group& group : groups_) {
-            fmt::print(
-                "n/a              {} on {}: {}\n",
-                group.variants == 1 ? group.first : fmt::format("{} and {} more", group.first, group.variants - 1),
-                scene, group.reason);
-        }
-    }
-
-private:
-    struct Group {
-        std::string reason, first;
-        std::size_t variants;
-    };
-    std::vector<Group> groups_;  // in the order of their first variants
-};
-
-// Seconds until `--quiet` says that it goes on.
-constexpr double patience = 5;
-
-Progress progress_of(std::size_t steps, const VerifyArguments& arguments) {
-    return {"verify", steps, arguments.quiet ? Progress::Lines::shown : Progress::Lines::hidden, patience};
-}
-
-// A variant that throws fails; the others go on.
-Verdict check_or_fail(const std::function<Verdict(const Variant&)>& check, const Variant& variant) {
-    try {
-        return check(variant);
-    } catch (const std::exception& exception) {
-        return {false, "no film", exception.what()};
-    }
-}
-
-RenderSettings settings_of(const Scene& scene, const VerifyArguments& arguments) {
-    RenderSettings settings = default_settings(scene);
-    std::tie(settings.width, settings.height) = parse_resolution(arguments.size());
-    settings.depth = arguments.depth != 0 ? arguments.depth : scene.max_depth;
-    settings.seed = arguments.seed;
-    return settings;
-}
-
-// A queue of more than ten thousand paths, compacted more than sixty times: what goes wrong in large queues alone, or
-// after many calls, is nowhere to be seen at 64x64 and 4 spp. Once for each choice, as it takes several times as long.
-class LargeCheck {
-public:
-    LargeCheck(const Scene& scene, Backend backend, const std::vector<Variant>& variants,
-               const VerifyArguments& arguments)
-        : spp_(samples_for(settings_of(scene, arguments).depth)),
-          verifier_(scene, large(scene, arguments), spp_, backend) {
-        if (arguments.names_no_size()) {
-            checked_ = plainest_of_each_choice(scene, variants, backend);
-        }
-    }
-
-    static std::string size() { return fmt::format("{}x{}", width, height); }
-
-    // The variant's own verdict, or that of its film at the larger size if it fails only there.
-    Verdict after(const Verdict& verdict, const Variant& variant) {
-        if (!verdict.holds || !checked_.contains(variant)) {
-            return verdict;
-        }
-        Verdict at_large = verifier_.check_film(variant);
-        at_large.message = fmt::format("at {}, {} spp: {}", size(), spp_, at_large.message);
-        return at_large.holds ? verdict : at_large;
-    }
-
-private:
-    static constexpr std::uint32_t width = 128, height = 96;
-
-    static std::uint32_t samples_for(std::uint32_t depth) {
-        constexpr std::uint32_t compactions = 70;  // one a segment but the last
-        return std::max(4u, compactions / std::max(1u, depth - 1) + 1);
-    }
-    static RenderSettings large(const Scene& scene, const VerifyArguments& arguments) {
-        RenderSettings settings = settings_of(scene, arguments);
-        settings.width = width;
-        settings.height = height;
-        return settings;
-    }
-    // For each choice, the variant that has it and otherwise the fewest choices other than the baseline's.
-    static std::set<Variant> plainest_of_each_choice(const Scene& scene, const std::vector<Variant>& variants,
-                                                     Backend backend) {
-        const Variant baseline = Registry::instance().baseline(backend);
-        const auto distance = [&](const Variant& variant) {
-            return std::count_if(axis_names.begin(), axis_names.end(),
-                                 [&](std::string_view axis) { return variant[axis] != baseline[axis]; });
-        };
-        std::map<std::pair<std::string_view, std::string>, std::pair<std::ptrdiff_t, const Variant*>> plainest;
-        const FeatureSet features = features_of(scene);
-        for (const Variant& variant : variants) {
-            if (!why_not_applicable(variant, features, backend).empty()) {
-                continue;
-            }
-            const std::pair here(distance(variant), &variant);
-            for (const std::string_view axis : axis_names) {
-                const auto [known, is_new] = plainest.try_emplace({axis, variant[axis]}, here);
-                if (here.first < known->second.first) {
-                    known->second = here;
-                }
-            }
-        }
-        std::set<Variant> chosen;
-        for (const auto& [choice, of_choice] : plainest) {
-            chosen.insert(*of_choice.second);
-        }
-        return chosen;
-    }
-
-    std::uint32_t spp_;
-    Verifier verifier_;
-    std::set<Variant> checked_;
-};
-
-void verify_scene(const Scene& scene, Backend backend, const std::vector<Variant>& variants,
-                  const VerifyArguments& arguments, Tally& tally) {
-    const RenderSettings settings = settings_of(scene, arguments);
-    Verifier verifier(scene, settings, arguments.samples(), backend);
-    LargeCheck large_check(scene, backend, variants, arguments);
-    const FeatureSet features = features_of(scene);
-    NotApplicableLines not_applicable;
-    Progress progress = progress_of(variants.size(), arguments);
-    for (const Variant& variant : variants) {
-        const std::string name = shown_name(variant, backend);
-        progress.begin(name);
-        if (const std::string reason = why_not_applicable(variant, features, backend); !reason.empty()) {
-            tally.not_applicable += 1;
-            not_applicable.add(name, reason);
-            progress.step(name);
-            continue;
-        }
-        const Verdict verdict =
-            check_or_fail([&](const Variant& one) { return large_check.after(verifier.check(one), one); }, variant);
-        (verdict.holds ? tally.held : tally.failed) += 1;
-        if (!verdict.holds || !arguments.quiet) {
-            fmt::print("{} {} on {}: {}, {}\n", verdict.film_hash, name, scene.name, verdict.holds ? "ok" : "FAILED",
-                       verdict.message);
-            std::fflush(stdout);
-        }
-        progress.step(name);
-    }
-    if (!arguments.quiet) {
-        not_applicable.print(scene.name);
-    }
-}
 
 // The variant whose image is compared, which all that differ in bitwise choices share.
 Variant image_of(const Scene& scene, const Variant& variant, Backend backend) {
@@ -428,39 +244,53 @@ int run_statistical(const VerifyArguments& arguments, Backend backend, const std
     return tally.failed == 0 && tally.held > 0 ? exit_good : exit_check_failed;
 }
 
-int run(const VerifyArguments& arguments) {
-    const Backend backend = arguments.compile_only.is_asked ? Backend::cuda : parse_backend(arguments.backend);
-    if (!arguments.compile_only.is_asked) {
-        require_backend(backend);
-    }
+// Throws InputError for what the call names and there is not.
+FilmsToVerify films_of(const VerifyArguments& arguments, Backend backend) {
     (void)parse_resolution(arguments.size());  // before variants are listed, which takes seconds
-    const std::vector<std::string> names = scenes_asked_for(arguments.scenes);
-    const std::vector<Scene> scenes = find_scenes(names);
+    FilmsToVerify films{backend, find_scenes(scenes_asked_for(arguments.scenes)), {}};
+    for (const Scene& scene : films.scenes) {
+        films.variants.push_back(variants_to_verify(arguments, backend, scene));
+    }
+    return films;
+}
+
+std::vector<CompileTask> compilations_of(const FilmsToVerify& films) {
     std::vector<CompileTask> compilations;
-    std::vector<std::vector<Variant>> variants;
-    for (const Scene& scene : scenes) {
-        variants.push_back(variants_to_verify(arguments, backend, scene));
-        for (const Variant& variant : variants.back()) {
-            compilations.push_back({&scene, variant});
+    for (std::size_t i = 0; i < films.scenes.size(); ++i) {
+        for (const Variant& variant : films.variants[i]) {
+            compilations.push_back({&films.scenes[i], variant});
         }
     }
+    return compilations;
+}
+
+int run(const VerifyArguments& arguments) {
     if (arguments.compile_only.is_asked) {
-        compile_for(arguments.compile_only.architecture, std::move(compilations));
+        compile_for(arguments.compile_only.architecture, compilations_of(films_of(arguments, Backend::cuda)));
         return exit_good;
     }
+    // Workers are forked before the backend is looked at: a process that has started CUDA cannot be forked.
+    std::optional<Workers> workers;
+    if (const std::size_t count = processes_for_films(arguments); count > 1 && !arguments.statistical) {
+        workers.emplace(count, film_checker(arguments, [&arguments] {
+                            return films_of(arguments, parse_backend(arguments.backend));
+                        }));
+    }
+    const Backend backend = parse_backend(arguments.backend);
+    require_backend(backend);
+    const FilmsToVerify films = films_of(arguments, backend);
     if (arguments.statistical) {
-        return run_statistical(arguments, backend, scenes, variants);
+        return run_statistical(arguments, backend, films.scenes, films.variants);
     }
     if (backend == Backend::cuda) {
-        compile_ahead(compilations);
+        compile_ahead(compilations_of(films));
     }
-    Tally tally;
-    for (std::size_t i = 0; i < scenes.size(); ++i) {
-        verify_scene(scenes[i], backend, variants[i], arguments, tally);
-    }
+    const bool uses_workers = workers && (arguments.jobs != 0 || backend == Backend::cuda);
+    const Tally tally = verify_films(films, arguments, uses_workers ? &*workers : nullptr);
     fmt::print("{} held, {} failed, {} not applicable on {}; {} at {} spp{}, scenes: {}\n", tally.held, tally.failed,
                tally.not_applicable, to_string(backend), arguments.size(), arguments.samples(),
-               arguments.names_no_size() ? ", each choice once at " + LargeCheck::size() : "", fmt::join(names, ", "));
+               arguments.names_no_size() ? ", each choice once at " + size_of_large_films() : "",
+               fmt::join(scenes_asked_for(arguments.scenes), ", "));
     return tally.failed == 0 && tally.held > 0 ? exit_good : exit_check_failed;
 }
 
@@ -506,6 +336,12 @@ Command add_verify_command(CLI::App& app) {
         ->needs(statistical);
     command->add_flag("--quick", arguments->quick,
                       "Every choice of every axis once, in few variants, instead of every pair of choices");
+    command
+        ->add_option("--jobs", arguments->jobs,
+                     "Processes that check films at once (default: on cuda one for each processor, at most 4; one on "
+                     "cpu). What is printed does not depend on it")
+        ->check(CLI::Range(1u, 256u))
+        ->excludes(statistical);
     add_compile_options(*command, arguments->compile_only);
     command->add_flag("--quiet", arguments->quiet,
                       "Print failures and the tally only; from 5 s on progress, on stderr");

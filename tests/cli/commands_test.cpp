@@ -383,6 +383,29 @@ TEST(VerifyCommandTest, PrintsAHashAVariantAndTheTally) {
     EXPECT_EQ(hashes.size(), 1u);
 }
 
+TEST(VerifyCommandTest, SeveralProcessesPrintWhatOnePrints) {
+    std::vector<std::string> arguments{"verify",
+                                       "--scene",
+                                       "cornell_open,ball_glass",
+                                       "--backend",
+                                       "cpu",
+                                       "--resolution",
+                                       "8x6",
+                                       "--axis",
+                                       "direct_light=off,nee",
+                                       "--axis",
+                                       "first_bounce=off,cached",
+                                       "--jobs",
+                                       "1"};
+    const CommandResult alone = ptbench(arguments);
+    EXPECT_EQ(alone.exit_code, 0) << alone.err;
+    arguments.back() = "3";
+    const CommandResult at_once = ptbench(arguments);
+    EXPECT_EQ(at_once.exit_code, 0) << at_once.err;
+    EXPECT_GT(std::count(alone.out.begin(), alone.out.end(), '\n'), 50);
+    EXPECT_EQ(at_once.out, alone.out);
+}
+
 TEST(VerifyCommandTest, QuietPrintsTheTallyOnly) {
     const CommandResult result = ptbench({"verify", "--scene", "jitter_off", "--resolution", "6x4", "--spp", "1",
                                           "--depth", "2", "--seed", "9", "--quiet"});

@@ -199,35 +199,46 @@ TEST_F(WrongVariantsTest, OverwriteStartsOverAndKeepsTheJournal) {
 }
 
 TEST_F(WrongVariantsTest, WhatWasPrintedIsThereAfterACrash) {
-    const CommandResult result = call({"verify",
-                                       "--scene",
-                                       "cornell_open",
-                                       "--backend",
-                                       "cpu",
-                                       "--resolution",
-                                       "16x16",
-                                       "--axis",
-                                       "compaction=none,wrong_crash",
-                                       "--axis",
-                                       "integrator=wavefront",
-                                       "--axis",
-                                       "sorting=none",
-                                       "--axis",
-                                       "layout=aos",
-                                       "--axis",
-                                       "specialisation=features",
-                                       "--axis",
-                                       "direct_light=off",
-                                       "--axis",
-                                       "first_bounce=off",
-                                       "--axis",
-                                       "precision=float"},
-                                      "1");
+    const Arguments arguments{"verify",
+                              "--scene",
+                              "cornell_open",
+                              "--backend",
+                              "cpu",
+                              "--resolution",
+                              "16x16",
+                              "--axis",
+                              "compaction=none,wrong_crash",
+                              "--axis",
+                              "integrator=wavefront",
+                              "--axis",
+                              "sorting=none",
+                              "--axis",
+                              "layout=aos",
+                              "--axis",
+                              "specialisation=features",
+                              "--axis",
+                              "direct_light=off",
+                              "--axis",
+                              "first_bounce=off",
+                              "--axis",
+                              "precision=float"};
+    const CommandResult result = call(arguments, "1");
     EXPECT_EQ(result.exit_code, 3);
     EXPECT_TRUE(has(result.out, " wavefront on cornell_open: ok, ")) << result.out;
-    EXPECT_EQ(result.err,
-              "ptbench: crashed, segmentation fault (SIGSEGV), in: wavefront compaction=wrong_crash on cornell_open, "
-              "cpu, 16x16, 4 spp, seed 1\n");
+    const std::string crash =
+        "ptbench: crashed, segmentation fault (SIGSEGV), in: wavefront compaction=wrong_crash on cornell_open, "
+        "cpu, 16x16, 4 spp, seed 1\n";
+    EXPECT_EQ(result.err, crash);
+    // By several processes the part that a worker was at is named besides.
+    Arguments by_two = arguments;
+    by_two.insert(by_two.end(), {"--jobs", "2"});
+    const CommandResult at_once = call(by_two, "1");
+    EXPECT_EQ(at_once.exit_code, 3);
+    EXPECT_TRUE(has(at_once.err, crash)) << at_once.err;
+    EXPECT_TRUE(has(at_once.err,
+                    "a worker ended with exit code 3 at cornell_open on cpu, part from wavefront "
+                    "compaction=wrong_crash\n"))
+        << at_once.err;
     const CommandResult rendered =
         call({"render", "--scene", "cornell_open", "--backend", "cpu", "--resolution", "16x16", "--axis",
               "integrator=wavefront", "--axis", "compaction=wrong_crash", "--out", folder.file("image.png")},

@@ -12,16 +12,27 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 VERSION = "ptbench 1.0.0 (commit 0123456789012345678901234567890123456789)"
-# A stand-in for a test program, each of whose cases does what its name says.
+# A stand-in for a test program, each of whose cases does what its name says. What fills the memory is of a suite that
+# says so, and fails if it is not alone.
 PROGRAM = """#!/usr/bin/env python3
-import json, os, signal, sys, time
+import json, os, pathlib, signal, sys, time
 if "--gtest_list_tests" in sys.argv:
     print("Running main() from gtest_main.cc")
-    print("All.")
-    for case in CASES:
-        print("  " + case + "  # GetParam() = 1")
+    for suite in ("All.", "MemoryAlone."):
+        print(suite)
+        for case in CASES:
+            if case.startswith("Fills") == (suite == "MemoryAlone."):
+                print("  " + case + "  # GetParam() = 1")
     sys.exit(0)
-case = next(a for a in sys.argv if a.startswith("--gtest_filter=")).partition("All.")[2]
+case = next(a for a in sys.argv if a.startswith("--gtest_filter=")).partition(".")[2]
+running = pathlib.Path(__file__).parent / "running"
+running.mkdir(exist_ok=True)
+mark = running / (case.replace("/", ".") + str(os.getpid()))
+mark.touch()
+crowded = False
+for look in range(10 if case.startswith(("Fills", "Lasts")) else 1):
+    crowded = crowded or case.startswith("Fills") and len(list(running.iterdir())) > 1
+    time.sleep(0.02)
 report = next(a for a in sys.argv if a.startswith("--gtest_output=json:")).partition("json:")[2]
 if case == "Crashes":
     os.kill(os.getpid(), signal.SIGSEGV)
@@ -31,7 +42,8 @@ word = "SKIPPED" if case == "IsSkipped" else "COMPLETED"
 with open(report, "w") as file:
     json.dump({"testsuites": [{"testsuite": [{"name": case, "result": word}]}]}, file)
 print("said by " + case)
-sys.exit(1 if case == "Fails" else 0)
+mark.unlink()
+sys.exit(1 if case == "Fails" or crowded else 0)
 """
 
 
@@ -98,6 +110,14 @@ def test_what_fails_or_crashes_is_named_and_the_others_run(package, case, told):
     assert document["programs"]["gate_test"]["failures"] == [{"case": f"All.{case}", "said": told}] or (
         told in document["programs"]["gate_test"]["failures"][0]["said"]
     )
+
+
+def test_what_fills_the_memory_runs_alone_and_last(package):
+    package.test("faults", "Fills/0", "Lasts/0", "Lasts/1")
+    package.test("gate", "Fills/1", "Lasts/2", "Lasts/3")
+    code, said, document = package.run()
+    assert code == 0, said
+    assert {name: one["passed"] for name, one in document["programs"].items()} == {"faults_test": 3, "gate_test": 3}
 
 
 def test_what_hangs_is_ended_at_the_limit(package):

@@ -7,9 +7,9 @@
 #include <unistd.h>
 
 #include "harness/failure.h"
-#include "harness/stability/workers.h"
+#include "harness/workers.h"
 
-namespace pt::stability {
+namespace pt {
 namespace {
 
 std::vector<std::string> questions_up_to(int count) {
@@ -63,4 +63,4 @@ TEST(Workers, OneThatEndsIsNamedWithItsQuestion) {
 }
 
 }  // namespace
-}  // namespace pt::stability
+}  // namespace pt

@@ -1,4 +1,4 @@
-#include "harness/stability/workers.h"
+#include "harness/workers.h"
 
 #include <cerrno>
 #include <csignal>
@@ -15,7 +15,7 @@
 #include "harness/failure.h"
 #include "harness/say.h"
 
-namespace pt::stability {
+namespace pt {
 
 namespace {
 
@@ -178,4 +178,4 @@ void Workers::ask(const std::vector<std::string>& questions,
     }
 }
 
-}  // namespace pt::stability
+}  // namespace pt

@@ -1,5 +1,5 @@
-// Processes that answer questions at once, a line for a line: most of a stability run is waiting for kernels that are
-// too small for a GPU, and for checks that run on one core.
+// Processes that answer questions at once, a line for a line: what is checked by many small renders is mostly waiting
+// for kernels that are too small for a GPU, and for checks that run on one core.
 #pragma once
 
 #include <sys/types.h>
@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace pt::stability {
+namespace pt {
 
 // A worker's answer to a question. Questions and answers are single lines.
 using Answer = std::function<std::string(const std::string& question)>;
@@ -38,4 +38,4 @@ private:
     std::vector<Worker> workers_;
 };
 
-}  // namespace pt::stability
+}  // namespace pt

@@ -1,0 +1,60 @@
+// What a call of `ptbench verify` asks for, and what its two ways of checking, films and means, tell alike.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "harness/bench/progress.h"
+#include "harness/cli/commands.h"
+#include "harness/scene/scene_buffers.h"
+
+namespace pt {
+
+struct VerifyArguments {
+    std::string scenes;
+    std::vector<std::string> axes;
+    std::string devices;
+    std::vector<std::string> tunables;
+    std::string backend;
+    std::string resolution;  // empty and 0: the test's own
+    std::uint32_t spp = 0;
+    std::uint32_t depth = 0;
+    std::uint64_t seed = 1;
+    bool quick = false;
+    CompileOnly compile_only;
+    bool quiet = false;
+    std::size_t jobs = 0;  // 0: as many as the backend gains by
+    bool statistical = false;
+    std::vector<std::string> against;
+    std::uint32_t runs = 16;
+
+    std::string size() const { return !resolution.empty() ? resolution : statistical ? "32x32" : "64x64"; }
+    bool names_no_size() const { return resolution.empty() && spp == 0; }
+    std::uint32_t samples() const { return spp != 0 ? spp : statistical ? 64 : 4; }
+};
+
+RenderSettings settings_of(const Scene& scene, const VerifyArguments& arguments);
+
+struct Tally {
+    std::size_t held = 0, failed = 0, not_applicable = 0;
+};
+
+// Collects what does not apply in a scene: most of a product of axes, for few reasons, of which each is a line.
+class NotApplicableLines {
+public:
+    void add(const std::string& variant, const std::string& reason);
+    void print(const std::string& scene) const;
+
+private:
+    struct Group {
+        std::string reason, first;
+        std::size_t variants;
+    };
+    std::vector<Group> groups_;  // in the order of their first variants
+};
+
+// With --quiet, nothing is shown in the first seconds.
+Progress progress_of(std::size_t steps, const VerifyArguments& arguments);
+
+}  // namespace pt

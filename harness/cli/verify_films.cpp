@@ -1,0 +1,276 @@
+#include "harness/cli/verify_films.h"
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <thread>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "harness/bench/suite.h"
+#include "harness/bench/verify.h"
+#include "variants/variant_name.h"
+
+namespace pt {
+
+namespace {
+
+constexpr std::uint32_t large_width = 128, large_height = 96;
+
+// A queue of more than ten thousand paths, compacted more than sixty times: what goes wrong in large queues alone, or
+// after many calls, is nowhere to be seen at 64x64 and 4 spp. Once for each choice, as it takes several times as long.
+class LargeCheck {
+public:
+    LargeCheck(const Scene& scene, Backend backend, const std::vector<Variant>& variants,
+               const VerifyArguments& arguments)
+        : spp_(samples_for(settings_of(scene, arguments).depth)),
+          verifier_(scene, large(scene, arguments), spp_, backend) {
+        if (arguments.names_no_size()) {
+            checked_ = plainest_of_each_choice(scene, variants, backend);
+        }
+    }
+
+    // The variant's own verdict, or that of its film at the larger size if it fails only there.
+    Verdict after(const Verdict& verdict, const Variant& variant) {
+        if (!verdict.holds || !checked_.contains(variant)) {
+            return verdict;
+        }
+        Verdict at_large = verifier_.check_film(variant);
+        at_large.message = fmt::format("at {}, {} spp: {}", size_of_large_films(), spp_, at_large.message);
+        return at_large.holds ? verdict : at_large;
+    }
+
+private:
+    static std::uint32_t samples_for(std::uint32_t depth) {
+        constexpr std::uint32_t compactions = 70;  // one a segment but the last
+        return std::max(4u, compactions / std::max(1u, depth - 1) + 1);
+    }
+    static RenderSettings large(const Scene& scene, const VerifyArguments& arguments) {
+        RenderSettings settings = settings_of(scene, arguments);
+        settings.width = large_width;
+        settings.height = large_height;
+        return settings;
+    }
+    // For each choice, the variant that has it and otherwise the fewest choices other than the baseline's.
+    static std::set<Variant> plainest_of_each_choice(const Scene& scene, const std::vector<Variant>& variants,
+                                                     Backend backend) {
+        const Variant baseline = Registry::instance().baseline(backend);
+        const auto distance = [&](const Variant& variant) {
+            return std::count_if(axis_names.begin(), axis_names.end(),
+                                 [&](std::string_view axis) { return variant[axis] != baseline[axis]; });
+        };
+        std::map<std::pair<std::string_view, std::string>, std::pair<std::ptrdiff_t, const Variant*>> plainest;
+        const FeatureSet features = features_of(scene);
+        for (const Variant& variant : variants) {
+            if (!why_not_applicable(variant, features, backend).empty()) {
+                continue;
+            }
+            const std::pair here(distance(variant), &variant);
+            for (const std::string_view axis : axis_names) {
+                const auto [known, is_new] = plainest.try_emplace({axis, variant[axis]}, here);
+                if (here.first < known->second.first) {
+                    known->second = here;
+                }
+            }
+        }
+        std::set<Variant> chosen;
+        for (const auto& [choice, of_choice] : plainest) {
+            chosen.insert(*of_choice.second);
+        }
+        return chosen;
+    }
+
+    std::uint32_t spp_;
+    Verifier verifier_;
+    std::set<Variant> checked_;
+};
+
+// The checks of one scene. Films that several variants are held to are rendered once.
+class SceneChecks {
+public:
+    SceneChecks(const Scene& scene, Backend backend, const std::vector<Variant>& variants,
+                const VerifyArguments& arguments)
+        : verifier_(scene, settings_of(scene, arguments), arguments.samples(), backend),
+          large_check_(scene, backend, variants, arguments) {}
+
+    // A variant that throws fails; the others go on.
+    Verdict verdict_on(const Variant& variant) {
+        try {
+            return large_check_.after(verifier_.check(variant), variant);
+        } catch (const std::exception& exception) {
+            return {false, "no film", exception.what()};
+        }
+    }
+
+private:
+    Verifier verifier_;
+    LargeCheck large_check_;
+};
+
+// Variants that one process checks one after the other.
+struct Part {
+    std::size_t scene;
+    std::vector<std::size_t> variants;  // their places in the scene's list
+};
+
+// Variants a part, such that each process gets several parts: one that is slow then keeps few others waiting.
+std::size_t part_size(std::size_t variants, std::size_t processes) {
+    return processes <= 1 ? 1 : std::clamp<std::size_t>(variants / (4 * processes), 1, 16);
+}
+
+// What applies, in parts, scene after scene.
+std::vector<Part> parts_of(const FilmsToVerify& films, std::size_t processes) {
+    std::size_t all = 0;
+    for (const std::vector<Variant>& variants : films.variants) {
+        all += variants.size();
+    }
+    const std::size_t size = part_size(all, processes);
+    std::vector<Part> parts;
+    for (std::size_t scene = 0; scene < films.scenes.size(); ++scene) {
+        const FeatureSet features = features_of(films.scenes[scene]);
+        const std::vector<Variant>& variants = films.variants[scene];
+        for (std::size_t i = 0; i < variants.size(); ++i) {
+            if (!why_not_applicable(variants[i], features, films.backend).empty()) {
+                continue;
+            }
+            if (parts.empty() || parts.back().scene != scene || parts.back().variants.size() == size) {
+                parts.push_back({scene, {}});
+            }
+            parts.back().variants.push_back(i);
+        }
+    }
+    return parts;
+}
+
+// How a part is asked for, and named where a worker ends in it.
+std::string question_of(const FilmsToVerify& films, const Part& part) {
+    return fmt::format("{} on {}, part from {}", films.scenes[part.scene].name, to_string(films.backend),
+                       shown_name(films.variants[part.scene][part.variants.front()], films.backend));
+}
+
+// Checks parts, whose scenes it keeps what it rendered for. An answer is a JSON object: the lines to print, and counts.
+class PartChecker {
+public:
+    PartChecker(const FilmsToVerify& films, const VerifyArguments& arguments)
+        : films_(films), arguments_(arguments), scenes_(films.scenes.size()) {}
+
+    std::string answer(const Part& part) {
+        const Scene& scene = films_.scenes[part.scene];
+        const std::vector<Variant>& variants = films_.variants[part.scene];
+        std::optional<SceneChecks>& checks = scenes_[part.scene];
+        if (!checks) {
+            checks.emplace(scene, films_.backend, variants, arguments_);
+        }
+        std::string text;
+        std::size_t held = 0;
+        for (const std::size_t i : part.variants) {
+            const Verdict verdict = checks->verdict_on(variants[i]);
+            held += verdict.holds ? 1 : 0;
+            if (!verdict.holds || !arguments_.quiet) {
+                text += fmt::format("{} {} on {}: {}, {}\n", verdict.film_hash, shown_name(variants[i], films_.backend),
+                                    scene.name, verdict.holds ? "ok" : "FAILED", verdict.message);
+            }
+        }
+        return nlohmann::json{{"text", text}, {"held", held}, {"failed", part.variants.size() - held}}.dump();
+    }
+
+private:
+    const FilmsToVerify& films_;
+    const VerifyArguments& arguments_;
+    std::vector<std::optional<SceneChecks>> scenes_;
+};
+
+// What a worker has once it was first asked.
+struct WorkerFilms {
+    WorkerFilms(FilmsToVerify prepared, const VerifyArguments& arguments)
+        : films(std::move(prepared)), checker(films, arguments) {
+        for (Part& part : parts_of(films, processes_for_films(arguments))) {
+            parts.emplace(question_of(films, part), std::move(part));
+        }
+    }
+    FilmsToVerify films;
+    PartChecker checker;
+    std::map<std::string, Part> parts;
+};
+
+// Prints what does not apply in a scene once the scene is done, and counts it.
+void tell_not_applicable(const FilmsToVerify& films, std::size_t scene, bool quiet, Tally& tally) {
+    const FeatureSet features = features_of(films.scenes[scene]);
+    NotApplicableLines lines;
+    for (const Variant& variant : films.variants[scene]) {
+        if (const std::string reason = why_not_applicable(variant, features, films.backend); !reason.empty()) {
+            tally.not_applicable += 1;
+            lines.add(shown_name(variant, films.backend), reason);
+        }
+    }
+    if (!quiet) {
+        lines.print(films.scenes[scene].name);
+    }
+}
+
+}  // namespace
+
+std::string size_of_large_films() { return fmt::format("{}x{}", large_width, large_height); }
+
+std::size_t processes_for_films(const VerifyArguments& arguments) {
+    if (arguments.jobs != 0) {
+        return arguments.jobs;
+    }
+    return arguments.backend == "cpu" ? 1 : std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, 4);
+}
+
+Answer film_checker(const VerifyArguments& arguments, std::function<FilmsToVerify()> prepared) {
+    auto films = std::make_shared<std::optional<WorkerFilms>>();
+    return [&arguments, prepared = std::move(prepared), films](const std::string& question) {
+        if (!*films) {
+            films->emplace(prepared(), arguments);
+        }
+        return (*films)->checker.answer((*films)->parts.at(question));
+    };
+}
+
+Tally verify_films(const FilmsToVerify& films, const VerifyArguments& arguments, Workers* workers) {
+    const std::vector<Part> parts = parts_of(films, workers != nullptr ? processes_for_films(arguments) : 1);
+    std::size_t variants = 0;
+    std::vector<std::string> questions;
+    for (const Part& part : parts) {
+        variants += part.variants.size();
+        questions.push_back(question_of(films, part));
+    }
+    Tally tally;
+    std::size_t next_scene = 0;
+    Progress progress = progress_of(variants, arguments);
+    const auto finish_scenes_before = [&](std::size_t scene) {
+        for (; next_scene < scene; ++next_scene) {
+            tell_not_applicable(films, next_scene, arguments.quiet, tally);
+        }
+    };
+    const auto answered = [&](std::size_t index, const std::string& answer) {
+        const nlohmann::json found = nlohmann::json::parse(answer);
+        const Part& part = parts[index];
+        finish_scenes_before(part.scene);
+        fmt::print("{}", found["text"].get<std::string>());
+        std::fflush(stdout);
+        tally.held += found["held"].get<std::size_t>();
+        tally.failed += found["failed"].get<std::size_t>();
+        for (const std::size_t i : part.variants) {
+            progress.step(shown_name(films.variants[part.scene][i], films.backend));
+        }
+    };
+    if (workers != nullptr) {
+        workers->ask(questions, answered);
+    } else {
+        PartChecker checker(films, arguments);
+        for (std::size_t i = 0; i < parts.size(); ++i) {
+            progress.begin(shown_name(films.variants[parts[i].scene][parts[i].variants.front()], films.backend));
+            answered(i, checker.answer(parts[i]));
+        }
+    }
+    finish_scenes_before(films.scenes.size());
+    return tally;
+}
+
+}  // namespace pt
