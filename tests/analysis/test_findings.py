@@ -402,13 +402,17 @@ def test_a_page_tells_the_gpu_tests_and_none_that_failed(tmp_path):
         render(page, gpu_tests_in(again, failed=1))
 
 
-def test_a_page_says_which_stiff_cases_a_run_has_left_out(tmp_path):
-    def text_of(name: str, builder: StabilityBuilder) -> str:
-        builder.write(tmp_path / name)
-        page = read_page(template(tmp_path, "{{ run.left_out }}", sources={"run": {"file": name}}))
-        return render(page, tmp_path)
-
-    builder = StabilityBuilder().case("lamp").row(FLOAT, error=0.0).case("dusk", family="film")
-    assert text_of("some.json", builder.case("dawn", family="film").case("rain", family="own")) == "2 of film, 1 of own"
-    with pytest.raises(FindingError, match="rows of every case"):
-        text_of("all.json", StabilityBuilder().case("lamp").row(FLOAT, error=0.0))
+@pytest.mark.parametrize(("second", "missing"), [(["dusk", "dawn"], ""), (["dusk"], "dawn")])
+def test_two_runs_share_all_stiff_cases_or_the_page_fails(tmp_path, second, missing):
+    StabilityBuilder().case("lamp").row(FLOAT, error=0.0).case("dusk").case("dawn").write(tmp_path / "one.json")
+    builder = StabilityBuilder()
+    for case in second:
+        builder.case(case).row(FLOAT, error=0.0)
+    builder.write(tmp_path / "two.json")
+    sources = {"one": {"file": "one.json"}, "two": {"file": "two.json"}}
+    page = read_page(template(tmp_path, '{{ one.cover_all(two, "All are there") }}', sources=sources))
+    if missing:
+        with pytest.raises(FindingError, match=f"no rows of {missing}; the page says: All are there"):
+            render(page, tmp_path)
+    else:
+        assert render(page, tmp_path) == "All are there"

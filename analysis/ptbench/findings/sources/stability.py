@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from pathlib import Path
 
 from ptbench.errors import FindingError
@@ -37,14 +36,16 @@ class StabilitySource(Source, form=STABILITY):
         """Cases in the file that could be asked in any variant."""
         return len({row.case.name for row in self._stability.rows if row.status != NOT_APPLICABLE})
 
-    @property
-    def left_out(self) -> str:
-        """Cases of the program that the file has no row of, by family: "10 of film, 4 of lights"."""
-        seen = {row.case.name for row in self._stability.rows}
-        missing = Counter(case.family for case in self._stability.cases if case.name not in seen)
-        if not missing:
-            raise FindingError(f"{self._shown}: the file has rows of every case; the page says that some are left out")
-        return ", ".join(f"{number} of {family}" for family, number in missing.items())
+    def cover_all(self, other: StabilitySource, said: str) -> str:
+        """`said`, if each case that either program has, this file or the other has rows of."""
+        both = (self._stability, other._stability)
+        seen = {row.case.name for one in both for row in one.rows}
+        missing = {case.name for one in both for case in one.cases} - seen
+        if missing:
+            raise FindingError(
+                f"{self._shown} and {other._shown}: no rows of {', '.join(sorted(missing))}; the page says: {said}"
+            )
+        return said
 
     @property
     def passed(self) -> int:
