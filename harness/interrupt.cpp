@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <exception>
 
-#include <fmt/format.h>
 #include <semaphore.h>
 #include <unistd.h>
 

@@ -16,6 +16,7 @@
 
 #include "harness/files_read.h"
 #include "harness/nearest_name.h"
+#include "harness/words.h"
 
 namespace pt {
 
@@ -200,12 +201,7 @@ private:
 
 }  // namespace
 
-std::string ending_of(const std::filesystem::path& file) {
-    std::string ending = file.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return ending;
-}
+std::string ending_of(const std::filesystem::path& file) { return in_lower_case(file.extension().string()); }
 
 Json parse_json(const std::string& text, const std::string& file) {
     // nlohmann's parser takes the byte 0 for the end of the text and would leave out, unseen, what comes after it.

@@ -1,7 +1,5 @@
 #include "harness/text_file.h"
 
-#include <algorithm>
-
 namespace pt {
 
 namespace {

@@ -1,11 +1,12 @@
 #include "harness/bench/shard.h"
 
 #include <algorithm>
-#include <charconv>
 #include <map>
 #include <numeric>
 
 #include <fmt/format.h>
+
+#include "harness/words.h"
 
 namespace pt {
 
@@ -53,18 +54,11 @@ std::uint64_t work_of(const Plan& plan, const std::vector<std::size_t>& group) {
 std::string Shard::name() const { return fmt::format("{}/{}", index, count); }
 
 Shard parse_shard(const std::string& text) {
-    Shard shard;
-    const char* const end = text.data() + text.size();
-    const auto first = std::from_chars(text.data(), end, shard.index);
-    bool good = first.ec == std::errc() && first.ptr != end && *first.ptr == '/';
-    if (good) {
-        const auto second = std::from_chars(first.ptr + 1, end, shard.count);
-        good = second.ec == std::errc() && second.ptr == end;
-    }
-    if (!good || shard.index < 1 || shard.index > shard.count) {
+    const auto numbers = parse_pair(text, '/');
+    if (!numbers || numbers->first < 1 || numbers->first > numbers->second) {
         throw InputError("--shard", "argument", "\"" + text + "\"", "I/N, the I-th of N parts, I from 1 to N");
     }
-    return shard;
+    return {numbers->first, numbers->second};
 }
 
 std::vector<std::vector<std::size_t>> groups_of(const Plan& plan) {

@@ -1,7 +1,6 @@
 #include "harness/bench/suite.h"
 
 #include <algorithm>
-#include <charconv>
 #include <optional>
 #include <set>
 #include <unordered_map>
@@ -15,6 +14,7 @@
 #include "harness/json_reader.h"
 #include "harness/nearest_name.h"
 #include "harness/scene/places.h"
+#include "harness/words.h"
 #include "variants/variant_name.h"
 
 namespace pt {
@@ -163,12 +163,9 @@ namespace {
 void add_choices(AxisChoices& axes, const std::string& axis, const std::string& list, const char* option,
                  Backend backend) {
     std::vector<std::string> names;
-    std::size_t start = 0;
-    while (start <= list.size()) {
-        const std::size_t comma = std::min(list.find(',', start), list.size());
-        names.push_back(list.substr(start, comma - start));
+    for (const std::string& name : split_at_commas(list)) {
+        names.push_back(name);
         check_once(names, option, "argument." + axis);
-        start = comma + 1;
     }
     if (names == std::vector<std::string>{"all"}) {
         check_choices({{axis, {}}}, option, "argument");
@@ -236,18 +233,14 @@ void add_tunable_argument(TunableValues& tunables, const std::string& argument) 
     }
     const std::string name = argument.substr(0, equals);
     std::vector<std::uint32_t> values;
-    const char* begin = argument.data() + equals + 1;
-    const char* const end = argument.data() + argument.size();
-    while (begin <= end) {
-        std::uint32_t value = 0;
-        const auto parsed = std::from_chars(begin, end, value);
-        if (parsed.ec != std::errc() || (parsed.ptr != end && *parsed.ptr != ',')) {
+    for (const std::string& word : split_at_commas(argument.substr(equals + 1))) {
+        const auto value = parse_number<std::uint32_t>(word);
+        if (!value) {
             throw InputError("--tune", "argument." + name, "\"" + argument + "\"", "whole numbers, comma-separated");
         }
-        check_tunable(name, value, "--tune", "argument." + name);
-        values.push_back(value);
+        check_tunable(name, *value, "--tune", "argument." + name);
+        values.push_back(*value);
         check_once(values, "--tune", "argument." + name);
-        begin = parsed.ptr + 1;
     }
     if (!tunables.try_emplace(name, values).second) {
         throw InputError("--tune", "argument", name + " twice", "once, with commas between its values");

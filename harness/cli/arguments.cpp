@@ -1,11 +1,11 @@
 #include <algorithm>
-#include <charconv>
 
 #include "harness/cli/commands.h"
 #include "harness/cuda/backend.h"
 #include "harness/failure.h"
 #include "harness/json_reader.h"
 #include "harness/scene/places.h"
+#include "harness/words.h"
 #include "variants/registry.h"
 
 namespace pt {
@@ -21,50 +21,25 @@ std::vector<std::string> option_names(const CLI::App& command) {
 }
 
 std::pair<std::uint32_t, std::uint32_t> parse_resolution(const std::string& text) {
-    std::uint32_t width = 0, height = 0;
-    const char* const end = text.data() + text.size();
-    const auto first = std::from_chars(text.data(), end, width);
-    bool good = first.ec == std::errc() && first.ptr != end && *first.ptr == 'x';
-    if (good) {
-        const auto second = std::from_chars(first.ptr + 1, end, height);
-        good = second.ec == std::errc() && second.ptr == end;
-    }
-    if (!good || width == 0 || height == 0 || width > 65536 || height > 65536 ||
-        std::uint64_t{width} * height > (1u << 26)) {
+    const auto sides = parse_pair(text, 'x');
+    const auto [width, height] = sides.value_or(std::pair(0u, 0u));
+    if (width == 0 || height == 0 || width > 65536 || height > 65536 || std::uint64_t{width} * height > (1u << 26)) {
         throw InputError("--resolution", "argument", "\"" + text + "\"",
                          "WxH with sides from 1 to 65536 and at most 2^26 pixels");
     }
-    return {width, height};
+    return *sides;
 }
-
-namespace {
-
-// Splits a text at its commas: "a,b,,c" becomes {"a", "b", "", "c"}.
-std::vector<std::string> split_at_commas(const std::string& text) {
-    std::vector<std::string> parts;
-    std::size_t start = 0;
-    while (start <= text.size()) {
-        const std::size_t comma = std::min(text.find(',', start), text.size());
-        parts.push_back(text.substr(start, comma - start));
-        start = comma + 1;
-    }
-    return parts;
-}
-
-}  // namespace
 
 std::vector<std::uint32_t> parse_whole_numbers(const std::string& text, const std::string& flag, std::uint32_t low,
                                                std::uint32_t high) {
     std::vector<std::uint32_t> numbers;
     for (const std::string& part : split_at_commas(text)) {
-        std::uint32_t number = 0;
-        const char* const end = part.data() + part.size();
-        const auto parsed = std::from_chars(part.data(), end, number);
-        if (parsed.ec != std::errc() || parsed.ptr != end || number < low || number > high) {
+        const auto number = parse_number<std::uint32_t>(part);
+        if (!number || *number < low || *number > high) {
             throw InputError(flag, "argument", "\"" + text + "\"",
                              fmt::format("whole numbers from {} to {} with a comma between them", low, high));
         }
-        numbers.push_back(number);
+        numbers.push_back(*number);
         check_once(numbers, flag, "argument");
     }
     return numbers;
@@ -121,11 +96,7 @@ void require_backend(Backend backend) {
 std::string check_not_empty(const std::string& text) { return text.empty() ? "found an empty name" : ""; }
 
 std::string check_seed(const std::string& text) {
-    std::uint64_t seed = 0;
-    const char* const end = text.data() + text.size();
-    const auto parsed = std::from_chars(text.data(), end, seed);
-    return parsed.ec == std::errc() && parsed.ptr == end ? ""
-                                                         : "Value " + text + " not a whole number from 0 to 2^64 - 1";
+    return parse_number<std::uint64_t>(text) ? "" : "Value " + text + " not a whole number from 0 to 2^64 - 1";
 }
 
 void add_compile_options(CLI::App& command, CompileOnly& compile_only) {

@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "harness/cli/commands.h"
 #include "harness/cli/completion.h"

@@ -10,7 +10,6 @@
 #include "harness/cli/known_names.h"
 #include "harness/cuda/backend.h"
 #include "harness/scene/places.h"
-#include "harness/variant_json.h"
 
 namespace pt {
 

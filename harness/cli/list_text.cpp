@@ -1,7 +1,5 @@
 #include "harness/cli/list_text.h"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 

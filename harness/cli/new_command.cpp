@@ -1,7 +1,6 @@
 // `new`: writes the starting files of a choice, a shape or a material of one's own, whole and working, from
 // harness/templates/KIND.
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <filesystem>
 #include <optional>

@@ -1,7 +1,6 @@
 #include "harness/cli/stability_tasks.h"
 
 #include <algorithm>
-#include <charconv>
 #include <map>
 
 #include <fmt/format.h>
@@ -10,6 +9,7 @@
 #include "harness/cli/commands.h"
 #include "harness/nearest_name.h"
 #include "harness/stability/timed_variants.h"
+#include "harness/words.h"
 
 namespace pt {
 
@@ -35,15 +35,12 @@ std::map<std::string, double> parse_values(const std::vector<std::string>& argum
     std::map<std::string, double> values;
     for (const std::string& argument : arguments) {
         const std::size_t equals = argument.find('=');
-        double value = 0;
-        const char* const end = argument.data() + argument.size();
-        const char* const start = argument.data() + std::min(equals, argument.size() - 1) + 1;
-        const auto parsed = std::from_chars(start, end, value);
-        if (equals == std::string::npos || equals == 0 || start == end || parsed.ec != std::errc() ||
-            parsed.ptr != end) {
+        const bool has_name = equals != std::string::npos && equals != 0;
+        const auto value = has_name ? parse_number<double>(argument.substr(equals + 1)) : std::nullopt;
+        if (!value) {
             throw InputError("--set", "argument", "\"" + argument + "\"", "NAME=NUMBER");
         }
-        if (!values.try_emplace(argument.substr(0, equals), value).second) {
+        if (!values.try_emplace(argument.substr(0, equals), *value).second) {
             throw InputError("--set", "argument", argument.substr(0, equals) + " twice", "once");
         }
     }

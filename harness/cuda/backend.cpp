@@ -1,6 +1,5 @@
 #include "harness/cuda/backend.h"
 
-#include <algorithm>
 #include <bit>
 #include <cctype>
 

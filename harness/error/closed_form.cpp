@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "harness/scene/material_kind.h"
+
 namespace pt {
 
 namespace {
@@ -94,7 +96,7 @@ std::optional<ClosedForm> of_lit_quad(const Scene& scene, const RenderSettings& 
     const SceneObject& quad = scene.objects.front();
     const SceneMaterial& material = scene.materials[quad.material];
     const bool is_still = quad.velocity == Vec3d(0.0) || scene.camera.shutter_open == scene.camera.shutter_close;
-    if (quad.shape != Shape::quad || material.type != MaterialType::emitter || !is_still ||
+    if (quad.shape != Shape::quad || !has_trait(material.type, material_trait::ends_paths) || !is_still ||
         scene.camera.aperture_radius != 0) {
         return std::nullopt;
     }
@@ -118,24 +120,12 @@ std::optional<ClosedForm> of_lit_quad(const Scene& scene, const RenderSettings& 
     return form;
 }
 
-// The part of the light that every bounce keeps; nothing unless all that the material does keeps the same part.
-std::optional<Vec3d> reflected_part(const SceneMaterial& material) {
-    if (shows_images(material)) {
-        return std::nullopt;
-    }
-    if (material.type == MaterialType::diffuse) {
-        return material.albedo;
-    }
-    const bool is_even_mix = material.type == MaterialType::mix && material.albedo == material.reflectance;
-    return material.type == MaterialType::mirror || is_even_mix ? std::optional(material.reflectance) : std::nullopt;
-}
-
 std::optional<ClosedForm> of_furnace(const Scene& scene, const RenderSettings& settings) {
     const SceneObject& object = scene.objects.front();
     const SceneMaterial& material = scene.materials[object.material];
-    const std::optional<Vec3d> reflected = reflected_part(material);
+    const std::optional<Vec3d> reflected = kind_of(material).even_reflectance(material);
     const bool can_move = object.velocity != Vec3d(0.0) || scene.camera.aperture_radius != 0;
-    if (!reflected || can_move || has_shading_normals(scene, object) ||
+    if (!reflected || shows_images(material) || can_move || has_shading_normals(scene, object) ||
         !contains_point(scene, object, scene.camera.eye)) {
         return std::nullopt;
     }

@@ -1,6 +1,5 @@
 #include "harness/error/metrics.h"
 
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 

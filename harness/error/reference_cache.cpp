@@ -1,7 +1,6 @@
 #include "harness/error/reference_cache.h"
 
 #include <bit>
-#include <cmath>
 #include <cstring>
 #include <filesystem>
 

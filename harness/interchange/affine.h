@@ -2,8 +2,6 @@
 // * rotate * scale.
 #pragma once
 
-#include <optional>
-
 #include "harness/scene/scene.h"
 
 namespace pt {

@@ -1,10 +1,10 @@
 #include "harness/interchange/course_mesh.h"
 
 #include <algorithm>
-#include <cctype>
 #include <vector>
 
 #include "harness/json_reader.h"
+#include "harness/words.h"
 
 namespace pt {
 
@@ -51,9 +51,7 @@ std::vector<std::string> parts_of(std::string name) {
 }
 
 bool is_called_scenes(const fs::path& folder) {
-    std::string name = folder.filename().string();
-    std::transform(name.begin(), name.end(), name.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string name = in_lower_case(folder.filename().string());
     return name == "scenes" || name == "scene";
 }
 

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <map>
 #include <set>
 #include <stdexcept>
+
+#include "harness/words.h"
 
 namespace pt {
 
@@ -129,9 +130,7 @@ bool is_off_value(const std::string& value) {
     if (words.contains(course_spelling(value))) {
         return true;
     }
-    double number = 1;
-    const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
-    return error == std::errc() && end == value.data() + value.size() && number == 0;
+    return parse_number<double>(value) == 0.0;
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "harness/interchange/xml_text.h"
 #include "harness/json_reader.h"
 #include "harness/mesh/write_mesh.h"
+#include "harness/scene/material_kind.h"
 
 namespace pt {
 
@@ -102,7 +103,8 @@ private:
     }
 
     void write_integrator() {
-        const bool has_walks = any_shown([](const SceneMaterial& m) { return m.type == MaterialType::subsurface; });
+        const bool has_walks =
+            any_shown([](const SceneMaterial& m) { return has_trait(m.type, material_trait::has_walks); });
         const bool has_media = any_shown([](const SceneMaterial& m) { return !is_black(m.sigma_a); });
         // volpathmis weighs the channels of a coloured medium by the mean of their densities, as a walk here.
         xml_.open("integrator", {{"type", has_walks ? "volpathmis" : has_media ? "volpath" : "path"}});
@@ -216,17 +218,18 @@ private:
     }
 
     // A surface that reflects on both sides.
-    void write_reflector(const std::string& id, bool is_mirror, const Vec3d& colour, const SceneTexture* image) {
+    void write_reflector(const std::string& id, const MitsubaBsdf& bsdf) {
+        const bool is_mirror = bsdf.type == MitsubaBsdf::Type::conductor;
         xml_.open("bsdf", {{"type", "twosided"}, {"id", id}});
         xml_.open("bsdf", {{"type", is_mirror ? "conductor" : "diffuse"}});
         if (is_mirror) {
             value("string", "material", "none");
         }
         const std::string name = is_mirror ? "specular_reflectance" : "reflectance";
-        if (image != nullptr) {
-            write_image(name, *image);
+        if (bsdf.image != nullptr) {
+            write_image(name, *bsdf.image);
         } else {
-            rgb(name, colour);
+            rgb(name, bsdf.colour.value());
         }
         xml_.close();
         xml_.close();
@@ -234,21 +237,19 @@ private:
 
     void write_material(const SceneMaterial& material, std::size_t index) {
         const std::string id = id_of(index);
-        const bool is_body = material.type == MaterialType::subsurface;
-        if (is_body && material.ior == 1) {
+        const MitsubaBsdf bsdf = kind_of(material).in_mitsuba(material);
+        if (bsdf.type == MitsubaBsdf::Type::none) {
             xml_.leaf("bsdf", {{"type", "null"}, {"id", id}});
-        } else if (is_body || material.type == MaterialType::dielectric) {
+        } else if (bsdf.type == MitsubaBsdf::Type::dielectric) {
             xml_.open("bsdf", {{"type", "dielectric"}, {"id", id}});
             real("int_ior", material.ior);
             real("ext_ior", 1);
-            if (!is_body) {
-                rgb("specular_transmittance", material.tint);
+            if (bsdf.colour) {
+                rgb("specular_transmittance", *bsdf.colour);
             }
             xml_.close();
         } else {
-            const bool is_mirror = material.type == MaterialType::mirror ||
-                                   (material.type == MaterialType::mix && material.mirror_probability == 1);
-            write_reflector(id, is_mirror, is_mirror ? material.reflectance : material.albedo, mitsuba_image(material));
+            write_reflector(id, bsdf);
         }
     }
 

@@ -1,7 +1,6 @@
 #include "harness/interchange/import_draft.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 
@@ -21,15 +20,6 @@ namespace fs = std::filesystem;
 
 // Deviations from right angles between columns: one smaller than the first is a matter of a file's digits.
 constexpr double slight_shear = 1e-6, shear_of_rounding = 1e-12;
-
-// The letters, digits, '_' and '-' of a text, up to 64 of them.
-std::string plain_part_of(const std::string& text) {
-    std::string plain;
-    for (const char c : text.substr(0, 64)) {
-        plain += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' ? c : '_';
-    }
-    return plain;
-}
 
 // Normals turned by the map's cofactors, so that they stay across what they were across; outward of what it mirrors
 // too.
@@ -93,6 +83,16 @@ void ImportDraft::begin(const std::string& wanted, const Cis565Line* head) {
     parts.root.add("description", json_of("Imported from " + fs::path(source_.file).filename().string() + "."),
                    nullptr);
     parts.camera = {.place = "$.camera", .head = head, .members = {}};
+}
+
+void ImportDraft::add_view(const Vec3d& eye, const Vec3d& look_at, const Vec3d& up, const Cis565Line* at) {
+    const auto add = [&](const char* key, const Vec3d& value, const char* stand_in) {
+        parts.camera.members.push_back(
+            {.key = key, .value = json_of(value), .line = at, .stand_in = stand_in, .is_of_view = true});
+    };
+    add("eye", eye, "[0, 0, 1]");
+    add("look_at", look_at, "[0, 0, 0]");
+    add("up", up, "[0, 1, 0]");
 }
 
 std::size_t ImportDraft::add_material(ScenePart part, const std::string& name) {

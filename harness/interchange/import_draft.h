@@ -4,7 +4,6 @@
 
 #include <deque>
 #include <map>
-#include <memory>
 #include <string>
 
 #include "harness/interchange/affine.h"
@@ -31,6 +30,9 @@ public:
 
     // The scene's name: the call's, else `wanted` if it can be one, else of the file.
     void begin(const std::string& wanted, const Cis565Line* head);
+
+    // Adds the view of the camera, whose parts are allowed or not together.
+    void add_view(const Vec3d& eye, const Vec3d& look_at, const Vec3d& up, const Cis565Line* at);
 
     // Adds a material under a name that no other one has. Returns the material's number.
     std::size_t add_material(ScenePart part, const std::string& name);

@@ -185,13 +185,7 @@ void GltfImporter::add_mesh(int index, const Affine& map, const Cis565Line* at) 
 void GltfImporter::add_view(const Vec3d& eye, const Vec3d& look_at, const Vec3d& up, double degrees, double aspect,
                             const Cis565Line* at) {
     ScenePart& camera = draft_.parts.camera;
-    const auto add = [&](const char* key, const Vec3d& value, const char* stand_in) {
-        camera.members.push_back(
-            {.key = key, .value = json_of(value), .line = at, .stand_in = stand_in, .is_of_view = true});
-    };
-    add("eye", eye, "[0, 0, 1]");
-    add("look_at", look_at, "[0, 0, 0]");
-    add("up", up, "[0, 1, 0]");
+    draft_.add_view(eye, look_at, up, at);
     camera.add("vertical_fov_degrees", json_of(degrees), at, "60");
     const double width = std::clamp(std::round(gltf_picture_height * aspect), 1.0, 65536.0);
     camera.add("resolution", fmt::format("[{}, {}]", width, gltf_picture_height), at, "[1, 1]");

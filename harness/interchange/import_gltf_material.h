@@ -4,7 +4,6 @@
 
 #include <map>
 #include <optional>
-#include <string>
 
 #include "harness/interchange/import_draft.h"
 #include "harness/interchange/import_gltf_image.h"

@@ -1,16 +1,14 @@
 #include "harness/interchange/import_lines.h"
 
-#include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <sstream>
-#include <system_error>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "harness/interchange/course_words.h"
 #include "harness/nearest_name.h"
+#include "harness/words.h"
 
 namespace pt {
 
@@ -293,14 +291,9 @@ const Cis565Line* Cis565SectionReader::required(const std::string& key, const st
 }
 
 std::optional<double> Cis565SectionReader::parse(const Cis565Line& line, std::size_t word, const std::string& allowed) {
-    const std::string& text = line.words[word];
-    double value = 0;
-    const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
-    const char* end = text.data() + text.size();
-    const auto [stopped, error] = std::from_chars(begin, end, value);
-    if (error != std::errc() || stopped != end || !std::isfinite(value)) {
+    const std::optional<double> value = parse_finite(line.words[word]);
+    if (!value) {
         fail(line, allowed);
-        return std::nullopt;
     }
     return value;
 }

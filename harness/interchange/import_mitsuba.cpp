@@ -8,6 +8,7 @@
 
 #include "harness/failure.h"
 #include "harness/interchange/import_mitsuba_shapes.h"
+#include "harness/words.h"
 
 namespace pt {
 
@@ -43,7 +44,6 @@ private:
     void read_envmap(const XmlElement& element);
     void read_top(const XmlElement& element);
     void note_unused();
-    void add_view(const SensorView& view, const Cis565Line* at);
 
     XmlElement* root_;
     ImportDraft draft_;
@@ -103,9 +103,9 @@ void MitsubaImporter::modernise(XmlElement& element) {
             const bool is_capital = value[i] >= 'A' && value[i] <= 'Z';
             const bool starts_word = is_capital && i > 0 && value[i - 1] >= 'a' && value[i - 1] <= 'z';
             name += starts_word ? "_" : "";
-            name += is_capital ? static_cast<char>(value[i] - 'A' + 'a') : value[i];
+            name += value[i];
         }
-        value = name;
+        value = in_lower_case(name);
     }
     for (XmlElement& child : element.children) {
         modernise(child);
@@ -193,9 +193,7 @@ void MitsubaImporter::read_film(MitsubaObject& sensor) {
 void MitsubaImporter::read_field_of_view(MitsubaObject& sensor) {
     const double aspect = width_ / height_;
     std::optional<double> angle = sensor.optional_number("fov");
-    std::string axis = sensor.text("fov_axis", "x");
-    std::transform(axis.begin(), axis.end(), axis.begin(),
-                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    std::string axis = in_lower_case(sensor.text("fov_axis", "x"));
     const XmlElement* at = sensor.property("fov");
     if (!angle) {
         // The diagonal of a frame of 36 by 24 mm.
@@ -259,17 +257,6 @@ std::optional<SensorView> MitsubaImporter::read_view(MitsubaObject& sensor) {
     return SensorView{map.origin, map.origin + map.column[2], map.column[1]};
 }
 
-void MitsubaImporter::add_view(const SensorView& view, const Cis565Line* at) {
-    const auto add = [&](const char* key, const Vec3d& value, const char* stand_in) {
-        draft_.parts.camera.members.push_back(
-            {.key = key, .value = json_of(value), .line = at, .stand_in = stand_in, .is_of_view = true});
-    };
-    add("eye", view.eye, "[0, 0, 1]");
-    add("look_at", view.look_at, "[0, 0, 0]");
-    add("up", view.up, "[0, 1, 0]");
-    eye_ = view.eye;
-}
-
 void MitsubaImporter::read_lens(MitsubaObject& sensor) {
     const std::optional<double> radius = sensor.optional_number("aperture_radius");
     const XmlElement *of_radius = sensor.property("aperture_radius"), *of_focus = sensor.property("focus_distance");
@@ -289,9 +276,10 @@ void MitsubaImporter::read_sensor(const XmlElement& element) {
         file_.refuse(element, "a sensor of type perspective or thinlens");
         return;
     }
-    const std::optional<SensorView> view = read_view(sensor);
-    add_view(view.value_or(SensorView()),
-             file_.place(sensor.property("to_world") != nullptr ? *sensor.property("to_world") : element));
+    const SensorView view = read_view(sensor).value_or(SensorView());
+    eye_ = view.eye;
+    draft_.add_view(view.eye, view.look_at, view.up,
+                    file_.place(sensor.property("to_world") != nullptr ? *sensor.property("to_world") : element));
     read_film(sensor);
     read_field_of_view(sensor);
     if (type == "thinlens") {

@@ -319,8 +319,7 @@ void MitsubaShapes::write_behind(const Scene& scene) {
 
 // Mitsuba's radiance in glass is n^2 times what it is here (docs/other_renderers.md).
 void MitsubaShapes::dim_lamps_in_glass(const Scene& scene) {
-    if (std::none_of(scene.materials.begin(), scene.materials.end(),
-                     [](const SceneMaterial& material) { return material.type == MaterialType::dielectric; })) {
+    if (std::none_of(scene.materials.begin(), scene.materials.end(), is_glass)) {
         return;
     }
     std::map<std::pair<std::size_t, double>, std::size_t> dimmed;

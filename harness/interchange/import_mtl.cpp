@@ -1,7 +1,6 @@
 #include "harness/interchange/import_mtl.h"
 
 #include <algorithm>
-#include <cctype>
 #include <set>
 #include <sstream>
 
@@ -18,15 +17,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t largest_library = std::uint64_t{1} << 24;  // in bytes
-
-// A name for scene files: the letters, digits, '_' and '-' of a text, up to 64 of them.
-std::string name_for_scene(const std::string& text) {
-    std::string plain;
-    for (const char c : text.substr(0, 64)) {
-        plain += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' ? c : '_';
-    }
-    return plain.empty() ? "material" : plain;
-}
 
 class OwnMaterials {
 public:
@@ -186,7 +176,7 @@ std::string OwnMaterials::material_of(std::size_t entry) {
         const auto has_name = [&](const ScenePart& other) { return other.name == name; };
         return std::any_of(import_->materials.begin(), import_->materials.end(), has_name);
     };
-    const std::string start = name_for_scene(meant.material.name);
+    const std::string plain = plain_part_of(meant.material.name), start = plain.empty() ? "material" : plain;
     part.name = start;
     for (int i = 2; is_taken(part.name); ++i) {
         part.name = fmt::format("{}_{}", start, i);

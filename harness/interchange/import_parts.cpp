@@ -1,6 +1,7 @@
 #include "harness/interchange/import_parts.h"
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <functional>
 #include <limits>
@@ -202,6 +203,14 @@ void PartsChecker::check_all() {
 }
 
 }  // namespace
+
+std::string plain_part_of(const std::string& text) {
+    std::string plain;
+    for (const char c : text.substr(0, 64)) {
+        plain += std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' ? c : '_';
+    }
+    return plain;
+}
 
 // Writes a number. Adding 0 turns -0 into 0. A number that a product has made infinite is written as the largest that
 // JSON has, which is refused as too large too.

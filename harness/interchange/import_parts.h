@@ -44,6 +44,8 @@ struct SceneParts {
     std::string json() const;
 };
 
+// The letters, digits, '_' and '-' of a text, up to 64 of them: what a name in a scene file may have.
+std::string plain_part_of(const std::string& text);
 std::string json_of(double value);
 std::string json_of(const Vec3d& v);
 std::string json_of(const std::string& text);

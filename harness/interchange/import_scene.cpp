@@ -1,7 +1,6 @@
 #include "harness/interchange/import_scene.h"
 
 #include <algorithm>
-#include <filesystem>
 
 #include "harness/interchange/import_cis565.h"
 #include "harness/interchange/import_course_json.h"

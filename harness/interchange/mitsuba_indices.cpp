@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include "harness/words.h"
+
 namespace pt {
 
 namespace {
@@ -53,9 +55,7 @@ std::string names_in(const Table& table) {
 }  // namespace
 
 std::optional<double> mitsuba_index_of(const std::string& name) {
-    std::string small = name;
-    std::transform(small.begin(), small.end(), small.begin(),
-                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    const std::string small = in_lower_case(name);
     const auto* found = std::find_if(std::begin(mitsuba_indices), std::end(mitsuba_indices),
                                      [&](const MitsubaIndex& index) { return small == index.name; });
     return found == std::end(mitsuba_indices) ? std::nullopt : std::optional(found->value);

@@ -16,8 +16,8 @@ namespace pt {
 
 namespace {
 
-bool is_glass(const SceneMaterial& material) {
-    return material.type == MaterialType::dielectric && (material.ior != 1 || !is_black(material.sigma_a));
+bool bends_or_absorbs(const SceneMaterial& material) {
+    return is_glass(material) && (material.ior != 1 || !is_black(material.sigma_a));
 }
 
 bool moves(const Scene& scene, const SceneObject& object) {
@@ -157,7 +157,7 @@ void check_glass(const Scene& scene, const SceneObject& glass, Problems& problem
     for (const SceneObject& other : scene.objects) {
         const SceneMaterial& its = scene.materials[other.material];
         const bool is_lamp = is_emissive(its) && material.ior != 1;
-        const bool absorbs = is_glass(its) && !(is_black(material.sigma_a) && is_black(its.sigma_a));
+        const bool absorbs = bends_or_absorbs(its) && !(is_black(material.sigma_a) && is_black(its.sigma_a));
         if (&other == &glass || (!is_lamp && !absorbs) || !may_meet(scene, glass, other)) {
             continue;
         }
@@ -191,8 +191,12 @@ void check_body(const Scene& scene, const SceneObject& body, Problems& problems)
 }  // namespace
 
 const SceneTexture* mitsuba_image(const SceneMaterial& material) {
-    const bool is_mirror_alone = material.type == MaterialType::mix && material.mirror_probability == 1;
-    return is_mirror_alone ? nullptr : material.texture.get();
+    return kind_of(material).in_mitsuba(material).image;
+}
+
+bool is_glass(const SceneMaterial& material) {
+    return kind_of(material).in_mitsuba(material).type == MitsubaBsdf::Type::dielectric &&
+           !has_trait(material.type, material_trait::has_walks);
 }
 
 bool is_emissive(const SceneMaterial& material) { return !is_black(material.emission); }
@@ -211,7 +215,7 @@ double radiance_factor(const Scene& scene, const SceneObject& lamp) {
     double factor = 1;
     for (const SceneObject& object : scene.objects) {
         const SceneMaterial& material = scene.materials[object.material];
-        if (material.type == MaterialType::dielectric && holds(scene, object, lamp)) {
+        if (is_glass(material) && holds(scene, object, lamp)) {
             factor *= material.ior * material.ior;
         }
     }
@@ -262,10 +266,10 @@ std::vector<std::string> mitsuba_problems(const Scene& scene, const std::string&
         if (is_emissive(scene.materials[object.material])) {
             check_lamp(scene, object, problems);
         }
-        if (is_glass(scene.materials[object.material])) {
+        if (bends_or_absorbs(scene.materials[object.material])) {
             check_glass(scene, object, problems);
         }
-        if (scene.materials[object.material].type == MaterialType::subsurface) {
+        if (has_trait(scene.materials[object.material].type, material_trait::has_walks)) {
             check_body(scene, object, problems);
         }
     }
@@ -293,7 +297,7 @@ std::uint64_t roulette_depth(const Scene& scene) {
     double steps = 0;
     for (const SceneObject& object : scene.objects) {
         const SceneMaterial& material = scene.materials[object.material];
-        if (material.type != MaterialType::subsurface) {
+        if (!has_trait(material.type, material_trait::has_walks)) {
             continue;
         }
         const Extent extent = extent_of(scene, object);

@@ -39,6 +39,9 @@ double radiance_factor(const Scene& scene, const SceneObject& lamp);
 // The image that the surface shows in Mitsuba; null: one colour.
 const SceneTexture* mitsuba_image(const SceneMaterial& material);
 
+// Whether a material is smooth glass, across whose boundary Mitsuba divides radiance by n^2.
+bool is_glass(const SceneMaterial& material);
+
 // Whether a material sends out light.
 bool is_emissive(const SceneMaterial& material);
 

@@ -1,31 +1,20 @@
 #include "harness/interchange/mitsuba_object.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include <fmt/format.h>
 
+#include "harness/words.h"
+
 namespace pt {
-
-namespace {
-
-std::optional<double> whole_word_as_number(std::string_view word) {
-    double value = 0;
-    word.remove_prefix(!word.empty() && word.front() == '+' ? 1 : 0);
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    const bool is_whole = error == std::errc() && end == word.data() + word.size() && std::isfinite(value);
-    return is_whole ? std::optional(value) : std::nullopt;
-}
-
-}  // namespace
 
 std::optional<std::vector<double>> mitsuba_numbers(const std::string& text) {
     constexpr const char* between = ", \t\r\n";
     std::vector<double> numbers;
     for (std::size_t start = text.find_first_not_of(between); start != std::string::npos;) {
         const std::size_t end = std::min(text.find_first_of(between, start), text.size());
-        const std::optional<double> number = whole_word_as_number(std::string_view(text).substr(start, end - start));
+        const std::optional<double> number = parse_finite(std::string_view(text).substr(start, end - start));
         if (!number) {
             return std::nullopt;
         }
@@ -105,9 +94,7 @@ bool MitsubaObject::boolean(const std::string& name, bool otherwise) {
     if (found == nullptr) {
         return otherwise;
     }
-    std::string value = found->value_of("value");
-    std::transform(value.begin(), value.end(), value.begin(),
-                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    const std::string value = in_lower_case(found->value_of("value"));
     if (found->tag != "boolean" || (value != "true" && value != "false")) {
         fail(*found, fmt::format("<boolean name=\"{}\"> with true or false", name));
     }

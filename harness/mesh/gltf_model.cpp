@@ -4,7 +4,6 @@
 #define TINYGLTF_IMPLEMENTATION
 #include "harness/mesh/gltf_model.h"
 
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <set>
@@ -12,6 +11,8 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
+
+#include "harness/words.h"
 
 namespace pt {
 
@@ -52,19 +53,12 @@ void check_binary_chunk(std::string_view content, const std::string& file) {
     }
 }
 
-// The number of a version such as "2.1"; 0 for a text that is none.
-double version_number(const std::string& text) {
-    double number = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    return error == std::errc() && end == text.data() + text.size() ? number : 0;
-}
-
 // Refuses later versions: nobody here knows what they mean by the same words; as what version a file may be read,
 // minVersion says.
 void check_version(const tinygltf::Asset& asset, const std::string& file) {
     const bool has_least = !asset.minVersion.empty();
     const std::string& needed = has_least ? asset.minVersion : asset.version;
-    const double number = version_number(needed);
+    const double number = parse_number<double>(needed).value_or(0);  // of a version such as "2.1"
     if (has_least ? number != 2.0 : !(number >= 2.0 && number < 3.0)) {
         throw InputError(file, has_least ? "asset.minVersion" : "asset.version", "\"" + needed + "\"",
                          has_least ? "2.0" : "2.0, or a later 2.x");

@@ -1,13 +1,13 @@
 #include "harness/mesh/ply_header.h"
 
 #include <algorithm>
-#include <charconv>
 
 #include <fmt/format.h>
 
 #include "harness/failure.h"
 #include "harness/mesh/text_numbers.h"
 #include "harness/text_file.h"
+#include "harness/words.h"
 
 namespace pt {
 
@@ -109,9 +109,9 @@ private:
     }
 
     void add_element(const std::vector<std::string_view>& words) {
-        PlyElement element{std::string(words[1]), 0, {}};
-        const auto [end, error] = std::from_chars(words[2].begin(), words[2].end(), element.count);
-        if (error != std::errc() || end != words[2].end()) {
+        const auto count = parse_number<decltype(PlyElement::count)>(words[2]);
+        PlyElement element{std::string(words[1]), count.value_or(0), {}};
+        if (!count) {
             fail(fmt::format("element {} {}", words[1], excerpt(words[2])), "a whole number of them");
         }
         for (const PlyElement& before : header_.elements) {

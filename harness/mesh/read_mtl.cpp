@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cctype>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -8,18 +7,13 @@
 #include "harness/failure.h"
 #include "harness/mesh/obj_materials.h"
 #include "harness/mesh/text_numbers.h"
+#include "harness/words.h"
 
 namespace pt {
 
 namespace {
 
 constexpr std::size_t most_materials = 10000;
-
-std::string in_lower_case(std::string word) {
-    std::transform(word.begin(), word.end(), word.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return word;
-}
 
 // Some programs put commas between numbers.
 std::string without_comma(const std::string& word) {

@@ -4,7 +4,6 @@
 // of the second.
 #include <algorithm>
 #include <map>
-#include <optional>
 
 #include <fmt/format.h>
 
@@ -16,6 +15,7 @@
 #include "harness/mesh/resolution.h"
 #include "harness/mesh/text_numbers.h"
 #include "harness/mesh/triangulate.h"
+#include "harness/words.h"
 
 namespace pt {
 
@@ -314,20 +314,17 @@ private:
     }
 
     void read_texture_index(std::string_view number, ObjCorner& corner) const {
-        std::int64_t index = 0;
-        const auto [end, error] = std::from_chars(number.begin(), number.end(), index);
+        const std::int64_t index = parse_number<std::int64_t>(number).value_or(0);
         const std::int64_t place = index > 0 ? index - 1 : index + static_cast<std::int64_t>(textures_.size());
-        corner.has_texture = error == std::errc() && end == number.end() && index != 0 && place >= 0 &&
-                             place < static_cast<std::int64_t>(most_vertices);
+        corner.has_texture = index != 0 && place >= 0 && place < static_cast<std::int64_t>(most_vertices);
         corner.texture = corner.has_texture ? static_cast<std::uint32_t>(place) : 0;
     }
 
     // Reads an index, which counts from 1 on, or from -1 backward, and returns it from 0 on.
     std::uint32_t read_index(std::string_view word, std::string_view number, std::size_t count,
                              Pending& pending) const {
-        std::int64_t index = 0;
-        const auto [end, error] = std::from_chars(number.begin(), number.end(), index);
-        if (error != std::errc() || end != number.end() || index == 0 || index > 0xffffffff) {
+        const std::int64_t index = parse_number<std::int64_t>(number).value_or(0);
+        if (index == 0 || index > 0xffffffff) {
             fail(line_, excerpt(word), "V, V/T, V//N or V/T/N, whole numbers from 1, or from -1 backward");
         }
         if (index < 0 && index + static_cast<std::int64_t>(count) < 0) {

@@ -2,7 +2,6 @@
 // a vertex that lies at several places of an image is written once for each.
 #pragma once
 
-#include <filesystem>
 #include <string>
 
 #include "harness/mesh/mesh.h"

@@ -1,23 +1,18 @@
 #include "harness/ranks/launch.h"
 
-#include <charconv>
-#include <cstring>
 #include <optional>
 #include <sstream>
 #include <vector>
+
+#include "harness/words.h"
 
 namespace pt {
 
 namespace {
 
 std::optional<int> number_in(const char* text) {
-    int number = 0;
-    if (text == nullptr) {
-        return std::nullopt;
-    }
-    const char* const end = text + std::strlen(text);
-    const auto [stopped, error] = std::from_chars(text, end, number);
-    return error == std::errc() && stopped == end && number >= 0 ? std::optional(number) : std::nullopt;
+    const std::optional<int> number = text == nullptr ? std::nullopt : parse_number<int>(text);
+    return number && *number >= 0 ? number : std::nullopt;
 }
 
 // Slurm's step variables stand beside a PMI server's, and alone where a step is no MPI program.

@@ -5,7 +5,6 @@
 #include "kernels/triangle.h"
 
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>

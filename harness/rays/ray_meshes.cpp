@@ -1,7 +1,6 @@
 #include "harness/rays/ray_meshes.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -15,6 +14,7 @@
 #include "harness/rays/probe_meshes.h"
 #include "harness/scene/places.h"
 #include "harness/scene/scene_mesh.h"
+#include "harness/words.h"
 
 namespace pt::rays {
 namespace {
@@ -95,14 +95,13 @@ RayMesh from_file(const std::string& argument) {
 }
 
 RayMesh generated(const std::string& argument, std::size_t colon, bool in_box) {
-    std::uint32_t size = 0;
-    const char *const first = argument.data() + colon + 1, *const last = argument.data() + argument.size();
-    if (const auto parsed = std::from_chars(first, last, size); parsed.ec != std::errc() || parsed.ptr != last) {
+    const auto size = parse_number<std::uint32_t>(std::string_view(argument).substr(colon + 1));
+    if (!size) {
         throw InputError("--mesh", "argument", "\"" + argument + "\"", "NAME:SIZE, SIZE a whole number");
     }
     RayMesh made{argument,
                  in_box ? "in a box of twice its extent" : "",
-                 generate_mesh(argument.substr(0, colon), size),
+                 generate_mesh(argument.substr(0, colon), *size),
                  {},
                  {},
                  {},

@@ -1,7 +1,6 @@
 #include "harness/rays/ray_study.h"
 
 #include <algorithm>
-#include <set>
 
 #include <fmt/format.h>
 

@@ -156,8 +156,8 @@ void describe_boxes(AxisAlignedEnclosure<Real>& enclosure, const SceneView<Real>
     enclosure.reach_low = Vec3<Real>(infinity);
     enclosure.reach_high = Vec3<Real>(-infinity);
     for (std::uint32_t i = 0; i < scene.axis_boxes.size; ++i) {
-        if (scene.materials[scene.object_material[first_of<ShapeKind::axis_box>(scene) + i]].type ==
-            MaterialType::emitter) {
+        const std::uint32_t material = scene.object_material[first_of<ShapeKind::axis_box>(scene) + i];
+        if (has_trait(scene.materials[material].type, material_trait::ends_paths)) {
             enclosure.lamps |= 1u << i;
         }
         const bool moves = scene.velocity[first_of<ShapeKind::axis_box>(scene) + i] != Vec3<Real>(Real(0));

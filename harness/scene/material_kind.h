@@ -2,6 +2,7 @@
 // (kernels/material_list.h) how scene files describe it, and what of a description kernels and pictures need.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,15 @@ inline constexpr std::uint32_t endless_depth = 1000;
 // there, and what is allowed.
 struct BeyondMitsuba {
     std::string key, found, allowed;
+};
+
+// What Mitsuba has in a material's place: a surface that reflects on both sides, the smooth boundary of a body, or none
+// where a body's index is 1.
+struct MitsubaBsdf {
+    enum class Type { diffuse, conductor, dielectric, none };
+    Type type = Type::diffuse;
+    std::optional<Vec3d> colour;          // that it reflects or, a boundary, lets through
+    const SceneTexture* image = nullptr;  // in place of the colour, or null
 };
 
 // What is beyond Mitsuba of a material with rough facets, which it masks by another formula.
@@ -48,6 +58,14 @@ struct MaterialKind {
     // Bound on what a path's throughput is multiplied by at one vertex, where that can be above 1.
     double (*largest_gain)(const SceneMaterial& material) = [](const SceneMaterial&) { return 1.0; };
     bool reflects_all_at_grazing = false;  // whatever its colour
+    // The part of the light that every bounce keeps; nothing unless all that the material does keeps the same part.
+    std::optional<Vec3d> (*even_reflectance)(const SceneMaterial& material) = [](const SceneMaterial&) {
+        return std::optional<Vec3d>();
+    };
+    // What stands for it in a file for Mitsuba, where beyond_mitsuba has nothing to say.
+    MitsubaBsdf (*in_mitsuba)(const SceneMaterial& material) = [](const SceneMaterial& m) {
+        return MitsubaBsdf{MitsubaBsdf::Type::diffuse, m.albedo, m.texture.get()};
+    };
     // What an export to Mitsuba with paths of `depth` segments cannot express.
     std::vector<BeyondMitsuba> (*beyond_mitsuba)(const SceneMaterial& material, std::uint32_t depth) =
         [](const SceneMaterial&, std::uint32_t) { return std::vector<BeyondMitsuba>{}; };

@@ -30,11 +30,9 @@ Tolerance Tolerance::relative(double exact, double single, double fp64, std::str
     return {single * std::abs(exact), fp64 * std::abs(exact), std::move(origin)};
 }
 
-CaseRegistration::CaseRegistration(std::vector<Case> cases) {
+void register_cases(Family family, std::vector<Case> cases) {
     for (Case& stiff_case : cases) {
-        if (family_index(stiff_case) == std::size(families)) {
-            throw std::logic_error("stability case " + stiff_case.name + " is of no family: " + stiff_case.family);
-        }
+        stiff_case.family = families[static_cast<std::size_t>(family)];
         mutable_catalogue().push_back(std::move(stiff_case));
     }
 }
@@ -77,6 +75,33 @@ Values values_of(const Case& stiff_case, const std::map<std::string, double>& ch
     return values;
 }
 
+Points along(const std::string& parameter, const std::vector<double>& values) {
+    Points points;
+    for (const double value : values) {
+        points.push_back({{parameter, value}});
+    }
+    return points;
+}
+
+Points table(const std::vector<std::string>& parameters, const std::vector<std::vector<double>>& rows) {
+    Points points;
+    for (const std::vector<double>& row : rows) {
+        std::map<std::string, double>& point = points.emplace_back();
+        for (std::size_t i = 0; i < parameters.size(); ++i) {
+            point[parameters[i]] = row.at(i);
+        }
+    }
+    return points;
+}
+
+Points joined(const std::vector<Points>& lists) {
+    Points points;
+    for (const Points& list : lists) {
+        points.insert(points.end(), list.begin(), list.end());
+    }
+    return points;
+}
+
 double mean_radiance(const RenderResult& result) {
     const Vec3d mean = result.film.mean();
     return (mean.x + mean.y + mean.z) / 3;
@@ -103,6 +128,19 @@ std::function<double(const RenderResult&)> missing_segments(std::uint32_t depth)
         return static_cast<double>(depth) -
                static_cast<double>(result.work.rays - result.work.connections) / static_cast<double>(result.work.paths);
     };
+}
+
+Quantity mean_is(const std::string& name, double exact, const Tolerance& tolerance) {
+    return {.name = name, .of = mean_radiance, .exact = exact, .tolerance = tolerance};
+}
+
+Quantity exactly(const std::string& name, std::function<double(const RenderResult&)> of, double exact,
+                 const Tolerance& tolerance) {
+    return {.name = name, .of = std::move(of), .exact = exact, .tolerance = tolerance, .is_estimate = false};
+}
+
+Quantity every_pixel_is(const std::string& name, double exact, const Tolerance& tolerance) {
+    return exactly(name, farthest_from(exact), exact, tolerance);
 }
 
 }  // namespace pt::stability

@@ -85,10 +85,17 @@ struct Rendering {
 struct Twins {
     std::string change;  // what differs, e.g. "scene x 2^20"
     Json reference, changed;
-    std::vector<std::uint32_t> parts;                  // the changed one's samples, in so many runs; empty: one run
+    std::vector<std::uint32_t> parts = {};             // the changed one's samples, in so many runs; empty: one run
     std::map<std::string, std::uint32_t> tuning = {};  // tunables of the changed one; those its variant lacks: n/a
     std::uint32_t samples = 8;                         // a pixel
 };
+
+// Values of parameters to look at, each against the case's standards.
+using Points = std::vector<std::map<std::string, double>>;
+// A point for each value of one parameter; for each row of values of several.
+Points along(const std::string& parameter, const std::vector<double>& values);
+Points table(const std::vector<std::string>& parameters, const std::vector<std::vector<double>>& rows);
+Points joined(const std::vector<Points>& lists);
 
 // What a direct check of kernel functions is to use.
 struct DirectSetting {
@@ -98,17 +105,17 @@ struct DirectSetting {
 };
 
 struct Case {
-    std::string name;       // "lamp": plain, unique
-    std::string catalogue;  // "S5", or "P1" and so on for our own
-    std::string family;     // one of `families`
+    std::string name;         // "lamp": plain, unique
+    std::string catalogue;    // "S5", or "P1" and so on for our own
+    std::string family = {};  // one of `families`; CasesOf sets it
     std::string title;
     std::string stiff;    // one sentence: what is stiff about it
     std::string formula;  // where the exact value comes from
     std::vector<Parameter> parameters = {};
     // The points that a run looks at: changes against the standards. Empty: the standards alone.
-    std::vector<std::map<std::string, double>> points = {};
-    std::vector<std::map<std::string, double>> quick_points = {};  // of a quick run; empty: the first of `points`
-    std::string sweep = {};  // the parameter that `points` vary, for the figure; empty: none
+    Points points = {};
+    Points quick_points = {};  // of a quick run; empty: the first of `points`
+    std::string sweep = {};    // the parameter that `points` vary, for the figure; empty: none
     // Choices of estimators that the case is run with besides the baseline ones, e.g. {"direct_light", {"nee"}}.
     AxisChoices estimators = {};
     // Choices of several axes at once that the case is run with, e.g. {{"direct_light", "nee"}, {"light_selection",
@@ -129,7 +136,20 @@ struct Case {
     std::function<std::string(const Values&, const VariantTraits&)> known_limit = {};
 };
 
-// The families of cases, in the order of the catalogue.
+// The families of cases, in the order of the catalogue, and their names.
+enum class Family {
+    cavities,
+    irradiance,
+    geometry,
+    dielectrics,
+    media,
+    throughput,
+    film,
+    identity,
+    meshes,
+    lights,
+    own
+};
 inline constexpr std::string_view families[] = {"cavities", "irradiance", "geometry", "dielectrics",
                                                 "media",    "throughput", "film",     "identity",
                                                 "meshes",   "lights",     "own"};
@@ -141,9 +161,11 @@ const std::vector<Case>& catalogue();
 // beyond the parameter's range.
 Values values_of(const Case& stiff_case, const std::map<std::string, double>& changes);
 
-// Registers cases; a namespace-scope constant in a file of cases/.
-struct CaseRegistration {
-    explicit CaseRegistration(std::vector<Case> cases);
+void register_cases(Family family, std::vector<Case> cases);
+// Registers cases of a family; a namespace-scope constant in a file of cases/.
+template <Family family>
+struct CasesOf {
+    explicit CasesOf(std::vector<Case> cases) { register_cases(family, std::move(cases)); }
 };
 
 // Readers of a render for Quantity::of.
@@ -153,5 +175,13 @@ double mean_channel(const RenderResult& result, int channel);  // over pixels
 std::function<double(const RenderResult&)> farthest_from(double exact);
 // Segments that paths are short of `depth` on average: what leaked out of a closed scene without emitters.
 std::function<double(const RenderResult&)> missing_segments(std::uint32_t depth);
+
+// The mean over pixels and channels, estimated.
+Quantity mean_is(const std::string& name, double exact, const Tolerance& tolerance);
+// What every batch gives, without an error of estimation; and every pixel and channel of one, of which the farthest
+// from `exact` counts.
+Quantity exactly(const std::string& name, std::function<double(const RenderResult&)> of, double exact,
+                 const Tolerance& tolerance);
+Quantity every_pixel_is(const std::string& name, double exact, const Tolerance& tolerance);
 
 }  // namespace pt::stability

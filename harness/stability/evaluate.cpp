@@ -6,8 +6,6 @@
 #include <limits>
 #include <optional>
 
-#include <fmt/format.h>
-
 namespace pt::stability {
 
 namespace {

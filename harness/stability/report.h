@@ -2,7 +2,6 @@
 // loses the case in flight at most, and can go on.
 #pragma once
 
-#include <optional>
 #include <set>
 
 #include "harness/stability/evaluate.h"

@@ -3,7 +3,6 @@
 #include <iterator>
 
 #include "harness/stability/evaluate.h"
-#include "harness/variant_json.h"
 #include "variants/variant_name.h"
 
 namespace pt::stability {

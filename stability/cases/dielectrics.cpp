@@ -79,22 +79,8 @@ long double cosine_at(double impact) {
 std::vector<Rendering> glass_body(const Values& v) {
     SceneText scene("glass_body");
     scene.camera({0, 0, -3}, {0, 0, 0}).image(16, 16, 50, true).depth(without_end).environment(1);
-    const std::string glass = scene.dielectric(v["ior"]);
-    const double size = v["size"];
-    switch (v.whole("shape")) {
-        case 0:
-            scene.sphere(glass, {0, 0, 0}, 2);
-            break;
-        case 1:
-            scene.ellipsoid(glass, {0, 0, 0}, {2, 1, 1.5}, {10, 20, 30});
-            break;
-        case 2:
-            scene.box(glass, {0, 0, 0}, {1.5, 1, 2});
-            break;
-        default:
-            scene.box(glass, {0, 0, 0}, {1.5, 1, 2}, {10, 20, 30});
-    }
-    return {{.scene = scaled(scene.json(), size),
+    add_body(scene, v.whole("shape"), scene.dielectric(v["ior"]));
+    return {{.scene = scaled(scene.json(), v["size"]),
              .quick_paths = 1u << 14,
              .full_paths = 1u << 22,
              .quantities = {all_one("radiance of the pixel that is farthest off")}}};
@@ -112,10 +98,7 @@ std::vector<Rendering> cut_off(const Values& v) {
     return {{.scene = scene.json(),
              .quick_paths = paths,
              .full_paths = 1u << 23,
-             .quantities = {{.name = "radiance",
-                             .of = mean_radiance,
-                             .exact = static_cast<double>(1 - lost),
-                             .tolerance = chance_tolerance(lost, paths, slope)}}}};
+             .quantities = {mean_is("radiance", static_cast<double>(1 - lost), chance_tolerance(lost, paths, slope))}}};
 }
 
 std::vector<Rendering> absorbing_ball(const Values& v) {
@@ -134,10 +117,7 @@ std::vector<Rendering> absorbing_ball(const Values& v) {
     return {{.scene = scene.json(),
              .quick_paths = paths,
              .full_paths = 1u << 23,
-             .quantities = {{.name = "radiance",
-                             .of = mean_radiance,
-                             .exact = static_cast<double>(exact),
-                             .tolerance = chance_tolerance(exact, paths, slope)}}}};
+             .quantities = {mean_is("radiance", static_cast<double>(exact), chance_tolerance(exact, paths, slope))}}};
 }
 
 // The mean of a path's segments is 3 whatever the index: 2 for the share R that is reflected, and for the share 1 - R
@@ -167,10 +147,9 @@ std::vector<Rendering> extreme_index(const Values& v) {
     return {round, pile_of_plates({.excess = v["ior"] - 1}, 1u << 16)};
 }
 
-const CaseRegistration cases({
+const CasesOf<Family::dielectrics> cases({
     {.name = "plates",
      .catalogue = "S24",
-     .family = "dielectrics",
      .title = "light through a pile of plates",
      .stiff = "faces and gaps closer than any fixed epsilon, and at 89 degrees a reflectance that hangs on 1 - cos^2",
      .formula = "Stokes' pile without coherence: T = (1-R) / (1 + (2N-1) R); with absorption by adding layers. R: the "
@@ -203,7 +182,6 @@ const CaseRegistration cases({
      .renderings = plates},
     {.name = "glass_body",
      .catalogue = "S25",
-     .family = "dielectrics",
      .title = "clear glass in even surroundings",
      .stiff = "internal reflections have no bound; one lost path, one refraction to the wrong side, or one factor of "
               "n^2 shows as a dark pixel",
@@ -211,19 +189,12 @@ const CaseRegistration cases({
      .parameters = {{"shape", 0, 0, 3, "0 sphere, 1 ellipsoid, 2 box, 3 turned box", true},
                     {"ior", 1.5, 0.5, 2.5, "of the body; higher ones keep paths in an ellipsoid for too long"},
                     {"size", 1, 1e-6, 1e6, "factor on every length"}},
-     .points = {{{"shape", 0}},
-                {{"shape", 1}},
-                {{"shape", 2}},
-                {{"shape", 3}},
-                {{"shape", 0}, {"ior", 0.5}},
-                {{"shape", 3}, {"ior", 2.4}},
-                {{"shape", 0}, {"size", 1e-6}},
-                {{"shape", 3}, {"size", 1e6}}},
+     .points = joined({along("shape", {0, 1, 2, 3}), table({"shape", "ior"}, {{0, 0.5}, {3, 2.4}}),
+                       table({"shape", "size"}, {{0, 1e-6}, {3, 1e6}})}),
      .quick_points = {{{"shape", 0}}, {{"shape", 3}, {"ior", 2.4}}},
      .renderings = glass_body},
     {.name = "glass_cut_off",
      .catalogue = "S25",
-     .family = "dielectrics",
      .title = "a glass ball whose internal reflections are cut off",
      .stiff = "what the depth cuts off is known to the path: a cap that is off by one, or a total reflection that is "
               "lost, changes the number",
@@ -232,7 +203,7 @@ const CaseRegistration cases({
                     {"hits", 4, 0, 1000, "internal hits allowed; a path has two more segments", true},
                     {"ior", 1.5, 1.01, 1e4, "of the ball"}},
      .points = {{{"hits", 1}}, {{"hits", 2}}, {{"hits", 4}}, {{"hits", 8}}, {{"hits", 500}, {"ior", 1000}}},
-     .quick_points = {{{"hits", 2}}, {{"hits", 8}}},
+     .quick_points = along("hits", {2, 8}),
      .sweep = "hits",
      .renderings = cut_off,
      .known_limit =
@@ -241,7 +212,6 @@ const CaseRegistration cases({
          }},
     {.name = "absorbing_ball",
      .catalogue = "S25",
-     .family = "dielectrics",
      .title = "an absorbing glass ball",
      .stiff = "a geometric series of internal reflections, each weighted by the chord",
      .formula = "R + (1-R)^2 a / (1 - R a), a = exp(-2 sigma r cos_t)",
@@ -249,29 +219,22 @@ const CaseRegistration cases({
                     {"sigma", 0.7, 0, 20, "absorption, 1 / radius"},
                     {"ior", 1.5, 0.1, 1e4, "of the ball"}},
      .points = {{{"impact", 0.3}}, {{"impact", 0.9}}, {{"impact", 0.999}}, {{"impact", 0.3}, {"ior", 0.75}}},
-     .quick_points = {{{"impact", 0.3}}, {{"impact", 0.999}}},
+     .quick_points = along("impact", {0.3, 0.999}),
      .sweep = "impact",
      .renderings = absorbing_ball},
     {.name = "nearly_no_plate",
      .catalogue = "S26",
-     .family = "dielectrics",
      .title = "a grazing plate of an index of nearly 1",
      .stiff = "1 - cos^2 rounds to 1 at grazing angles, which makes a mirror of a plate that is not there",
      .formula = "T = (1-R) / (1+R), R from q^2 = c^2 + (n-1)(n+1); 1 for n = 1",
      .parameters = {{"excess", 0x1p-20, 0, 1, "index - 1"}, {"cosine", 1e-4, 1e-6, 1, "of incidence"}},
-     .points = {{{"excess", 0}},
-                {{"excess", 0x1p-10}},
-                {{"excess", 0x1p-20}},
-                {{"excess", 0x1p-23}},
-                {{"excess", 1e-6}},
-                {{"excess", 1e-9}},
-                {{"excess", 1e-9}, {"cosine", 1e-2}}},
-     .quick_points = {{{"excess", 0}}, {{"excess", 0x1p-20}}},
+     .points = joined({along("excess", {0, 0x1p-10, 0x1p-20, 0x1p-23, 1e-6, 1e-9}),
+                       table({"excess", "cosine"}, {{1e-9, 1e-2}})}),
+     .quick_points = along("excess", {0, 0x1p-20}),
      .sweep = "excess",
      .renderings = nearly_no_plate},
     {.name = "extreme_index",
      .catalogue = "S27",
-     .family = "dielectrics",
      .title = "balls and plates of an index of 1000, and bubbles",
      .stiff = "the few paths that enter reflect hundreds of times inside: variance grows as the index",
      .formula = "radiance 1; 3 segments a path on average, for 2 R + (1-R) (2 + 1 / (1-R)) = 3; T = (1-R) / (1+R)",

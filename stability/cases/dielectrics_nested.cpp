@@ -67,17 +67,13 @@ std::vector<Rendering> nested_absorbers(const Values& v) {
     return {{.scene = scene.json(),
              .quick_paths = 16,
              .full_paths = 1024,
-             .quantities = {{.name = "radiance",
-                             .of = farthest_from(exact),
-                             .exact = exact,
-                             .tolerance = {1e-6, 1e-12, "chords to some roundings of the distance 4, film's quantum"},
-                             .is_estimate = false}}}};
+             .quantities = {every_pixel_is(
+                 "radiance", exact, {1e-6, 1e-12, "chords to some roundings of the distance 4, film's quantum"})}}};
 }
 
-const CaseRegistration cases({
+const CasesOf<Family::dielectrics> cases({
     {.name = "light_pipe",
      .catalogue = "S28",
-     .family = "dielectrics",
      .title = "a glass rod that conducts light",
      .stiff = "thousands of total reflections off the sides, none of which may leak",
      .formula = "T = (1-R) / (1+R) of the two ends, whatever the length: beyond n^2 = 1 + sin^2 the sides reflect all",
@@ -86,12 +82,11 @@ const CaseRegistration cases({
                     {"azimuth", 0.7, 0, 6.28, "of the incident ray, radians"},
                     {"ior", 1.5, 1.415, 10, "of the rod, above sqrt(2)"}},
      .points = {{{"length", 1}}, {{"length", 50}}, {{"length", 1000}}, {{"length", 1000}, {"theta", 1.5}}},
-     .quick_points = {{{"length", 1}}, {{"length", 1000}}},
+     .quick_points = along("length", {1, 1000}),
      .sweep = "length",
      .renderings = light_pipe},
     {.name = "nested_balls",
      .catalogue = "S30",
-     .family = "dielectrics",
      .title = "a ball within a glass ball",
      .stiff = "the boundary within is one of two media, neither of which is air",
      .formula = "four boundaries along the axis, with all reflections between them: (1-R) / (1+3R) for a shell; 1 in "
@@ -114,7 +109,6 @@ const CaseRegistration cases({
      }},
     {.name = "nested_absorbers",
      .catalogue = "S30",
-     .family = "dielectrics",
      .title = "an absorbing ball within an absorbing ball",
      .stiff = "on leaving the inner ball the path is in the outer one again",
      .formula = "exp(-(s_outer 2 (1 - 1/2) + s_inner 2 / 2)) along the axis, indices matched",

@@ -212,23 +212,21 @@ std::vector<Measurement> random_keys(const Values& v, const DirectSetting& setti
     return measurements;
 }
 
-const CaseRegistration cases({
+const CasesOf<Family::film> cases({
     {.name = "random_range",
      .catalogue = "S44",
-     .family = "film",
      .title = "every sampler at the ends of the unit interval",
      .stiff = "a random number of exactly 1 picks a light that is not there, one of 0 has no logarithm",
      .formula = "u in [0, 1 - 2^-24], in double [0, 1 - 2^-32]; -log u of u >= 2^-33; directions of length 1",
      .direct = random_range},
     {.name = "random_keys",
      .catalogue = "S44",
-     .family = "film",
      .title = "random numbers of neighbouring keys are independent",
      .stiff = "streams that overlap or are seeded alike: the noise of an image is more than its samples say",
      .formula = "variance over pixels of (mean - 1/2) sqrt(12 N): 1; correlations: 0; no two keys of the same words",
      .parameters = {{"seed", 6, 0, 1e15, "of the numbers", true},
                     {"philox", 0, 0, 1, "0: pcg4d, 1: philox; minstd, seeded by position, is the naive twin", true}},
-     .points = {{{"philox", 0}}, {{"philox", 1}}},
+     .points = along("philox", {0, 1}),
      .quick_points = {{{"philox", 0}}},
      .direct = random_keys,
      .direct_has_naive = true},

@@ -95,22 +95,17 @@ std::vector<Rendering> ground_view(const Values& v) {
     horizon.image(16, 16, 2 * std::atan(half) * 180 / pi<double>, true);
     const double covered = 0.5 - dip * (std::sqrt(1 + half * half) + std::asinh(half) / half) / (4 * half);
     const auto horizon_error = [&](bool is_double) { return 4 * round_off(is_double) / (2 * half); };
-    return {{.scene = text.json(),
-             .quick_paths = 16,
-             .full_paths = 1024,
-             .quantities = {{.name = "transmittance of the way to the ground",
-                             .of = farthest_from(exact),
-                             .exact = exact,
-                             .tolerance = {1e-6, 1e-12, "numerics.md S13: the distance to 1e-6; the film's quantum"},
-                             .is_estimate = false}}},
-            {.scene = horizon.json(),
-             .quick_paths = 1u << 17,
-             .quantities = {
-                 {.name = "part of the image below the horizon",
-                  .of = mean_radiance,
-                  .exact = covered,
-                  .tolerance = {horizon_error(false), horizon_error(true),
-                                "4 roundings of where the sphere and a ray point to, over the image's height"}}}}};
+    return {
+        {.scene = text.json(),
+         .quick_paths = 16,
+         .full_paths = 1024,
+         .quantities = {every_pixel_is("transmittance of the way to the ground", exact,
+                                       {1e-6, 1e-12, "numerics.md S13: the distance to 1e-6; the film's quantum"})}},
+        {.scene = horizon.json(),
+         .quick_paths = 1u << 17,
+         .quantities = {mean_is("part of the image below the horizon", covered,
+                                {horizon_error(false), horizon_error(true),
+                                 "4 roundings of where the sphere and a ray point to, over the image's height"})}}};
 }
 
 // ---- S14
@@ -131,11 +126,9 @@ std::vector<Rendering> far_sphere(const Values& v) {
     };
     return {{.scene = text.json(),
              .quick_paths = 1u << 17,
-             .quantities = {{.name = "part of the image that the disc covers",
-                             .of = mean_radiance,
-                             .exact = covered,
-                             .tolerance = {blur(false), blur(true),
-                                           "the square of the rim's blur by 8 roundings of a direction"}}}}};
+             .quantities = {
+                 mean_is("part of the image that the disc covers", covered,
+                         {blur(false), blur(true), "the square of the rim's blur by 8 roundings of a direction"})}}};
 }
 
 // ---- S15
@@ -247,64 +240,50 @@ std::vector<Measurement> self_hits(const Values& v, const DirectSetting& setting
                       [&]<class Real, FeatureSet formula>() { return self_hits_in<Real, formula>(v, setting); });
 }
 
-const CaseRegistration cases({
+const CasesOf<Family::geometry> cases({
     {.name = "huge_sphere",
      .catalogue = "S13",
-     .family = "geometry",
      .title = "the distance to a huge ground sphere below the eye",
      .stiff = "|f|^2 - R^2 cancels all but the eye's height over the radius of its digits",
      .formula = "c / (b + sqrt(b^2 - a c)) with c = h (2 R + h), in long double from the scene's numbers",
      .parameters = {{"radius", 1e5, 1, 1e9, "of the sphere, scene units"},
                     {"height", 1.3, 0.01, 100, "of the eye above it, scene units"}},
-     .points = {{{"radius", 1}}, {{"radius", 1e3}}, {{"radius", 1e5}}, {{"radius", 1e6}}, {{"radius", 1e7}}},
-     .quick_points = {{{"radius", 1}}, {{"radius", 1e5}}, {{"radius", 1e7}}},
+     .points = along("radius", {1, 1e3, 1e5, 1e6, 1e7}),
+     .quick_points = along("radius", {1, 1e5, 1e7}),
      .sweep = "radius",
      .direct = huge_sphere,
      .direct_has_naive = true,
      .direct_has_mixed = true},
     {.name = "ground_view",
      .catalogue = "S13",
-     .family = "geometry",
      .title = "a huge ground sphere seen through an absorbing medium, and its horizon",
      .stiff = "an error of the distance to the ground is one of the light that comes from it",
      .formula = "exp(-sigma t) with t from long double; the hyperbola that bounds the ground in the image",
      .parameters = {{"radius", 1e5, 100, 1e9, "of the sphere, scene units"},
                     {"height", 1.25, 0.01, 5, "of the eye above it, scene units"}},
-     .points = {{{"radius", 1e2}}, {{"radius", 1e3}}, {{"radius", 1e5}}, {{"radius", 1e6}}, {{"radius", 1e7}}},
-     .quick_points = {{{"radius", 1e2}}, {{"radius", 1e5}}},
+     .points = along("radius", {1e2, 1e3, 1e5, 1e6, 1e7}),
+     .quick_points = along("radius", {1e2, 1e5}),
      .sweep = "radius",
      .renderings = ground_view},
     {.name = "far_sphere",
      .catalogue = "S14",
-     .family = "geometry",
      .title = "the disc of a distant unit sphere",
      .stiff = "b^2 and |f|^2 - 1 agree in all digits but the last ones from a distance of 1e4 on",
      .formula = "disc area pi / (D^2 - 1) over the image's area",
      .parameters = {{"distance", 1e4, 2, 1e6, "of its centre, radii"}},
-     .points = {{{"distance", 10}},
-                {{"distance", 1e2}},
-                {{"distance", 1e3}},
-                {{"distance", 1e4}},
-                {{"distance", 1e5}},
-                {{"distance", 1e6}}},
-     .quick_points = {{{"distance", 1e2}}, {{"distance", 1e4}}},
+     .points = along("distance", {10, 1e2, 1e3, 1e4, 1e5, 1e6}),
+     .quick_points = along("distance", {1e2, 1e4}),
      .sweep = "distance",
      .renderings = [](const Values& v) { return far_sphere(v); }},
     {.name = "self_hits",
      .catalogue = "S15",
-     .family = "geometry",
      .title = "rays that start on a body, of every shape",
      .stiff = "a fixed epsilon is a whole body at a radius of 1e-6 and below the spacing of numbers at 1e6",
      .formula = "no outward ray meets the body; a chord is -2 r n.d, or ends at the first plane ahead",
      .parameters = {{"radius", 1, 1e-6, 1e6, "of the sphere, scene units; the other bodies are alike"},
                     {"distance", 1, 0, 1e6, "of the bodies' centres from the eye, radii"}},
-     .points = {{{"radius", 1e-6}},
-                {{"radius", 1e-3}},
-                {{"radius", 1}},
-                {{"radius", 1e3}},
-                {{"radius", 1e6}},
-                {{"radius", 1}, {"distance", 1e2}},
-                {{"radius", 1}, {"distance", 1e4}}},
+     .points = joined({along("radius", {1e-6, 1e-3, 1, 1e3, 1e6}),
+                       table({"radius", "distance"}, {{1, 1e2}, {1, 1e4}})}),
      .quick_points = {{{"radius", 1e-6}}, {{"radius", 1}, {"distance", 1e4}}, {{"radius", 1e6}}},
      .sweep = "radius",
      .direct = self_hits,

@@ -43,15 +43,12 @@ std::vector<Rendering> grazing(const Values& v) {
     return {{.scene = text.json(),
              .quick_paths = 4 * rows,
              .full_paths = 64 * rows,
-             .quantities = {{.name = "pixels that are neither black nor as bright as the quad",
-                             .of = pixels_where([](std::uint32_t, double x) { return x != 0 && x != 0.5; }),
-                             .tolerance = {0, 0, "numerics.md S16: exactly"},
-                             .is_estimate = false},
-                            {.name = "rows below the far edge",
-                             .of = [](const RenderResult& r) { return mean_radiance(r) * rows / 0.5; },
-                             .exact = covered,
-                             .tolerance = {1, 1, "numerics.md S16: one row"},
-                             .is_estimate = false}}}};
+             .quantities = {
+                 exactly("pixels that are neither black nor as bright as the quad",
+                         pixels_where([](std::uint32_t, double x) { return x != 0 && x != 0.5; }), 0,
+                         {0, 0, "numerics.md S16: exactly"}),
+                 exactly("rows below the far edge", [](const RenderResult& r) { return mean_radiance(r) * rows / 0.5; },
+                         covered, {1, 1, "numerics.md S16: one row"})}}};
 }
 
 // ---- S17
@@ -82,10 +79,8 @@ Rendering touched(const std::string& name, SceneText text, const Vec3d& out) {
     return {.scene = text.json(),
             .quick_paths = side * side,
             .full_paths = 4 * side * side,
-            .quantities = {{.name = "pixels on the wrong side, the eye on " + name,
-                            .of = misjudged(forward, out, out),
-                            .tolerance = {0, 0, "numerics.md S17: none with |d.n| >= 2^-20"},
-                            .is_estimate = false}}};
+            .quantities = {exactly("pixels on the wrong side, the eye on " + name, misjudged(forward, out, out), 0,
+                                   {0, 0, "numerics.md S17: none with |d.n| >= 2^-20"})}};
 }
 
 std::vector<Rendering> eye_touches(const Values& v) {
@@ -110,14 +105,11 @@ std::vector<Rendering> eye_touches(const Values& v) {
     // The eye is inside of a lamp.
     SceneText text("eye_touches");
     text.image(16, 16, 120, true).sphere(text.emitter(Vec3d(0.75)), {size / 4, size / 2, -size / 8}, 2 * size);
-    renderings.push_back({.scene = text.json(),
-                          .quick_paths = 4096,
-                          .full_paths = 1u << 16,
-                          .quantities = {{.name = "radiance inside of a lamp",
-                                          .of = farthest_from(0.75),
-                                          .exact = 0.75,
-                                          .tolerance = {0, 0, "numerics.md S17: exactly"},
-                                          .is_estimate = false}}});
+    renderings.push_back(
+        {.scene = text.json(),
+         .quick_paths = 4096,
+         .full_paths = 1u << 16,
+         .quantities = {every_pixel_is("radiance inside of a lamp", 0.75, {0, 0, "numerics.md S17: exactly"})}});
     return renderings;
 }
 
@@ -157,10 +149,8 @@ Rendering sphere_on_plane(double x, double albedo) {
     const double exact = -albedo * std::expm1(-1.5 * std::log1p(x * x));
     return {.scene = text.json(),
             .quick_paths = 1u << 17,
-            .quantities = {{.name = "radiance of the plane",
-                            .of = mean_radiance,
-                            .exact = exact,
-                            .tolerance = {16 * 0x1p-24 * albedo, 16 * 0x1p-53 * albedo + 0x1p-40, contact_origin}}}};
+            .quantities = {mean_is("radiance of the plane", exact,
+                                   {16 * 0x1p-24 * albedo, 16 * 0x1p-53 * albedo + 0x1p-40, contact_origin})}};
 }
 
 // numerics.md S8: the part of the hemisphere's cosine that a unit sphere at distance d covers, its centre at the cosine
@@ -186,10 +176,8 @@ Rendering sphere_on_sphere(double x, double albedo) {
     const double exact = albedo * (1 - covered_over_horizon(d, (2 * cosine - 1) / d));
     return {.scene = text.json(),
             .quick_paths = 1u << 17,
-            .quantities = {{.name = "radiance of the lower sphere",
-                            .of = mean_radiance,
-                            .exact = exact,
-                            .tolerance = {16 * 0x1p-24 * albedo, 16 * 0x1p-53 * albedo + 0x1p-40, contact_origin}}}};
+            .quantities = {mean_is("radiance of the lower sphere", exact,
+                                   {16 * 0x1p-24 * albedo, 16 * 0x1p-53 * albedo + 0x1p-40, contact_origin})}};
 }
 
 // The image of the whole ball from afar: it is darker than under the open sky everywhere.
@@ -228,15 +216,13 @@ std::vector<Rendering> coincident(const Values& v) {
             const std::string material = reflects ? text.diffuse(Vec3d(value)) : text.emitter(Vec3d(value));
             text.quad(material, {0, 0, 4}, 8, 8, {90 - v["tilt"], v["tilt"] / 2, 0});
         }
-        renderings.push_back({.scene = text.json(),
-                              .quick_paths = 1u << 14,
-                              .full_paths = 1u << 20,
-                              .quantities = {{.name = reflects ? "light reflected by one of two quads in one place"
-                                                               : "light emitted by one of two quads in one place",
-                                              .of = farthest_from(0.25),
-                                              .exact = 0.25,
-                                              .tolerance = {0, 0, "numerics.md S19: exactly one of the two"},
-                                              .is_estimate = false}}});
+        renderings.push_back(
+            {.scene = text.json(),
+             .quick_paths = 1u << 14,
+             .full_paths = 1u << 20,
+             .quantities = {every_pixel_is(reflects ? "light reflected by one of two quads in one place"
+                                                    : "light emitted by one of two quads in one place",
+                                           0.25, {0, 0, "numerics.md S19: exactly one of the two"})}});
     }
     return renderings;
 }
@@ -269,21 +255,15 @@ std::vector<Rendering> degenerate(const Values& v) {
     return {{.scene = text.json(),
              .quick_paths = 1u << 14,
              .full_paths = 1u << 20,
-             .quantities = {{.name = "radiance of the pixel that is farthest off",
-                             .of = farthest_from(exact),
-                             .exact = exact,
-                             .tolerance = {1e-6, 1e-12, "numerics.md S1, and the film's quantum"},
-                             .is_estimate = false},
-                            {.name = "segments missing of a path",
-                             .of = missing_segments(depth),
-                             .tolerance = {0, 0, "a closed space loses no path"},
-                             .is_estimate = false}}}};
+             .quantities = {every_pixel_is("radiance of the pixel that is farthest off", exact,
+                                           {1e-6, 1e-12, "numerics.md S1, and the film's quantum"}),
+                            exactly("segments missing of a path", missing_segments(depth), 0,
+                                    {0, 0, "a closed space loses no path"})}}};
 }
 
-const CaseRegistration cases({
+const CasesOf<Family::geometry> cases({
     {.name = "grazing",
      .catalogue = "S16",
-     .family = "geometry",
      .title = "a quad seen along its plane",
      .stiff = "the distance is a quotient of two numbers that are next to nothing",
      .formula = "L = L_e on every covered pixel; rows below atan(h / length)",
@@ -295,33 +275,30 @@ const CaseRegistration cases({
      .renderings = grazing},
     {.name = "eye_touches",
      .catalogue = "S17",
-     .family = "geometry",
      .title = "an eye exactly on a body, and one inside of a lamp",
      .stiff = "the first root is exactly 0: hit, missed or behind is decided by its sign",
      .formula = "1 for d.n > 0, 0 for d.n < 0; L_e inside of a lamp",
      .parameters = {{"size", 1, 1e-9, 1e9, "of the bodies, scene units"}},
-     .points = {{{"size", 1}}, {{"size", 0x1p-20}}, {{"size", 0x1p20}}, {{"size", 1e-6}}, {{"size", 1e6}}},
-     .quick_points = {{{"size", 1}}, {{"size", 1e-6}}},
+     .points = along("size", {1, 0x1p-20, 0x1p20, 1e-6, 1e6}),
+     .quick_points = along("size", {1, 1e-6}),
      .sweep = "size",
      .renderings = eye_touches,
      .known_limit = eye_on_ellipsoid},
     {.name = "eye_touches_slant",
      .catalogue = "S17",
-     .family = "geometry",
      .title = "an eye on a sphere, off its axes",
      .stiff = "|f|^2 - 1 is 0, but of rounded squares: its sign is that of a rounding",
      .formula = "1 for d.n > 0, 0 for d.n < 0",
      .parameters = {{"size", 1, 1e-6, 1e5, "a seventh of the radius, scene units"}},
-     .points = {{{"size", 1}}, {{"size", 0.001}}},
+     .points = along("size", {1, 0.001}),
      .renderings = eye_touches_at_slant},
     {.name = "contact",
      .catalogue = "S18",
-     .family = "geometry",
      .title = "a sphere on a plane and on a sphere, near the contact",
      .stiff = "light comes to the contact by a wedge as thin as x^2, between surfaces that shut it",
      .formula = "rho (1 - (1 + x^2)^(-3/2)); the sphere over the horizon of numerics.md S8 with d^2 = 5 - 4 cos x",
      .parameters = {{"x", 0.25, 0.01, 1, "from the contact, radii"}, {"albedo", 0.5, 0, 1, "of the lower surface"}},
-     .points = {{{"x", 1}}, {{"x", 0.25}}, {{"x", 0.05}}, {{"x", 0.01}}},
+     .points = along("x", {1, 0.25, 0.05, 0.01}),
      .quick_points = {{{"x", 0.25}}},
      .sweep = "x",
      .renderings =
@@ -331,23 +308,21 @@ const CaseRegistration cases({
          }},
     {.name = "coincident",
      .catalogue = "S19",
-     .family = "geometry",
      .title = "two quads in one place",
      .stiff = "both are met at the same distance: which one counts is decided by order, or by rounding",
      .formula = "the quad with the lower number, in every pixel",
      .parameters = {{"tilt", 0, 0, 80, "of the quads, degrees"}},
-     .points = {{{"tilt", 0}}, {{"tilt", 20}}},
+     .points = along("tilt", {0, 20}),
      .renderings = coincident,
      .known_limit = coincident_limit},
     {.name = "degenerate",
      .catalogue = "S22",
-     .family = "geometry",
      .title = "needles, plates and specks in a furnace of the same material",
      .stiff = "inverses of next to nothing, entries and exits at one distance, normals of no length",
      .formula = "E (1 - rho^D) / (1 - rho) as without them, and no path lost",
      .parameters = {{"thickness", 1e-6, 1e-18, 0.25, "of the bodies, scene units"}},
-     .points = {{{"thickness", 1e-18}}, {{"thickness", 1e-12}}, {{"thickness", 1e-6}}, {{"thickness", 0.01}}},
-     .quick_points = {{{"thickness", 1e-18}}, {{"thickness", 1e-6}}},
+     .points = along("thickness", {1e-18, 1e-12, 1e-6, 0.01}),
+     .quick_points = along("thickness", {1e-18, 1e-6}),
      .sweep = "thickness",
      .renderings = degenerate},
 });

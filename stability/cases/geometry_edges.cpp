@@ -96,11 +96,7 @@ std::vector<Rendering> face_row(const Values& v) {
         renderings.push_back({.scene = text.json(),
                               .quick_paths = width * height,
                               .full_paths = 16 * width * height,
-                              .quantities = {{.name = name,
-                                              .of = mean_radiance,
-                                              .exact = exact,
-                                              .tolerance = {1e-7, 1e-12, "one row is 0.03"},
-                                              .is_estimate = false}}});
+                              .quantities = {exactly(name, mean_radiance, exact, {1e-7, 1e-12, "one row is 0.03"})}});
     };
     // The lower half of the image, and the row that runs along the top face.
     add("part of the image that a box seen along its top face covers", -64, 128, 17);
@@ -202,22 +198,16 @@ std::string tiles_part(const Values& v, const VariantTraits& variant) {
            "spacing of numbers at that distance from the eye open between them; cure: precision=double";
 }
 
-const CaseRegistration cases({
+const CasesOf<Family::geometry> cases({
     {.name = "tiled_room",
      .catalogue = "S20",
-     .family = "geometry",
      .title = "a closed room of tiles, aimed at from within along their edges and vertices",
      .stiff = "every ray meets the wall where four tiles touch, and each tile's test is rounded by itself",
      .formula = "no ray leaves",
      .parameters = {{"tiles", 8, 1, 64, "a side of a wall", true},
                     {"offset", 0, 0, 1e6, "of the room's centre from the eye, on each axis, scene units"}},
-     .points = {{{"tiles", 1}},
-                {{"tiles", 8}},
-                {{"tiles", 48}},
-                {{"offset", 1e2}},
-                {{"offset", 1e4}},
-                {{"offset", 148376}},
-                {{"tiles", 48}, {"offset", 1e2}}},
+     .points = joined({along("tiles", {1, 8, 48}), along("offset", {1e2, 1e4, 148376}),
+                       table({"tiles", "offset"}, {{48, 1e2}})}),
      .quick_points = {{{"tiles", 1}}, {{"tiles", 8}}, {{"offset", 148376}}},
      .direct = tiles,
      .direct_has_naive = true,
@@ -225,24 +215,22 @@ const CaseRegistration cases({
      .known_limit = tiles_part},
     {.name = "box_edges",
      .catalogue = "S21",
-     .family = "geometry",
      .title = "rays through the edges of a box, and along its faces",
      .stiff = "entry and exit are one point, and times by reciprocals put the exit before the entry in 4 % of the rays",
      .formula = "every ray passes through a point of the closed box exactly: all must hit",
      .parameters = {{"half_height", 2, 1e-18, 8, "of the box, scene units, to a 64th; below 1e-7 as it is"}},
-     .points = {{{"half_height", 2}}, {{"half_height", 0.25}}, {{"half_height", 1e-18}}},
-     .quick_points = {{{"half_height", 2}}, {{"half_height", 1e-18}}},
+     .points = along("half_height", {2, 0.25, 1e-18}),
+     .quick_points = along("half_height", {2, 1e-18}),
      .direct = box_edges,
      .direct_has_naive = true,
      .direct_has_mixed = true},
     {.name = "face_row",
      .catalogue = "S21",
-     .family = "geometry",
      .title = "an eye in the plane of a box's face",
      .stiff = "0 * infinity: in which order a minimum takes its operands decides whether rays along a face hit it",
      .formula = "17 of 33 rows for a face on the horizon, one for a box without thickness: a box is closed",
      .parameters = {{"thickness", 1e-18, 1e-18, 0.01, "of the flat box, scene units"}},
-     .points = {{{"thickness", 1e-18}}, {{"thickness", 1e-6}}},
+     .points = along("thickness", {1e-18, 1e-6}),
      .renderings = face_row},
 });
 

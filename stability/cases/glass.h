@@ -30,11 +30,8 @@ inline Tolerance chance_tolerance(long double share, std::uint64_t paths, double
 }
 
 inline Quantity nothing_lost(const std::string& name) {
-    return {.name = name,
-            .of = [](const RenderResult& result) { return mean_channel(result, 2); },
-            .exact = 1,
-            .tolerance = {0, 0, "every path ends in a lamp of radiance 1, with weight 1"},
-            .is_estimate = false};
+    return exactly(name, [](const RenderResult& result) { return mean_channel(result, 2); }, 1,
+                   {0, 0, "every path ends in a lamp of radiance 1, with weight 1"});
 }
 
 inline std::vector<Quantity> shares(const Shares& exact, std::uint64_t paths, double more_single = 0) {
@@ -49,11 +46,18 @@ inline std::vector<Quantity> shares(const Shares& exact, std::uint64_t paths, do
 }
 
 inline Quantity all_one(const std::string& name) {
-    return {.name = name,
-            .of = farthest_from(1),
-            .exact = 1,
-            .tolerance = {0, 0, "every path leaves in the end, with weight 1"},
-            .is_estimate = false};
+    return every_pixel_is(name, 1, {0, 0, "every path leaves in the end, with weight 1"});
+}
+
+// The bodies of the parameter `shape`: 0 sphere, 1 ellipsoid, 2 box, 3 turned box.
+inline void add_body(SceneText& scene, std::uint32_t shape, const std::string& material) {
+    if (shape == 0) {
+        scene.sphere(material, {0, 0, 0}, 2);
+    } else if (shape == 1) {
+        scene.ellipsoid(material, {0, 0, 0}, {2, 1, 1.5}, {10, 20, 30});
+    } else {
+        scene.box(material, {0, 0, 0}, {1.5, 1, 2}, shape == 2 ? Vec3d(0.0) : Vec3d(10, 20, 30));
+    }
 }
 
 }  // namespace pt::stability

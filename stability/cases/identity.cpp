@@ -43,10 +43,8 @@ std::vector<Twins> in_scale(const Values& v) {
     const double factor = std::ldexp(1.0, k);
     std::vector<Twins> twins;
     for (const auto& [name, scene] : {std::pair("menagerie", menagerie()), std::pair("contact", contact())}) {
-        twins.push_back({.change = fmt::format("{} x 2^{}", name, k),
-                         .reference = scene,
-                         .changed = scaled(scene, factor),
-                         .parts = {}});
+        twins.push_back(
+            {.change = fmt::format("{} x 2^{}", name, k), .reference = scene, .changed = scaled(scene, factor)});
     }
     return twins;
 }
@@ -55,8 +53,7 @@ std::vector<Twins> in_radiance(const Values& v) {
     const int k = static_cast<int>(v["k"]);
     return {{.change = fmt::format("radiance x 2^{}", k),
              .reference = menagerie(),
-             .changed = brightened(menagerie(), std::ldexp(1.0, k)),
-             .parts = {}}};
+             .changed = brightened(menagerie(), std::ldexp(1.0, k))}};
 }
 
 std::vector<Twins> elsewhere(const Values& v) {
@@ -64,8 +61,7 @@ std::vector<Twins> elsewhere(const Values& v) {
     const Vec3d offset(distance, -distance, 2 * distance);
     return {{.change = fmt::format("moved by {:g}", distance),
              .reference = menagerie(),
-             .changed = moved(menagerie(), offset),
-             .parts = {}}};
+             .changed = moved(menagerie(), offset)}};
 }
 
 std::vector<Twins> in_order(const Values&) {
@@ -73,8 +69,8 @@ std::vector<Twins> in_order(const Values&) {
     Json reversed = scene, rotated = scene;
     std::reverse(reversed["objects"].begin(), reversed["objects"].end());
     std::rotate(rotated["objects"].begin(), rotated["objects"].begin() + 4, rotated["objects"].end());
-    return {{.change = "objects in reverse", .reference = scene, .changed = reversed, .parts = {}},
-            {.change = "objects rotated by four", .reference = scene, .changed = rotated, .parts = {}}};
+    return {{.change = "objects in reverse", .reference = scene, .changed = reversed},
+            {.change = "objects rotated by four", .reference = scene, .changed = rotated}};
 }
 
 // Two quads in one place: whichever wins must not depend on which comes first.
@@ -86,7 +82,7 @@ std::vector<Twins> coincident_in_order(const Values& v) {
     }
     Json swapped = text.json();
     std::reverse(swapped["objects"].begin(), swapped["objects"].end());
-    return {{.change = "coincident quads swapped", .reference = text.json(), .changed = swapped, .parts = {}}};
+    return {{.change = "coincident quads swapped", .reference = text.json(), .changed = swapped}};
 }
 
 // What no path meets: one speck that is too far away for its solid angle of 1e-18 to be met, and all kinds of objects
@@ -109,9 +105,8 @@ std::vector<Twins> with_unseen(const Values& v) {
                               {"material", far["objects"][0]["material"]},
                               {"translate", list(Vec3d(-1e9, 2e9, 1e9))},
                               {"scale", 1.0}});
-    return {
-        {.change = "objects outside of a closed room", .reference = room.json(), .changed = more.json(), .parts = {}},
-        {.change = "a speck far away", .reference = menagerie(), .changed = far, .parts = {}}};
+    return {{.change = "objects outside of a closed room", .reference = room.json(), .changed = more.json()},
+            {.change = "a speck far away", .reference = menagerie(), .changed = far}};
 }
 
 // Bodies of 1e-18 units, which no path meets.
@@ -129,7 +124,7 @@ std::vector<Twins> with_specks(const Values&) {
     add("box", {0.5, 1.5, -2}, Vec3d(1e-18), Vec3d(0.0));
     add("box", {0.25, 0.75, -2}, {1e-18, 1e-6, 1e-18}, {10, 20, 30});
     add("quad", {-0.25, 0.75, -2}, {1e-18, 1, 1e-6}, {10, 20, 30});
-    return {{.change = "bodies of no size", .reference = menagerie(), .changed = more, .parts = {}}};
+    return {{.change = "bodies of no size", .reference = menagerie(), .changed = more}};
 }
 
 std::vector<Twins> in_parts(const Values&) {
@@ -154,8 +149,8 @@ std::vector<Twins> with_idle_features(const Values&) {
     pinhole["camera"].erase("aperture_radius");
     pinhole["camera"].erase("focus_distance");
     closed["camera"]["aperture_radius"] = 0.0;
-    return {{.change = "velocities of 0", .reference = still, .changed = stopped, .parts = {}},
-            {.change = "an aperture of 0", .reference = pinhole, .changed = closed, .parts = {}}};
+    return {{.change = "velocities of 0", .reference = still, .changed = stopped},
+            {.change = "an aperture of 0", .reference = pinhole, .changed = closed}};
 }
 
 std::vector<Twins> scheduled(const Values&) {
@@ -165,7 +160,6 @@ std::vector<Twins> scheduled(const Values&) {
         twins.push_back({.change = fmt::format("{} {}", tunable, value),
                          .reference = scene,
                          .changed = scene,
-                         .parts = {},
                          .tuning = {{tunable, value}}});
     };
     for (const std::uint32_t threads : {64u, 256u, 512u}) {
@@ -187,42 +181,31 @@ const AxisChoices all_estimators{{axes::direct_light, {"nee", "nee_mis", "final_
                                  {axes::russian_roulette, {"throughput"}}};
 constexpr const char* same = "the same film, bit for bit";
 
-std::vector<std::map<std::string, double>> powers(std::initializer_list<int> exponents) {
-    std::vector<std::map<std::string, double>> points;
-    for (const int k : exponents) {
-        points.push_back({{"k", k}});
-    }
-    return points;
-}
-
-const CaseRegistration cases({
+const CasesOf<Family::identity> cases({
     {.name = "scene_scale",
      .catalogue = "S11",
-     .family = "identity",
      .title = "a scene times a power of two",
      .stiff = "any absolute epsilon becomes the scene's size, or nothing",
      .formula = same,
      .parameters = {{"k", 20, -50, 40, "lengths x 2^k", true}},
-     .points = powers({-50, -20, -10, -1, 1, 10, 20, 40}),
-     .quick_points = powers({-50, 40}),
+     .points = along("k", {-50, -20, -10, -1, 1, 10, 20, 40}),
+     .quick_points = along("k", {-50, 40}),
      .sweep = "k",
      .estimators = all_estimators,
      .twins = in_scale},
     {.name = "radiance_scale",
      .catalogue = "S11",
-     .family = "identity",
      .title = "all radiances times a power of two",
      .stiff = "thresholds on radiance, clamps and a film in fixed point have a unit of their own",
      .formula = same,
      .parameters = {{"k", 20, -50, 90, "radiance x 2^k", true}},
-     .points = powers({-50, -20, -1, 1, 20, 40, 90}),
-     .quick_points = powers({-20, 40}),
+     .points = along("k", {-50, -20, -1, 1, 20, 40, 90}),
+     .quick_points = along("k", {-20, 40}),
      .sweep = "k",
      .estimators = all_estimators,
      .twins = in_radiance},
     {.name = "object_order",
      .catalogue = "S11",
-     .family = "identity",
      .title = "the objects of a file in another order",
      .stiff = "object numbers break ties and pick lights",
      .formula = same,
@@ -230,18 +213,16 @@ const CaseRegistration cases({
      .twins = in_order},
     {.name = "unseen_objects",
      .catalogue = "S11",
-     .family = "identity",
      .title = "objects that no path meets",
      .stiff = "they widen bounds and shift numbers, and a room that is not closed shows them",
      .formula = same,
      .parameters = {{"distance", 1000, 8, 1e12, "of the objects outside of the room, scene units"}},
-     .points = {{{"distance", 8}}, {{"distance", 1000}}, {{"distance", 1e12}}},
+     .points = along("distance", {8, 1000, 1e12}),
      .quick_points = {{{"distance", 1000}}},
      .estimators = all_estimators,
      .twins = with_unseen},
     {.name = "sample_parts",
      .catalogue = "S11",
-     .family = "identity",
      .title = "the samples of a pixel in several runs",
      .stiff = "random numbers and sums must not know in which run a sample is",
      .formula = same,
@@ -249,7 +230,6 @@ const CaseRegistration cases({
      .twins = in_parts},
     {.name = "scheduling",
      .catalogue = "S11",
-     .family = "identity",
      .title = "other block sizes, samples in flight and ways to move paths",
      .stiff = "sums in floating point depend on their order, and numbers keyed by a place in a queue on the queue",
      .formula = same,
@@ -257,7 +237,6 @@ const CaseRegistration cases({
      .twins = scheduled},
     {.name = "idle_features",
      .catalogue = "S11",
-     .family = "identity",
      .title = "velocities and an aperture of 0",
      .stiff = "a feature at rest must do no arithmetic: o - v t and F d - o round",
      .formula = same,
@@ -265,29 +244,26 @@ const CaseRegistration cases({
      .twins = with_idle_features},
     {.name = "translation",
      .catalogue = "S12",
-     .family = "identity",
      .title = "a scene moved with its camera",
      .stiff = "at 1e7 units single precision has a spacing of 1",
      .formula = same,
      .parameters = {{"distance", 1e6, -1e12, 1e12, "on the axes, in the proportion 1 : -1 : 2, to a 64th"}},
-     .points = {{{"distance", 1e5}}, {{"distance", 1e6}}, {{"distance", 1e7}}, {{"distance", 1e12}}},
+     .points = along("distance", {1e5, 1e6, 1e7, 1e12}),
      .quick_points = {{{"distance", 1e7}}},
      .sweep = "distance",
      .estimators = all_estimators,
      .twins = elsewhere},
     {.name = "coincident_order",
      .catalogue = "S19",
-     .family = "identity",
      .title = "two quads in one place, in either order",
      .stiff = "the nearer of two equal distances is decided by order",
      .formula = same,
      .parameters = {{"tilt", 0, 0, 80, "of the quads, degrees"}},
-     .points = {{{"tilt", 0}}, {{"tilt", 20}}},
+     .points = along("tilt", {0, 20}),
      .estimators = all_estimators,
      .twins = coincident_in_order},
     {.name = "specks",
      .catalogue = "S22",
-     .family = "identity",
      .title = "bodies of no size in a scene",
      .stiff = "their inverses are 1e18, and their normals of no length",
      .formula = "the same film as without them, bit for bit",

@@ -1,38 +1,12 @@
-// S6 to S10: a diffuse receiver and lights whose irradiance is known. The camera stands straight above the point that
-// it looks at, nearer than the light, so that the point and the light are where they should be to a rounding of their
-// own distance.
+// S6 to S10: a diffuse receiver and lights whose irradiance is known.
 #include <cmath>
 
 #include "kernels/naive.h"
-#include "stability/oracles/furnace.h"
-#include "stability/oracles/irradiance.h"
+#include "stability/cases/receiver.h"
 #include "stability/oracles/limits.h"
 
 namespace pt::stability::irradiance {
 namespace {
-
-constexpr double albedo = 0.75;
-
-// The receiver's point is the origin, its normal +y.
-SceneText receiver(const std::string& name, double camera_height) {
-    SceneText scene(name);
-    scene.camera({0, camera_height, 0}, {0, 0, 0}, {0, 0, 1}).depth(2);
-    scene.quad(scene.diffuse(Vec3d(albedo)), {0, 0, 0}, 8, 8);
-    return scene;
-}
-
-// A rendering of a lit receiver. `single`, `fp64`: the relative errors allowed.
-std::vector<Rendering> lit(const SceneText& scene, double irradiance, double single, double fp64,
-                           const std::string& origin) {
-    const double exact = albedo * irradiance / pi<double>;
-    return {{.scene = scene.json(),
-             .quick_paths = paths_for(1e6, 2),
-             .full_paths = paths_for(6e7, 2),
-             .quantities = {{.name = "radiance of the receiver",
-                             .of = mean_radiance,
-                             .exact = exact,
-                             .tolerance = Tolerance::relative(exact, single, fp64, origin)}}}};
-}
 
 std::vector<Rendering> rectangle(const Values& v) {
     const double a = v["a"], b = v["b"], h = v["h"];
@@ -40,7 +14,7 @@ std::vector<Rendering> rectangle(const Values& v) {
     const bool centred = v.is_set("centred");
     scene.quad(scene.emitter(Vec3d(1.0)), {centred ? 0 : 0.5 * a, h, centred ? 0 : 0.5 * b}, a, b, {180, 0, 0});
     const double irradiance = centred ? 4 * rectangle_irradiance(0.5 * a, 0.5 * b, h) : rectangle_irradiance(a, b, h);
-    return lit(scene, irradiance, 1e-5, 1e-12, "numerics.md S6");
+    return lit(scene, irradiance, {1e-5, 1e-12, "numerics.md S6"});
 }
 
 std::vector<Rendering> disk(const Values& v) {
@@ -48,8 +22,9 @@ std::vector<Rendering> disk(const Values& v) {
     SceneText scene = receiver("disk", 0.25 * h);
     scene.ellipsoid(scene.emitter(Vec3d(1.0)), {offset, h, 0}, {2 * r, 2 * h * flatness, 2 * r});
     // The point is h / (half thickness) away in the ellipsoid's frame: so much more a rounding counts there.
-    return lit(scene, flat_ellipsoid_irradiance(r, h * flatness, h, offset), 1e-5 + 0x1p-22 / flatness,
-               1e-12 + 0x1p-51 / flatness, "numerics.md S7, and four roundings of the distance in half thicknesses");
+    return lit(scene, flat_ellipsoid_irradiance(r, h * flatness, h, offset),
+               {1e-5 + 0x1p-22 / flatness, 1e-12 + 0x1p-51 / flatness,
+                "numerics.md S7, and four roundings of the distance in half thicknesses"});
 }
 
 // Half of the way along the normal to the sphere's surface or, where that is far, half of the way to its centre.
@@ -74,8 +49,9 @@ std::vector<Rendering> sphere(const Values& v) {
     const double slope =
         std::abs(sphere_irradiance(distance + step, angle) - sphere_irradiance(distance - step, angle)) / (2 * step);
     const double moved = distance > 1 + step && irradiance > 0 ? slope * distance / irradiance : 0;
-    return lit(scene, irradiance, 1e-5 + 0x1p-23 * moved, 1e-12 + 0x1p-52 * moved,
-               "numerics.md S6 and S8, and a rounding of the sphere's distance");
+    return lit(scene, irradiance,
+               {1e-5 + 0x1p-23 * moved, 1e-12 + 0x1p-52 * moved,
+                "numerics.md S6 and S8, and a rounding of the sphere's distance"});
 }
 
 // S9: what sample_direction says of a small cone. Relative errors, so that a figure shows digits.
@@ -128,7 +104,7 @@ std::vector<Rendering> far_light_image(const Values& v) {
     const double sine = std::sqrt(std::pow(10.0, v["log10_sine_squared"]));
     SceneText scene = receiver("far_light", 0.5);
     scene.sphere(scene.emitter(Vec3d(1.0)), {0, 1, 0}, 2 * sine);
-    return lit(scene, sphere_irradiance(1 / sine, 0), 1e-5, 1e-12, "numerics.md S9 and S5");
+    return lit(scene, sphere_irradiance(1 / sine, 0), {1e-5, 1e-12, "numerics.md S9 and S5"});
 }
 
 // Two spheres of the same irradiance: the far one is distance^2 times as bright.
@@ -139,7 +115,7 @@ std::vector<Rendering> two_lights(const Values& v) {
     const Vec3d near_centre(std::sin(angle), std::cos(angle), 0);
     scene.sphere(scene.emitter(Vec3d(1.0)), near_centre, 2 * radius);
     scene.sphere(scene.emitter(Vec3d(far * far)), Vec3d(-near_centre.x, near_centre.y, 0) * far, 2 * radius);
-    return lit(scene, 2 * sphere_irradiance(1 / radius, angle), 1e-5, 1e-12, "numerics.md S10");
+    return lit(scene, 2 * sphere_irradiance(1 / radius, angle), {1e-5, 1e-12, "numerics.md S10"});
 }
 
 // The known limit of a corner straight above the point: light reaches by a rounding further than its edges.
@@ -153,10 +129,9 @@ std::string wide_edges(const Values& v, const VariantTraits& variant) {
                : "";
 }
 
-const CaseRegistration cases({
+const CasesOf<Family::irradiance> cases({
     {.name = "rectangle",
      .catalogue = "S6",
-     .family = "irradiance",
      .title = "a rectangle straight above the receiver",
      .stiff = "a light nearly on the surface: weights of 1 / distance^2 have no bound, and heights cancel",
      .formula = "1/2 [A/sqrt(1+A^2) atan(B/sqrt(1+A^2)) + B/sqrt(1+B^2) atan(A/sqrt(1+B^2))], A = a/h, B = b/h",
@@ -171,14 +146,13 @@ const CaseRegistration cases({
                 {{"h", 1e-3}},
                 {{"h", 1e-5}},
                 {{"h", 1e-7}}},
-     .quick_points = {{{"h", 1}}, {{"h", 1e-3}}, {{"h", 1e-7}}},
+     .quick_points = along("h", {1, 1e-3, 1e-7}),
      .sweep = "h",
      .estimators = {{axes::direct_light, {"nee", "nee_mis"}}},
      .renderings = rectangle,
      .known_limit = wide_edges},
     {.name = "disk",
      .catalogue = "S7",
-     .family = "irradiance",
      .title = "a disk above the receiver, or beside it: a flattened ellipsoid",
      .stiff = "an ellipsoid so flat that its own frame is stretched 64 times and more in one direction",
      .formula = "pi/2 [1 - (h^2+o^2-r^2)/sqrt((h^2+o^2+r^2)^2 - 4 o^2 r^2)] of a disk; of the ellipsoid, Lambert's "
@@ -199,20 +173,14 @@ const CaseRegistration cases({
      .renderings = disk},
     {.name = "sphere_light",
      .catalogue = "S8",
-     .family = "irradiance",
      .title = "a sphere above the receiver, across its horizon, almost on it, and around it",
      .stiff =
          "a gap of 1e-4 radii between receiver and light, and a cone wider than the hemisphere: sin^2 > 1 is a NaN",
      .formula = "pi (R/d)^2 cos w above the horizon; across it, Snyder's formula; pi from within",
      .parameters = {{"distance", 2, 0, 1e3, "of the centre, in radii"},
                     {"angle", 0, 0, 3, "of the centre off the normal, radians"}},
-     .points = {{{"angle", 0}},
-                {{"angle", 1.3707963267948966}},
-                {{"angle", 1.5707963267948966}},
-                {{"angle", 1.8707963267948966}},
-                {{"distance", 1.0001}, {"angle", 0.3}},
-                {{"distance", 0.5}, {"angle", 0.3}},
-                {{"distance", 0}}},
+     .points = joined({along("angle", {0, 1.3707963267948966, 1.5707963267948966, 1.8707963267948966}),
+                       table({"distance", "angle"}, {{1.0001, 0.3}, {0.5, 0.3}}), along("distance", {0})}),
      .quick_points = {{{"angle", 1.5707963267948966}},
                       {{"distance", 1.0001}, {"angle", 0.3}},
                       {{"distance", 0.5}, {"angle", 0.3}}},
@@ -226,50 +194,38 @@ const CaseRegistration cases({
          }},
     {.name = "far_light",
      .catalogue = "S9",
-     .family = "irradiance",
      .title = "the cone of directions towards a tiny light",
      .stiff = "1 - cos of the cone has no digit left in single precision below sin^2 = 6e-8: its density is infinite",
      .formula = "2 pi sin^2 / (1 + cos), and E = pi sin^2",
      .parameters = {{"log10_sine_squared", -8, -30, -0.1, "of the cone's half angle"}},
-     .points = {{{"log10_sine_squared", -1}},
-                {{"log10_sine_squared", -4}},
-                {{"log10_sine_squared", -6}},
-                {{"log10_sine_squared", -7.3}},
-                {{"log10_sine_squared", -8.497}},
-                {{"log10_sine_squared", -12}},
-                {{"log10_sine_squared", -20}}},
-     .quick_points = {{{"log10_sine_squared", -1}}, {{"log10_sine_squared", -8.497}}, {{"log10_sine_squared", -20}}},
+     .points = along("log10_sine_squared", {-1, -4, -6, -7.3, -8.497, -12, -20}),
+     .quick_points = along("log10_sine_squared", {-1, -8.497, -20}),
      .sweep = "log10_sine_squared",
      .direct = far_light,
      .direct_has_naive = true},
     {.name = "far_light_image",
      .catalogue = "S9",
-     .family = "irradiance",
      .title = "a receiver lit by a tiny light alone",
      .stiff = "all the light comes by one path in 1 / sin^2, and all samples of a connection are alike",
      .formula = "E = pi sin^2",
      .parameters = {{"log10_sine_squared", -2, -16, -0.5, "of the light's half angle"}},
-     .points = {{{"log10_sine_squared", -2}},
-                {{"log10_sine_squared", -4}},
-                {{"log10_sine_squared", -6}},
-                {{"log10_sine_squared", -8.497}}},
+     .points = along("log10_sine_squared", {-2, -4, -6, -8.497}),
      .sweep = "log10_sine_squared",
      .estimators = {{axes::direct_light, {"nee", "nee_mis"}}},
      .renderings = far_light_image,
      .known_limit =
          [](const Values& v, const VariantTraits& variant) {
              const double share = std::pow(10.0, v["log10_sine_squared"]);
-             return rare_or_dim(variant, share, 1, albedo * share);
+             return rare_or_dim(variant, share, 1, receiver_albedo * share);
          }},
     {.name = "two_lights",
      .catalogue = "S10",
-     .family = "irradiance",
      .title = "two lights of one irradiance, one of them far and bright",
      .stiff = "densities that differ by distance^2, up to 1e12, in one sum and in one weight",
      .formula = "twice pi (R/d)^2 cos w",
      .parameters = {{"distance", 10, 1, 1e7, "of the far light over that of the near one"}},
-     .points = {{{"distance", 1}}, {{"distance", 10}}, {{"distance", 100}}, {{"distance", 1e3}}, {{"distance", 1e6}}},
-     .quick_points = {{{"distance", 1}}, {{"distance", 10}}},
+     .points = along("distance", {1, 10, 100, 1e3, 1e6}),
+     .quick_points = along("distance", {1, 10}),
      .sweep = "distance",
      .estimators = {{axes::direct_light, {"nee", "nee_mis"}}},
      .renderings = two_lights,

@@ -4,14 +4,11 @@
 
 #include "harness/scene/environment_table.h"
 #include "kernels/texture.h"
-#include "stability/oracles/furnace.h"
-#include "stability/oracles/irradiance.h"
+#include "stability/cases/receiver.h"
 #include "stability/oracles/limits.h"
 
 namespace pt::stability::lights {
 namespace {
-
-constexpr double albedo = 0.75;
 
 const std::vector<std::map<std::string, std::string>> every_choice_of_a_light = {
     {{axes::direct_light, "nee"}, {axes::light_selection, "power"}},
@@ -20,25 +17,12 @@ const std::vector<std::map<std::string, std::string>> every_choice_of_a_light = 
     {{axes::direct_light, "nee_mis"}, {axes::light_selection, "light_tree"}},
     {{axes::direct_light, "nee_one_sample"}, {axes::light_selection, "light_tree"}}};
 
-// A diffuse receiver at the origin whose normal is +y, seen from straight above.
-SceneText receiver(const std::string& name) {
-    SceneText scene(name);
-    scene.camera({0, 0.25, 0}, {0, 0, 0}, {0, 0, 1}).depth(2);
-    scene.quad(scene.diffuse(Vec3d(albedo)), {0, 0, 0}, 8, 8);
-    return scene;
-}
-
 // Every ray is held against every lamp, so many lamps get fewer paths, up to sixteen times fewer: their errors are up
 // to four times as large.
-std::vector<Rendering> lit(const SceneText& scene, std::uint32_t lamps, double irradiance, const std::string& origin) {
-    const double exact = albedo * irradiance / pi<double>, share = std::clamp(lamps / 256.0, 1.0, 16.0);
-    return {{.scene = scene.json(),
-             .quick_paths = paths_for(1e6 / share, 2),
-             .full_paths = paths_for(3e7 / share, 2),
-             .quantities = {{.name = "radiance of the receiver",
-                             .of = mean_radiance,
-                             .exact = exact,
-                             .tolerance = Tolerance::relative(exact, 1e-5, 1e-12, origin)}}}};
+std::vector<Rendering> lit_by(std::uint32_t lamps, const SceneText& scene, double irradiance,
+                              const std::string& origin) {
+    const double share = std::clamp(lamps / 256.0, 1.0, 16.0);
+    return lit(scene, irradiance, {1e-5, 1e-12, origin}, 1e6 / share, 3e7 / share);
 }
 
 // Balls at distance 1, spread over the heights from 1/2 to 1 by the golden angle, so that none hides another: the least
@@ -71,24 +55,24 @@ ManyBalls balls_of(const Values& v) { return {v.whole("count"), v["decades"]}; }
 
 std::vector<Rendering> many_powers(const Values& v) {
     const ManyBalls balls = balls_of(v);
-    SceneText scene = receiver("many_powers");
+    SceneText scene = receiver("many_powers", 0.25);
     for (std::uint32_t i = 0; i < balls.count; ++i) {
         scene.sphere(scene.emitter(Vec3d(balls.radiance(i))), balls.centre(i), 2 * balls.radius());
     }
-    return lit(scene, balls.count, balls.irradiance(),
-               "numerics.md S8: the sum of so many balls, each wholly above the horizon");
+    return lit_by(balls.count, scene, balls.irradiance(),
+                  "numerics.md S8: the sum of so many balls, each wholly above the horizon");
 }
 
 // A lamp of 2 x 2 at height 1, cut into squares that share their edges: one rectangle of S6.
 std::vector<Rendering> touching_lamps(const Values& v) {
     const std::uint32_t side = v.whole("side");
-    SceneText scene = receiver("touching_lamps");
+    SceneText scene = receiver("touching_lamps", 0.25);
     const std::string lamp = scene.emitter(Vec3d(1.0));
     const double width = 2.0 / side;
     for (std::uint32_t i = 0; i < side * side; ++i) {
         scene.quad(lamp, {(i % side + 0.5) * width - 1, 1, (i / side + 0.5) * width - 1}, width, width, {180, 0, 0});
     }
-    return lit(scene, side * side, 4 * rectangle_irradiance(1, 1, 1), "numerics.md S6");
+    return lit_by(side * side, scene, 4 * rectangle_irradiance(1, 1, 1), "numerics.md S6");
 }
 
 // A sky of even grey with one bright texel.
@@ -197,20 +181,19 @@ std::string limit_of_many(const Values& v, const VariantTraits& variant) {
     // The brightest of each octave of powers: so few lamps carry half the light.
     const double share =
         balls.radius() * balls.radius() * std::max(1.0, balls.count * 0.3 / std::max(0.3, v["decades"]));
-    return rare_or_dim(variant, share, 1, albedo * balls.irradiance() / pi<double>);
+    return rare_or_dim(variant, share, 1, receiver_albedo * balls.irradiance() / pi<double>);
 }
 
-const CaseRegistration cases({
+const CasesOf<Family::lights> cases({
     {.name = "many_powers",
      .catalogue = "P10",
-     .family = "lights",
      .title = "thousands of balls of light whose powers go over twelve decades",
      .stiff =
          "probabilities from 1 to 1e-16 by which light is divided: one that is rounded to 0 is a lamp that is gone",
      .formula = "the sum of pi L (R/d)^2 cos w",
      .parameters = {{"count", 256, 1, 1e5, "lamps", true}, {"decades", 12, 0, 30, "of their powers"}},
      .points = {{{"decades", 0}}, {{"decades", 12}}, {{"count", 4096}}, {{"count", 4096}, {"decades", 0}}},
-     .quick_points = {{{"decades", 12}}, {{"decades", 0}}},
+     .quick_points = along("decades", {12, 0}),
      .sweep = "decades",
      .estimators = {{axes::direct_light, {"nee", "nee_mis"}}},
      .joint_estimators = every_choice_of_a_light,
@@ -218,12 +201,11 @@ const CaseRegistration cases({
      .known_limit = limit_of_many},
     {.name = "touching_lamps",
      .catalogue = "P11",
-     .family = "lights",
      .title = "one lamp cut into squares that touch",
      .stiff = "a direction towards a lamp's edge that is met in its neighbour is counted twice or never",
      .formula = "four rectangles of S6",
      .parameters = {{"side", 8, 1, 64, "lamps along a side", true}},
-     .points = {{{"side", 1}}, {{"side", 8}}, {{"side", 32}}},
+     .points = along("side", {1, 8, 32}),
      .quick_points = {{{"side", 8}}},
      .sweep = "side",
      .estimators = {{axes::direct_light, {"nee", "nee_mis"}}},
@@ -231,24 +213,21 @@ const CaseRegistration cases({
      .renderings = touching_lamps},
     {.name = "bright_texel",
      .catalogue = "P12",
-     .family = "lights",
      .title = "a sky whose light is in one texel",
      .stiff = "a texel 1e8 times as bright as the rest of the sky leaves the others probabilities of 2^-32",
      .formula = "the sum of radiance times solid angle",
      .parameters = {{"contrast", 1e8, 1, 1e30, "of the bright texel to the others"}},
-     .points =
-         {{{"contrast", 1}}, {{"contrast", 1e4}}, {{"contrast", 1e8}}, {{"contrast", 1e16}}, {{"contrast", 1e30}}},
+     .points = along("contrast", {1, 1e4, 1e8, 1e16, 1e30}),
      .quick_points = {{{"contrast", 1e8}}},
      .sweep = "contrast",
      .direct = bright_texel},
     {.name = "texture_edge",
      .catalogue = "P13",
-     .family = "lights",
      .title = "the blend of an image's texels at their middles and edges",
      .stiff = "at a middle the next pair of texels begins: a coordinate that is rounded up there must not skip one",
      .formula = "linear between the middles of texels, repeated",
      .parameters = {{"texels", 64, 2, 8192, "in a row; an even number", true}},
-     .points = {{{"texels", 2}}, {{"texels", 64}}, {{"texels", 1000}}, {{"texels", 8192}}},
+     .points = along("texels", {2, 64, 1000, 8192}),
      .quick_points = {{{"texels", 64}}},
      .sweep = "texels",
      .direct = texture_edge},

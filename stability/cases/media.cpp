@@ -5,8 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "harness/stability/case.h"
-#include "stability/oracles/fresnel.h"
+#include "stability/cases/glass.h"
 #include "stability/oracles/transfer.h"
 
 namespace pt::stability::media {
@@ -25,13 +24,10 @@ std::vector<Rendering> absorbing_chord(const Values& v) {
     return {{.scene = scene.json(),
              .quick_paths = 16,
              .full_paths = 1024,
-             .quantities = {{.name = "radiance",
-                             .of = farthest_from(exact),
-                             .exact = exact,
-                             .tolerance = {roundings * 0x1p-23 + half_quantum, roundings * 0x1p-52 + half_quantum,
-                                           "32 roundings of the chord, 5 radii away and magnified by 1 / cos, and the "
-                                           "film's quantum"},
-                             .is_estimate = false}}}};
+             .quantities = {every_pixel_is("radiance", exact,
+                                           {roundings * 0x1p-23 + half_quantum, roundings * 0x1p-52 + half_quantum,
+                                            "32 roundings of the chord, 5 radii away and magnified by 1 / cos, and the "
+                                            "film's quantum"})}}};
 }
 
 // A wide slab under the eye, black below. `mu`: cosine of incidence; 0: the light falls on a white speck that faces the
@@ -79,12 +75,10 @@ std::vector<Rendering> half_space(const Values& v) {
     return {{.scene = scene.json(),
              .quick_paths = paths,
              .full_paths = 64 * paths,
-             .quantities = {{.name = "albedo",
-                             .of = mean_radiance,
-                             .exact = exact,
-                             .tolerance = {1e-7 + roundings * 0x1p-24, 1e-9 + roundings * 0x1p-53,
-                                           "a rounding of the throughput at each of d ln A / d ln w collisions, the "
-                                           "absorption's and the free path's of 2^-24 (2^-32 in double)"}}}}};
+             .quantities = {mean_is("albedo", exact,
+                                    {1e-7 + roundings * 0x1p-24, 1e-9 + roundings * 0x1p-53,
+                                     "a rounding of the throughput at each of d ln A / d ln w collisions, the "
+                                     "absorption's and the free path's of 2^-24 (2^-32 in double)"})}}};
 }
 
 // A white half space, in which what scatters more than `cap` times is lost: H(mu) / sqrt(pi n) of it for large n, from
@@ -96,26 +90,24 @@ std::vector<Rendering> capped_half_space(const Values& v) {
     scene.environment(1);
     const double exact = HFunction(1).at(mu) / std::sqrt(std::numbers::pi * cap);
     const std::uint64_t paths = paths_for(4 * std::sqrt(cap));
-    return {{.scene = scene.json(),
-             .quick_paths = paths,
-             .full_paths = 64 * paths,
-             .quantities = {{.name = "unfinished walks a path",
-                             .of =
-                                 [](const RenderResult& result) {
-                                     return static_cast<double>(result.work.unfinished_walks) /
-                                            static_cast<double>(result.work.paths);
-                                 },
-                             .exact = exact,
-                             .tolerance = {exact / cap, exact / cap, "the next term of the asymptotic series"}},
-                            {.name = "radiance and unfinished walks a path",
-                             .of =
-                                 [](const RenderResult& result) {
-                                     return mean_radiance(result) + static_cast<double>(result.work.unfinished_walks) /
-                                                                        static_cast<double>(result.work.paths);
-                                 },
-                             .exact = 1,
-                             .tolerance = {half_quantum, half_quantum, "a path is counted or comes back with weight 1"},
-                             .is_estimate = false}}}};
+    return {
+        {.scene = scene.json(),
+         .quick_paths = paths,
+         .full_paths = 64 * paths,
+         .quantities = {{.name = "unfinished walks a path",
+                         .of =
+                             [](const RenderResult& result) {
+                                 return static_cast<double>(result.work.unfinished_walks) /
+                                        static_cast<double>(result.work.paths);
+                             },
+                         .exact = exact,
+                         .tolerance = {exact / cap, exact / cap, "the next term of the asymptotic series"}},
+                        exactly("radiance and unfinished walks a path",
+                                [](const RenderResult& result) {
+                                    return mean_radiance(result) + static_cast<double>(result.work.unfinished_walks) /
+                                                                       static_cast<double>(result.work.paths);
+                                },
+                                1, {half_quantum, half_quantum, "a path is counted or comes back with weight 1"})}}};
 }
 
 std::vector<Rendering> slab(const Values& v) {
@@ -140,29 +132,11 @@ std::vector<Rendering> slab(const Values& v) {
          .exact = exact.transmitted,
          .tolerance = tolerance}};
     if (w == 1) {
-        quantities.push_back({.name = "reflected and transmitted",
-                              .of = [](const RenderResult& result) { return mean_channel(result, 0); },
-                              .exact = 1,
-                              .tolerance = {0, 0, "every walk comes out, with weight 1"},
-                              .is_estimate = false});
+        quantities.push_back(exactly("reflected and transmitted",
+                                     [](const RenderResult& result) { return mean_channel(result, 0); }, 1,
+                                     {0, 0, "every walk comes out, with weight 1"}));
     }
     return {{.scene = scene.json(), .quick_paths = paths, .full_paths = 64 * paths, .quantities = quantities}};
-}
-
-void add_body(SceneText& scene, std::uint32_t shape, const std::string& material) {
-    switch (shape) {
-        case 0:
-            scene.sphere(material, {0, 0, 0}, 2);
-            break;
-        case 1:
-            scene.ellipsoid(material, {0, 0, 0}, {2, 1, 1.5}, {10, 20, 30});
-            break;
-        case 2:
-            scene.box(material, {0, 0, 0}, {1.5, 1, 2});
-            break;
-        default:
-            scene.box(material, {0, 0, 0}, {1.5, 1, 2}, {10, 20, 30});
-    }
 }
 
 std::vector<Rendering> white_body(const Values& v) {
@@ -174,11 +148,8 @@ std::vector<Rendering> white_body(const Values& v) {
     return {{.scene = scaled(scene.json(), v["size"]),
              .quick_paths = paths,
              .full_paths = 16 * paths,
-             .quantities = {{.name = "radiance of the pixel that is farthest off",
-                             .of = farthest_from(1),
-                             .exact = 1,
-                             .tolerance = {0, 0, "every path leaves in the end, with weight 1"},
-                             .is_estimate = false}}}};
+             .quantities = {every_pixel_is("radiance of the pixel that is farthest off", 1,
+                                           {0, 0, "every path leaves in the end, with weight 1"})}}};
 }
 
 // A body that only absorbs: without scattering a body of any index is clear or absorbing glass; what it absorbs is by
@@ -196,12 +167,10 @@ std::vector<Rendering> absorbing_body(const Values& v) {
     return {{.scene = scene.json(),
              .quick_paths = 1u << 16,
              .full_paths = 1u << 23,
-             .quantities = {{.name = "radiance",
-                             .of = mean_radiance,
-                             .exact = static_cast<double>(r + (1 - r) * (1 - r) * a / (1 - r * a)),
-                             .tolerance = {1e-6 + slope, 1e-8,
-                                           "reflectances and free paths to 2^-24 (2^-32 in double), the chord's "
-                                           "rounding"}}}}};
+             .quantities = {mean_is("radiance", static_cast<double>(r + (1 - r) * (1 - r) * a / (1 - r * a)),
+                                    {1e-6 + slope, 1e-8,
+                                     "reflectances and free paths to 2^-24 (2^-32 in double), the chord's "
+                                     "rounding"})}}};
 }
 
 std::vector<Twins> clear_twins(const Values& v) {
@@ -212,10 +181,7 @@ std::vector<Twins> clear_twins(const Values& v) {
                  is_subsurface ? text.subsurface(Vec3d(0.0), Vec3d(0.0), 0, v["ior"]) : text.dielectric(v["ior"]));
         return text.json();
     };
-    return {{.change = "a body without medium instead of glass",
-             .reference = scene(false),
-             .changed = scene(true),
-             .parts = {}}};
+    return {{.change = "a body without medium instead of glass", .reference = scene(false), .changed = scene(true)}};
 }
 
 // An opaque ball: where the free path is short against the radius, every point of it is a half space.
@@ -231,39 +197,28 @@ std::vector<Rendering> opaque_ball(const Values& v) {
     const std::uint64_t paths = paths_for(16 * collisions + 4);
     // A curved surface lets out more, by the order of a diffusion length over the radius.
     const double curvature = 4 / (sigma * std::sqrt(3 * (1 - w))) * exact * (1 - exact);
-    return {
-        {.scene = scene.json(),
-         .quick_paths = paths,
-         .full_paths = 64 * paths,
-         .quantities = {{.name = "albedo",
-                         .of = mean_radiance,
-                         .exact = exact,
-                         .tolerance = {1e-6 + curvature, 1e-6 + curvature,
-                                       "numerics.md S33, and the curvature: a diffusion length over the radius"}}}}};
+    return {{.scene = scene.json(),
+             .quick_paths = paths,
+             .full_paths = 64 * paths,
+             .quantities = {mean_is("albedo", exact,
+                                    {1e-6 + curvature, 1e-6 + curvature,
+                                     "numerics.md S33, and the curvature: a diffusion length over the radius"})}}};
 }
 
-const CaseRegistration cases({
+const CasesOf<Family::media> cases({
     {.name = "absorbing_chord",
      .catalogue = "S32",
-     .family = "media",
      .title = "a ray through an absorbing ball of matched index",
      .stiff = "towards the limb the chord, a difference of two roots, vanishes; far away its digits do",
      .formula = "exp(-t sqrt(1 - b^2)), t = 2 sigma R (Beer and Lambert)",
      .parameters = {{"t", 1, 0, 30, "absorption along the diameter"},
                     {"impact", 0.5, 0, 0.9999, "distance of the ray from the centre, over the radius"}},
-     .points = {{{"t", 1e-3}},
-                {{"t", 0.1}},
-                {{"t", 1}},
-                {{"t", 5}},
-                {{"t", 20}},
-                {{"t", 1}, {"impact", 0}},
-                {{"t", 1}, {"impact", 0.999}}},
-     .quick_points = {{{"t", 1e-3}}, {{"t", 20}}},
+     .points = joined({along("t", {1e-3, 0.1, 1, 5, 20}), table({"t", "impact"}, {{1, 0}, {1, 0.999}})}),
+     .quick_points = along("t", {1e-3, 20}),
      .sweep = "t",
      .renderings = absorbing_chord},
     {.name = "half_space",
      .catalogue = "S33",
-     .family = "media",
      .title = "albedo of a scattering half space",
      .stiff = "some 1 / sqrt(1-w) scatterings on average, with a tail that falls as n^(-1/2) up to n = 1 / (1-w)",
      .formula =
@@ -278,7 +233,6 @@ const CaseRegistration cases({
      .renderings = half_space},
     {.name = "capped_half_space",
      .catalogue = "S33",
-     .family = "media",
      .title = "what a cap on scatterings loses of a white half space",
      .stiff = "the share that scatters more than n times falls as n^(-1/2) only, without end",
      .formula = "H(mu) / sqrt(pi n), from the branch point of Chandrasekhar's albedo at w = 1",
@@ -289,7 +243,6 @@ const CaseRegistration cases({
      .renderings = capped_half_space},
     {.name = "slab",
      .catalogue = "S34",
-     .family = "media",
      .title = "reflectance and transmittance of a scattering slab",
      .stiff = "what goes through a thick slab has scattered tau^2 times",
      .formula = "the integral equation of the collision density by Galerkin's method (oracles/transfer.h)",
@@ -311,7 +264,6 @@ const CaseRegistration cases({
      .renderings = slab},
     {.name = "white_body",
      .catalogue = "S36",
-     .family = "media",
      .title = "a white scattering body in even surroundings",
      .stiff =
          "some n^2 sigma scatterings a path with a tail up to their square, none of which may leave, freeze or lose "
@@ -341,7 +293,6 @@ const CaseRegistration cases({
      .renderings = white_body},
     {.name = "clear_body",
      .catalogue = "S37",
-     .family = "media",
      .title = "a scattering body without medium is glass",
      .stiff = "sigma = 0 has free paths of infinite length and an albedo of 0 / 0",
      .formula = "bit for bit the film of the dielectric with the same index: 1 everywhere",
@@ -352,7 +303,6 @@ const CaseRegistration cases({
      .twins = clear_twins},
     {.name = "absorbing_body",
      .catalogue = "S37",
-     .family = "media",
      .title = "a body that absorbs and does not scatter",
      .stiff = "every collision has the weight 0, so a walk tells e^-t by its rare ends alone",
      .formula = "R + (1-R)^2 a / (1 - R a), a = exp(-2 sigma r cos_t): the dielectric's",
@@ -360,20 +310,19 @@ const CaseRegistration cases({
                     {"impact", 0.6, 0, 0.999, "distance of the ray from the centre, over the radius"},
                     {"ior", 1.5, 1, 10, "of the body"}},
      .points = {{{"ior", 1}}, {{"ior", 1}, {"sigma", 2.5}}, {{"ior", 1.5}}, {{"ior", 1.5}, {"impact", 0.99}}},
-     .quick_points = {{{"ior", 1}}, {{"ior", 1.5}}},
+     .quick_points = along("ior", {1, 1.5}),
      .sweep = "sigma",
      .renderings = absorbing_body},
     {.name = "opaque_ball",
      .catalogue = "S37",
-     .family = "media",
      .title = "a ball with free paths of a millionth of its radius",
      .stiff = "free paths below the spacing of the numbers that hold positions",
      .formula = "Chandrasekhar's half space: 1 - sqrt(1-w) H(1), w = 1 - 2^-k",
      .parameters = {{"sigma", 1e4, 1e3, 1e12, "attenuation, 1 / radius"},
                     {"distance", 3, 1.01, 100, "of the eye from the centre, radii"},
                     {"k", 3, 1, 10, "single scattering albedo 1 - 2^-k", true}},
-     .points = {{{"sigma", 1e4}}, {{"sigma", 1e5}}, {{"sigma", 1e6}}, {{"sigma", 1e7}}, {{"sigma", 1e8}}},
-     .quick_points = {{{"sigma", 1e4}}, {{"sigma", 1e8}}},
+     .points = along("sigma", {1e4, 1e5, 1e6, 1e7, 1e8}),
+     .quick_points = along("sigma", {1e4, 1e8}),
      .sweep = "sigma",
      .renderings = opaque_ball,
      .known_limit = [](const Values& v, const VariantTraits& variant) -> std::string {

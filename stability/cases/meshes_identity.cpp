@@ -34,17 +34,14 @@ std::vector<Twins> in_order(const Values& v) {
     const std::uint64_t seed = v.whole("seed");
     return {{.change = "triangles and vertices shuffled",
              .reference = mesh_room().json(),
-             .changed = mesh_room([seed](const Mesh& mesh) { return shuffled(mesh, seed); }).json(),
-             .parts = {}}};
+             .changed = mesh_room([seed](const Mesh& mesh) { return shuffled(mesh, seed); }).json()}};
 }
 
 std::vector<Twins> in_scale(const Values& v) {
     const int k = static_cast<int>(v["k"]);
     const Json scene = mesh_room().json();
-    return {{.change = fmt::format("meshes x 2^{}", k),
-             .reference = scene,
-             .changed = scaled(scene, std::ldexp(1.0, k)),
-             .parts = {}}};
+    return {
+        {.change = fmt::format("meshes x 2^{}", k), .reference = scene, .changed = scaled(scene, std::ldexp(1.0, k))}};
 }
 
 std::vector<Twins> elsewhere(const Values& v) {
@@ -52,15 +49,13 @@ std::vector<Twins> elsewhere(const Values& v) {
     const Json scene = mesh_room().json();
     return {{.change = fmt::format("moved by 2^{:g} diameters", v["k"]),
              .reference = scene,
-             .changed = moved(scene, {distance, -distance, 2 * distance}),
-             .parts = {}}};
+             .changed = moved(scene, {distance, -distance, 2 * distance})}};
 }
 
 std::vector<Twins> without_flat_ones(const Values&) {
     return {{.change = "triangles without area among the others",
              .reference = mesh_room().json(),
-             .changed = mesh_room(with_flat_ones).json(),
-             .parts = {}}};
+             .changed = mesh_room(with_flat_ones).json()}};
 }
 
 // The count of triangles that are left out, three in four, is told.
@@ -88,7 +83,7 @@ std::vector<Twins> coplanar_in_order(const Values&) {
     }
     Json swapped = text.json();
     std::reverse(swapped["objects"].begin(), swapped["objects"].end());
-    return {{.change = "meshes in one place swapped", .reference = text.json(), .changed = swapped, .parts = {}}};
+    return {{.change = "meshes in one place swapped", .reference = text.json(), .changed = swapped}};
 }
 
 std::vector<Twins> coplanar_twins(const Values&) {
@@ -98,55 +93,48 @@ std::vector<Twins> coplanar_twins(const Values&) {
         text.mesh(text.emitter({4, 2, 1}), mesh, {0, 0, 0.5}, Vec3d(0.5), {10, 20, 30});
         return text.json();
     };
-    return {{.change = "every triangle twice",
-             .reference = scene(spindle(7)),
-             .changed = scene(doubled(spindle(7))),
-             .parts = {}}};
+    return {{.change = "every triangle twice", .reference = scene(spindle(7)), .changed = scene(doubled(spindle(7)))}};
 }
 
 const AxisChoices connected{{axes::direct_light, {"nee", "nee_mis"}}};
 constexpr const char* same = "the same film, bit for bit";
 
-const CaseRegistration cases({
+const CasesOf<Family::meshes> cases({
     {.name = "mesh_order",
      .catalogue = "S11",
-     .family = "meshes",
      .title = "the triangles of a mesh in another order",
      .stiff = "primitive numbers break ties and pick points of lights",
      .formula = same,
      .parameters = {{"seed", 1, 0, 4294967295.0, "of the order", true}},
-     .points = {{{"seed", 1}}, {{"seed", 2}}},
+     .points = along("seed", {1, 2}),
      .estimators = connected,
      .over_accelerators = true,
      .twins = in_order},
     {.name = "mesh_scale",
      .catalogue = "S11",
-     .family = "meshes",
      .title = "meshes times a power of two",
      .stiff = "boxes are padded and quantised, and a triangle's area is a product of two small numbers",
      .formula = same,
      .parameters = {{"k", 20, -50, 40, "lengths x 2^k", true}},
-     .points = {{{"k", -50}}, {{"k", -20}}, {{"k", -1}}, {{"k", 1}}, {{"k", 20}}, {{"k", 40}}},
-     .quick_points = {{{"k", -50}}, {{"k", 40}}},
+     .points = along("k", {-50, -20, -1, 1, 20, 40}),
+     .quick_points = along("k", {-50, 40}),
      .sweep = "k",
      .estimators = connected,
      .over_accelerators = true,
      .twins = in_scale},
     {.name = "mesh_translation",
      .catalogue = "S12",
-     .family = "meshes",
      .title = "meshes moved with their camera, up to ten million diameters",
      .stiff = "at 2^24 units single precision has a spacing of 2",
      .formula = same,
      .parameters = {{"k", 13, 0, 30, "by 2^k diameters", true}},
-     .points = {{{"k", 13}}, {{"k", 20}}, {{"k", 23}}},
+     .points = along("k", {13, 20, 23}),
      .quick_points = {{{"k", 23}}},
      .sweep = "k",
      .over_accelerators = true,
      .twins = elsewhere},
     {.name = "coplanar_meshes",
      .catalogue = "S19",
-     .family = "meshes",
      .title = "two meshes in one place, in either order",
      .stiff = "all of their triangles are met at one distance, and a tree may reach either first",
      .formula = same,
@@ -155,7 +143,6 @@ const CaseRegistration cases({
      .twins = coplanar_in_order},
     {.name = "coplanar_twins",
      .catalogue = "S19",
-     .family = "meshes",
      .title = "a mesh that has every triangle twice",
      .stiff = "a builder finds no plane between twins, and a light has its area twice",
      .formula = same,
@@ -163,7 +150,6 @@ const CaseRegistration cases({
      .twins = coplanar_twins},
     {.name = "flat_triangles",
      .catalogue = "S22",
-     .family = "meshes",
      .title = "triangles without area in a mesh",
      .stiff = "their normals have no length, and their weights are 0 / 0",
      .formula = "the same film as without them, bit for bit",
@@ -172,7 +158,6 @@ const CaseRegistration cases({
      .twins = without_flat_ones},
     {.name = "flat_triangles_counted",
      .catalogue = "S22",
-     .family = "meshes",
      .title = "triangles without area are left out aloud",
      .stiff = "what is silently left out is missed by nobody",
      .formula = "three of four are left out, and counted",

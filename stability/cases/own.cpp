@@ -4,25 +4,13 @@
 #include "harness/scene/scene.h"
 #include "kernels/materials/mix.h"
 #include "kernels/rng.h"
-#include "stability/oracles/furnace.h"
-#include "stability/oracles/irradiance.h"
+#include "stability/cases/receiver.h"
 #include "stability/oracles/limits.h"
 
 namespace pt::stability::own {
 namespace {
 
-constexpr double albedo = 0.75;
-
-Rendering lit_point(const SceneText& scene, double irradiance) {
-    const double exact = albedo * irradiance / pi<double>;
-    return {.scene = scene.json(),
-            .quick_paths = paths_for(1e6, 2),
-            .full_paths = paths_for(6e7, 2),
-            .quantities = {{.name = "radiance of the receiver",
-                            .of = mean_radiance,
-                            .exact = exact,
-                            .tolerance = Tolerance::relative(exact, 1e-5, 1e-12, "numerics.md S6 and S8")}}};
-}
+const Tolerance of_light{1e-5, 1e-12, "numerics.md S6 and S8"};
 
 // A ball that lies on the floor, seen from a point x radii off the point of contact.
 std::vector<Rendering> touching_lamp(const Values& v) {
@@ -31,9 +19,9 @@ std::vector<Rendering> touching_lamp(const Values& v) {
     const double gap = x < 1 ? x * x / (1 + std::sqrt(1 - x * x)) : 1;  // straight above the point
     SceneText scene("touching_lamp");
     scene.camera({x, 0.5 * gap, 0}, {x, 0, 0}, {0, 0, 1}).depth(2);
-    scene.quad(scene.diffuse(Vec3d(albedo)), {x, 0, 0}, 8, 8);
+    scene.quad(scene.diffuse(Vec3d(receiver_albedo)), {x, 0, 0}, 8, 8);
     scene.sphere(scene.emitter(Vec3d(1.0)), {0, 1, 0}, 2);
-    return {lit_point(scene, pi<double> / (distance * distance * distance))};
+    return lit(scene, pi<double> / (distance * distance * distance), of_light);
 }
 
 // Nearly every direction ends at the light.
@@ -45,9 +33,9 @@ std::vector<Rendering> near_quad(const Values& v) {
     const double h = std::pow(10.0, v["log10_h"]);
     SceneText scene("near_quad");
     scene.camera({0, 0.5 * h, 0}, {0, 0, 0}, {0, 0, 1}).depth(2);
-    scene.quad(scene.diffuse(Vec3d(albedo)), {0, 0, 0}, 8, 8);
+    scene.quad(scene.diffuse(Vec3d(receiver_albedo)), {0, 0, 0}, 8, 8);
     scene.quad(scene.emitter(Vec3d(1.0)), {0, h, 0}, 2, 2, {180, 0, 0});
-    return {lit_point(scene, 4 * rectangle_irradiance(1, 1, h))};
+    return lit(scene, 4 * rectangle_irradiance(1, 1, h), of_light);
 }
 
 // The bounces of a ray that goes up by `slope` a unit of length, between mirrors at y = -1/2 and 1/2, and then the
@@ -74,12 +62,9 @@ std::vector<Rendering> corridor(const Values& v) {
              .quick_paths = 64,
              .full_paths = 1024,
              .quantities = {
-                 {.name = "radiance after the mirrors",
-                  .of = farthest_from(exact),
-                  .exact = exact,
-                  .tolerance = {v["bounces"] * 0x1p-24 * exact + quantum, v["bounces"] * 0x1p-53 * exact + quantum,
-                                "a rounding of the throughput a bounce, and half the film's quantum"},
-                  .is_estimate = false}}}};
+                 every_pixel_is("radiance after the mirrors", exact,
+                                {v["bounces"] * 0x1p-24 * exact + quantum, v["bounces"] * 0x1p-53 * exact + quantum,
+                                 "a rounding of the throughput a bounce, and half the film's quantum"})}}};
 }
 
 std::string limit_of_mirrors(const Values& v, const VariantTraits& variant) {
@@ -145,11 +130,9 @@ std::vector<Rendering> contrast(const Values& v) {
     const char* const names[] = {"radiance of the bright pixel", "radiance of the dim pixel"};
     for (std::uint32_t pixel = 0; pixel < 2; ++pixel) {
         const double exact = radiances[pixel];
-        rendering.quantities.push_back({.name = names[pixel],
-                                        .of = [pixel](const RenderResult& r) { return r.film.pixel(pixel).x; },
-                                        .exact = exact,
-                                        .tolerance = Tolerance::relative(exact, 1e-6, 1e-12, "numerics.md S1"),
-                                        .is_estimate = false});
+        rendering.quantities.push_back(exactly(
+            names[pixel], [pixel](const RenderResult& r) { return r.film.pixel(pixel).x; }, exact,
+            Tolerance::relative(exact, 1e-6, 1e-12, "numerics.md S1")));
     }
     return {rendering};
 }
@@ -172,10 +155,7 @@ std::vector<Rendering> long_roulette(const Values& v) {
     return {{.scene = scene.json(),
              .quick_paths = paths_for(1e6, v["depth"]),
              .full_paths = paths_for(6e7, v["depth"]),
-             .quantities = {{.name = "mean radiance",
-                             .of = mean_radiance,
-                             .exact = exact,
-                             .tolerance = furnace_tolerance(emission, 1 - emission, v["depth"])}}}};
+             .quantities = {mean_is("mean radiance", exact, furnace_tolerance(emission, 1 - emission, v["depth"]))}}};
 }
 
 std::string limit_of_roulette(const Values& v, const VariantTraits& variant) {
@@ -190,15 +170,13 @@ std::vector<Rendering> late_shutter(const Values& v) {
     scene.shutter(v["open"], v["open"] + 1, false);
     scene.box(scene.emitter(Vec3d(1.0)), {-0.5 * width - speed * (v["open"] + 0.5), 0, 5}, {width, 1, 1})
         .velocity({speed, 0, 0});
-    return {{.scene = scene.json(),
-             .quick_paths = 1u << 20,
-             .full_paths = 1u << 25,
-             .quantities = {
-                 {.name = "share of the second in which the box is seen",
-                  .of = mean_radiance,
-                  .exact = width / speed,
-                  .tolerance = {0x1p-23 + 0x1p-22, 0x1p-31 + 0x1p-51 * (v["open"] + 1),
-                                "the steps of the random numbers, and the roundings of a time within a second"}}}}};
+    return {
+        {.scene = scene.json(),
+         .quick_paths = 1u << 20,
+         .full_paths = 1u << 25,
+         .quantities = {mean_is("share of the second in which the box is seen", width / speed,
+                                {0x1p-23 + 0x1p-22, 0x1p-31 + 0x1p-51 * (v["open"] + 1),
+                                 "the steps of the random numbers, and the roundings of a time within a second"})}}};
 }
 
 std::string limit_of_time(const Values& v, const VariantTraits& variant) {
@@ -240,16 +218,15 @@ std::string limit_of_lobes(const Values& v, const VariantTraits& variant) {
                : "";
 }
 
-const CaseRegistration cases({
+const CasesOf<Family::own> cases({
     {.name = "touching_lamp",
      .catalogue = "P1",
-     .family = "own",
      .title = "a ball of light that lies on the floor",
      .stiff = "a receiver 5e-7 radii below a light that touches its surface: the light's cone is the whole hemisphere",
      .formula = "E = pi R^3 / d^3: the ball's lowest point is on the horizon",
      .parameters = {{"x", 0.1, 1e-3, 100, "of the receiver from the point of contact, in radii"}},
-     .points = {{{"x", 1}}, {{"x", 0.1}}, {{"x", 0.01}}, {{"x", 0.001}}},
-     .quick_points = {{{"x", 0.1}}, {{"x", 0.001}}},
+     .points = along("x", {1, 0.1, 0.01, 0.001}),
+     .quick_points = along("x", {0.1, 0.001}),
      .sweep = "x",
      .estimators = {{axes::direct_light, {"nee", "nee_mis"}}},
      .renderings = touching_lamp,
@@ -259,13 +236,12 @@ const CaseRegistration cases({
          }},
     {.name = "near_quad",
      .catalogue = "P2",
-     .family = "own",
      .title = "a square of light right above the floor",
      .stiff = "a square 1e-6 of its side away: its solid angle is nearly 2 pi, and half of its directions graze",
      .formula = "four rectangles of S6",
      .parameters = {{"log10_h", -6, -15, 3, "of the height, scene units; the square's side is 2"}},
-     .points = {{{"log10_h", 0}}, {{"log10_h", -3}}, {{"log10_h", -6}}, {{"log10_h", -9}}, {{"log10_h", -12}}},
-     .quick_points = {{{"log10_h", -6}}, {{"log10_h", -12}}},
+     .points = along("log10_h", {0, -3, -6, -9, -12}),
+     .quick_points = along("log10_h", {-6, -12}),
      .sweep = "log10_h",
      .estimators = {{axes::direct_light, {"nee", "nee_mis"}}},
      .renderings = near_quad,
@@ -275,7 +251,6 @@ const CaseRegistration cases({
          }},
     {.name = "corridor",
      .catalogue = "P3",
-     .family = "own",
      .title = "a light at the end of a corridor of two mirrors",
      .stiff = "1e4 reflections of one ray: a slope that is wrong by 5e-5 gets there a bounce too late",
      .formula = "rho^n after n bounces, rho = 1 - 2^-k",
@@ -283,75 +258,55 @@ const CaseRegistration cases({
                     {"slope", 64, 0.01, 1e4, "of the ray, gaps between the mirrors a scene unit"},
                     {"turn", 0, -360, 360, "of the corridor, degrees"},
                     {"k", 13, 1, 24, "reflectance 1 - 2^-k", true}},
-     .points = {{{"bounces", 100}},
-                {{"bounces", 10000}},
-                {{"bounces", 100}, {"turn", 30}},
-                {{"bounces", 1000}, {"turn", 30}},
-                {{"bounces", 10000}, {"turn", 30}}},
+     .points = joined({along("bounces", {100, 10000}),
+                       table({"bounces", "turn"}, {{100, 30}, {1000, 30}, {10000, 30}})}),
      .quick_points = {{{"bounces", 10000}}, {{"bounces", 100}, {"turn", 30}}},
      .sweep = "bounces",
      .renderings = corridor,
      .known_limit = limit_of_mirrors},
     {.name = "long_ellipsoid",
      .catalogue = "P4",
-     .family = "own",
      .title = "a glowing ellipsoid of 1 to 1e4 from within",
      .stiff = "chords along a needle or a pancake: in the unit sphere's frame directions differ by 1e4 in length",
      .formula = "E (1 - rho^D) / (1 - rho), E = 2^-5",
      .parameters = {{"ratio", 1e4, 1, 1e9, "of the axes"}, {"flat", 0, 0, 1, "0: a needle, 1: a pancake", true}},
-     .points = {{{"ratio", 100}},
-                {{"ratio", 1e4}},
-                {{"ratio", 1e6}},
-                {{"ratio", 1e4}, {"flat", 1}},
-                {{"ratio", 1e6}, {"flat", 1}}},
+     .points = joined({along("ratio", {100, 1e4, 1e6}), table({"ratio", "flat"}, {{1e4, 1}, {1e6, 1}})}),
      .quick_points = {{{"ratio", 1e4}}, {{"ratio", 1e4}, {"flat", 1}}},
      .sweep = "ratio",
      .renderings = long_ellipsoid},
     {.name = "thin_walls",
      .catalogue = "P5",
-     .family = "own",
      .title = "a room of six thin boxes, turned",
      .stiff = "walls of 1e-6 of their size that overlap at their ends: a ray that starts on one is inside another",
      .formula = "E (1 - rho^D) / (1 - rho), E = 2^-7",
      .parameters = {{"thickness", 1e-3, 1e-9, 1, "of the walls, scene units; the room is 2 x 3 x 4"},
                     {"turn", 20, -360, 360, "of the room, degrees about x"}},
-     .points = {{{"thickness", 0.1}},
-                {{"thickness", 1e-3}},
-                {{"thickness", 1e-6}},
-                {{"thickness", 1e-3}, {"turn", 0}},
-                {{"thickness", 1e-6}, {"turn", 0}}},
+     .points = joined({along("thickness", {0.1, 1e-3, 1e-6}), table({"thickness", "turn"}, {{1e-3, 0}, {1e-6, 0}})}),
      .quick_points = {{{"thickness", 1e-3}}, {{"thickness", 1e-3}, {"turn", 0}}},
      .sweep = "thickness",
      .renderings = thin_walls,
      .known_limit = limit_of_walls},
     {.name = "contrast",
      .catalogue = "P6",
-     .family = "own",
      .title = "two radiances in one film",
      .stiff = "60 powers of ten between the brightest and the darkest pixel, in sums of 64 bits",
      .formula = "the radiances themselves",
      .parameters = {{"log10_bright", 0, -30, 30, "of the bright pixel's radiance"},
                     {"log10_dim", -3, -30, 30, "of the dim pixel's radiance; not above"}},
-     .points = {{{"log10_dim", -3}},
-                {{"log10_dim", -6}},
-                {{"log10_dim", -9}},
-                {{"log10_dim", -12}},
-                {{"log10_bright", 30}, {"log10_dim", 27}},
-                {{"log10_bright", -27}, {"log10_dim", -30}},
-                {{"log10_bright", 30}, {"log10_dim", -30}}},
+     .points = joined({along("log10_dim", {-3, -6, -9, -12}),
+                       table({"log10_bright", "log10_dim"}, {{30, 27}, {-27, -30}, {30, -30}})}),
      .quick_points = {{{"log10_dim", -3}}, {{"log10_bright", 30}, {"log10_dim", -30}}},
      .sweep = "log10_dim",
      .renderings = contrast,
      .known_limit = limit_of_contrast},
     {.name = "long_roulette",
      .catalogue = "P7",
-     .family = "own",
      .title = "a roulette of 1023 to 1024",
      .stiff = "a path survives with a probability of 1 - 2^-10 at every one of a thousand bounces",
      .formula = "E (1 - rho^D) / (1 - rho), E = 2^-k, whatever ends the paths",
      .parameters = {{"k", 10, 1, 20, "emission 2^-k, albedo 1 - 2^-k", true},
                     {"depth", 2048, 1, 1000000, "ray segments of a path", true}},
-     .points = {{{"k", 3}, {"depth", 128}}, {{"k", 10}, {"depth", 2048}}, {{"k", 10}, {"depth", 16384}}},
+     .points = table({"k", "depth"}, {{3, 128}, {10, 2048}, {10, 16384}}),
      .quick_points = {{{"k", 10}, {"depth", 2048}}},
      .sweep = "depth",
      .estimators = {{axes::russian_roulette, {"throughput"}}},
@@ -359,25 +314,23 @@ const CaseRegistration cases({
      .known_limit = limit_of_roulette},
     {.name = "late_shutter",
      .catalogue = "P8",
-     .family = "own",
      .title = "a box that passes at a late time",
      .stiff = "in single precision a second has 16 moments left after 1e6 seconds, and none after 1e8",
      .formula = "width / speed",
      .parameters = {{"open", 1e6, 0, 1e8, "when the shutter opens, seconds"}},
-     .points = {{{"open", 0}}, {{"open", 1}}, {{"open", 1000}}, {{"open", 1e6}}, {{"open", 1e8}}},
-     .quick_points = {{{"open", 0}}, {{"open", 1e6}}},
+     .points = along("open", {0, 1, 1000, 1e6, 1e8}),
+     .quick_points = along("open", {0, 1e6}),
      .sweep = "open",
      .renderings = late_shutter,
      .known_limit = limit_of_time},
     {.name = "rare_lobe",
      .catalogue = "P9",
-     .family = "own",
      .title = "a mirror that is chosen once in 2^k times",
      .stiff = "u < p with a random number of 24 bits: below 2^-24 every probability is that of one number",
      .formula = "2^-k",
      .parameters = {{"k", 23, 0, 40, "mirror probability 2^-k"}},
-     .points = {{{"k", 0}}, {{"k", 10}}, {{"k", 23}}, {{"k", 24}}, {{"k", 28}}, {{"k", 32}}, {{"k", 36}}},
-     .quick_points = {{{"k", 23}}, {{"k", 28}}},
+     .points = along("k", {0, 10, 23, 24, 28, 32, 36}),
+     .quick_points = along("k", {23, 28}),
      .sweep = "k",
      .direct = rare_lobe,
      .known_limit = limit_of_lobes},

@@ -9,11 +9,10 @@ namespace pt::stability::throughput {
 namespace {
 
 Rendering wall_rendering(const SceneText& scene, double exact, double segments_per_path, const Tolerance& tolerance) {
-    return {
-        .scene = scene.json(),
-        .quick_paths = paths_for(1e6, segments_per_path),
-        .full_paths = paths_for(6e7, segments_per_path),
-        .quantities = {{.name = "radiance of the wall", .of = mean_radiance, .exact = exact, .tolerance = tolerance}}};
+    return {.scene = scene.json(),
+            .quick_paths = paths_for(1e6, segments_per_path),
+            .full_paths = paths_for(6e7, segments_per_path),
+            .quantities = {mean_is("radiance of the wall", exact, tolerance)}};
 }
 
 // The camera looks along a chord that passes what is at the centre.
@@ -91,24 +90,18 @@ std::vector<Rendering> deep_lamp(const Values& v) {
                            Tolerance::relative(exact, 1e-5, 1e-12, "numerics.md S5"))};
 }
 
-const CaseRegistration cases({
+const CasesOf<Family::throughput> cases({
     {.name = "tiny_albedo",
      .catalogue = "S39",
-     .family = "throughput",
      .title = "a glowing sphere that reflects nothing, or 1e-40 of the light",
      .stiff = "a throughput that is 0 or denormal: 0 / 0 in a Russian roulette, and a product that never reaches 0",
      .formula = "E (1 - rho^D) / (1 - rho) by channel",
      .parameters = {{"log10_albedo", -40, -400, 0, "of the first channel; -400: 0"},
                     {"other", 0.5, 0, 1, "albedo of the third channel; that of the second is 0"},
                     {"depth", 64, 1, 1000000, "ray segments of a path", true}},
-     .points = {{{"log10_albedo", -1}},
-                {{"log10_albedo", -30}},
-                {{"log10_albedo", -38}},
-                {{"log10_albedo", -40}},
-                {{"log10_albedo", -44}},
-                {{"log10_albedo", -400}, {"other", 0}},
-                {{"log10_albedo", -38}, {"other", 1e-20}},
-                {{"log10_albedo", -40}, {"other", 0.875}, {"depth", 4096}}},
+     .points = joined({along("log10_albedo", {-1, -30, -38, -40, -44}),
+                       table({"log10_albedo", "other"}, {{-400, 0}, {-38, 1e-20}}),
+                       table({"log10_albedo", "other", "depth"}, {{-40, 0.875, 4096}})}),
      .quick_points = {{{"log10_albedo", -40}}, {{"log10_albedo", -400}, {"other", 0}}},
      .sweep = "log10_albedo",
      .estimators = {{axes::russian_roulette, {"throughput"}}},
@@ -116,22 +109,20 @@ const CaseRegistration cases({
      .known_limit = limit_of_albedo},
     {.name = "firefly",
      .catalogue = "S40",
-     .family = "throughput",
      .title = "a lamp of radiance 1 / a^2 and radius a",
      .stiff = "one path in 1 / a^2 carries all the light: whatever clamps it, or rounds the others, is a bias",
      .formula = "sum over j of rho^j (1 - a^2)^(j-1)",
      .parameters = {{"a", 0.03125, 1e-6, 0.45, "radius of the lamp over that of the wall"},
                     {"albedo", 0.7, 0, 1, "of the wall"},
                     {"depth", 2, 2, 1000, "ray segments of a path", true}},
-     .points = {{{"a", 0.25}}, {{"a", 0.03125}}, {{"a", 0.0078125}}, {{"a", 0.001}}},
-     .quick_points = {{{"a", 0.25}}, {{"a", 0.03125}}},
+     .points = along("a", {0.25, 0.03125, 0.0078125, 0.001}),
+     .quick_points = along("a", {0.25, 0.03125}),
      .sweep = "a",
      .estimators = {{axes::direct_light, {"nee", "nee_mis"}}},
      .renderings = firefly,
      .known_limit = limit_of_fireflies},
     {.name = "caustic",
      .catalogue = "S41",
-     .family = "throughput",
      .title = "a lamp inside a ball of glass: all its light is a caustic",
      .stiff = "no connection reaches the lamp through glass: light that is met by chance has to count in full",
      .formula =
@@ -146,17 +137,14 @@ const CaseRegistration cases({
      .renderings = caustic},
     {.name = "deep_lamp",
      .catalogue = "S42",
-     .family = "throughput",
      .title = "a small lamp in a white sphere, found after thousands of reflections",
      .stiff = "paths of 1e5 segments: random numbers that repeat, or run into those of the next sample, keep them from "
               "the lamp",
      .formula = "1 - (1 - a^2)^(D - 1)",
      .parameters = {{"a", 0.0625, 1e-4, 0.45, "radius of the lamp over that of the wall"},
                     {"depth", 256, 2, 1000000, "ray segments of a path", true}},
-     .points = {{{"a", 0.0625}, {"depth", 256}},
-                {{"a", 0.015625}, {"depth", 4096}},
-                {{"a", 0.00390625}, {"depth", 100000}}},
-     .quick_points = {{{"a", 0.0625}, {"depth", 256}}, {{"a", 0.015625}, {"depth", 4096}}},
+     .points = table({"a", "depth"}, {{0.0625, 256}, {0.015625, 4096}, {0.00390625, 100000}}),
+     .quick_points = table({"a", "depth"}, {{0.0625, 256}, {0.015625, 4096}}),
      .sweep = "a",
      .renderings = deep_lamp},
 });

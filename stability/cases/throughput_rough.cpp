@@ -74,13 +74,11 @@ std::vector<Rendering> rough_furnace(const Values& v) {
     return {{.scene = scene.json(),
              .quick_paths = paths_for(1e6, 2),
              .full_paths = paths_for(6e7, 2),
-             .quantities = {{.name = "radiance of a white metal in an even light of 1",
-                             .of = mean_radiance,
-                             .exact = kind == multiple_scattering ? 1 : once,
-                             .tolerance = {allowed, allowed,
-                                           kind == multiple_scattering
-                                               ? "kernels/ggx_gain.h: the fit of what single scattering loses"
-                                               : "roundings of the eye's direction, on which the share hangs"}}}}};
+             .quantities = {mean_is(
+                 "radiance of a white metal in an even light of 1", kind == multiple_scattering ? 1 : once,
+                 {allowed, allowed,
+                  kind == multiple_scattering ? "kernels/ggx_gain.h: the fit of what single scattering loses"
+                                              : "roundings of the eye's direction, on which the share hangs"})}}};
 }
 
 // The reciprocity of rough lobes, f(o, i) = f(i, o), as connections evaluate them.
@@ -116,26 +114,19 @@ std::vector<Measurement> rough_reciprocity(const Values& v, const DirectSetting&
     });
 }
 
-const CaseRegistration cases({
+const CasesOf<Family::throughput> cases({
     {.name = "rough_mirror",
      .catalogue = "S38",
-     .family = "throughput",
      .title = "the lobe of a rough metal on its way to a mirror",
      .stiff = "sqrt(1 - cos^2) of a narrow lobe has three values left where it is 1e-8 wide",
      .formula = "facets of slope alpha r / sqrt(1 - r^2), r the radius on the disc; 1 / (1 + Lambda) of Smith",
      .parameters = {{"roughness", 0.1, 1e-6, 1, "alpha is its square"}},
-     .points = {{{"roughness", 1e-4}},
-                {{"roughness", 1e-3}},
-                {{"roughness", 1e-2}},
-                {{"roughness", 0.1}},
-                {{"roughness", 0.5}},
-                {{"roughness", 1}}},
-     .quick_points = {{{"roughness", 1e-4}}, {{"roughness", 1}}},
+     .points = along("roughness", {1e-4, 1e-3, 1e-2, 0.1, 0.5, 1}),
+     .quick_points = along("roughness", {1e-4, 1}),
      .sweep = "roughness",
      .direct = rough_mirror},
     {.name = "rough_furnace",
      .catalogue = "S38",
-     .family = "throughput",
      .title = "a white rough metal in an even light",
      .stiff = "from a mirror to facets of all directions, seen along the surface: densities from 1e8 to 0",
      .formula = "the directional albedo of GGX under Smith's masking, by quadrature; 1 with multiple scattering",
@@ -163,13 +154,12 @@ const CaseRegistration cases({
      .renderings = rough_furnace},
     {.name = "rough_reciprocity",
      .catalogue = "S38",
-     .family = "throughput",
      .title = "a rough metal's two ways of a path",
      .stiff = "the density of a facet far out in a narrow lobe, from directions that are rounded",
      .formula = "f(o, i) = f(i, o)",
      .parameters = {{"roughness", 0.5, 0.0885, 1, "alpha is its square; narrower lobes are not connected"}},
-     .points = {{{"roughness", 0.0885}}, {{"roughness", 0.2}}, {{"roughness", 0.5}}, {{"roughness", 1}}},
-     .quick_points = {{{"roughness", 0.0885}}, {{"roughness", 1}}},
+     .points = along("roughness", {0.0885, 0.2, 0.5, 1}),
+     .quick_points = along("roughness", {0.0885, 1}),
      .sweep = "roughness",
      .direct = rough_reciprocity},
 });

@@ -43,16 +43,9 @@ inline std::uint64_t paths_for(double segments, double depth) {
 // The quantities of a furnace: every pixel is the same, and no path leaks out.
 inline std::vector<Quantity> furnace_quantities(double emission, double albedo, std::uint32_t depth) {
     const double exact = furnace(emission, albedo, depth);
-    return {{.name = "radiance of the pixel that is farthest off",
-             .of = farthest_from(exact),
-             .exact = exact,
-             .tolerance = furnace_tolerance(emission, albedo, depth),
-             .is_estimate = false},
-            {.name = "segments missing of a path",
-             .of = missing_segments(depth),
-             .exact = 0,
-             .tolerance = {0, 0, "a closed space loses no path"},
-             .is_estimate = false}};
+    return {
+        every_pixel_is("radiance of the pixel that is farthest off", exact, furnace_tolerance(emission, albedo, depth)),
+        exactly("segments missing of a path", missing_segments(depth), 0, {0, 0, "a closed space loses no path"})};
 }
 
 inline Rendering furnace_rendering(const SceneText& scene, double emission, double albedo, std::uint32_t depth) {

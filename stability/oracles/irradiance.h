@@ -34,14 +34,6 @@ inline double sphere_irradiance(double distance, double angle) {
     return (cosine * std::acos(edge) - std::sqrt(k2 * (h * h - 1))) / (h * h) + std::atan(std::sqrt(k2 / (h * h - 1)));
 }
 
-// A disk of radius r, parallel to the receiver at height h, its centre `offset` to the side.
-inline double disk_irradiance(double r, double h, double offset) {
-    const double square = h * h + offset * offset + r * r;
-    // This is 1 - (square - 2 r^2) / root, without the cancellation of a small disk.
-    const double root = std::sqrt(square * square - 4 * offset * offset * r * r);
-    return 0.5 * pi<double> * (2 * r * r - 4 * offset * offset * r * r / (square + root)) / root;
-}
-
 // Irradiance from an ellipsoid with the semi-axes (r, half_thickness, r) about the disk's centre, wholly above the
 // horizon: E = 1/2 of the contour integral of (p x dp).n / p^2. The trapezium rule of a periodic function converges
 // faster than any power.

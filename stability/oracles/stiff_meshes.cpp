@@ -1,6 +1,5 @@
 #include "stability/oracles/stiff_meshes.h"
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numeric>

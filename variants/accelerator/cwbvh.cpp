@@ -2,7 +2,6 @@
 // double.
 #include "variants/accelerator/cwbvh.h"
 
-#include <algorithm>
 #include <cstring>
 #include <stdexcept>
 #include <type_traits>

@@ -4,7 +4,6 @@
 
 #include "variants/bvh/binary_tree.h"
 
-#include <utility>
 #include <vector>
 
 namespace pt::builder {

@@ -10,6 +10,7 @@ MaterialKind kind_of_dielectric() {
     };
     kind.set_pack(
         []<class Real>(const SceneMaterial& m, Material<Real>& packed) { packed.dielectric = packed_glass<Real>(m); });
+    kind.in_mitsuba = [](const SceneMaterial& m) { return MitsubaBsdf{MitsubaBsdf::Type::dielectric, m.tint}; };
     return kind;
 }
 

@@ -12,6 +12,7 @@ MaterialKind kind_of_diffuse() {
         read_emission_and_normal(object, material);
         return material;
     };
+    kind.even_reflectance = [](const SceneMaterial& m) { return std::optional(m.albedo); };
     return kind;
 }
 

@@ -13,6 +13,10 @@ MaterialKind kind_of_mirror() {
         return material;
     };
     kind.surface_colour = [](const SceneMaterial& m) { return m.reflectance; };
+    kind.even_reflectance = [](const SceneMaterial& m) { return std::optional(m.reflectance); };
+    kind.in_mitsuba = [](const SceneMaterial& m) {
+        return MitsubaBsdf{MitsubaBsdf::Type::conductor, m.reflectance, m.texture.get()};
+    };
     return kind;
 }
 

@@ -22,6 +22,13 @@ MaterialKind kind_of_mix() {
     kind.first_hit_albedo = [](const SceneMaterial& m, const Vec3d& colour) {
         return m.reflectance * m.mirror_probability + colour * (1 - m.mirror_probability);
     };
+    kind.even_reflectance = [](const SceneMaterial& m) {
+        return m.albedo == m.reflectance ? std::optional(m.albedo) : std::nullopt;
+    };
+    kind.in_mitsuba = [](const SceneMaterial& m) {
+        return m.mirror_probability == 1 ? MitsubaBsdf{MitsubaBsdf::Type::conductor, m.reflectance}
+                                         : MitsubaBsdf{MitsubaBsdf::Type::diffuse, m.albedo, m.texture.get()};
+    };
     kind.beyond_mitsuba = [](const SceneMaterial& m, std::uint32_t) -> std::vector<BeyondMitsuba> {
         if (m.mirror_probability == 0 || m.mirror_probability == 1) {
             return {};

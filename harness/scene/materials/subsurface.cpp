@@ -45,6 +45,9 @@ MaterialKind kind_of_subsurface() {
         return albedo;
     };
     kind.needs_inside = [](const SceneMaterial&) { return true; };
+    kind.in_mitsuba = [](const SceneMaterial& m) {
+        return MitsubaBsdf{m.ior == 1 ? MitsubaBsdf::Type::none : MitsubaBsdf::Type::dielectric, std::nullopt};
+    };
     kind.beyond_mitsuba = [](const SceneMaterial& m, std::uint32_t depth) {
         std::vector<BeyondMitsuba> problems;
         if (depth < endless_depth) {
