@@ -3,8 +3,6 @@
 `cli/main.py` collects them and runs the one that is called.
 """
 
-from __future__ import annotations
-
 import argparse
 import re
 from collections.abc import Callable

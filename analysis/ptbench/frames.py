@@ -24,8 +24,6 @@ a cell that failed, since nobody knows what it timed. pandas itself drops rows w
 otherwise: group with `groupby(keys, observed=True, dropna=False)`.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 try:

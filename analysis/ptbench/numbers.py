@@ -1,7 +1,5 @@
 """Numbers as a reader sees them: significant digits, intervals, ratios, ranges, counts."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 

@@ -4,8 +4,6 @@ Its experiment is a suite of claims/suites, or a call of `ptbench rays`; each of
 of two cells as a rule, with the interval that was predicted before it was measured.
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """`claims`: runs or looks up what each claim asks for, says what follows, and holds the committed verdicts to it."""
 
-from __future__ import annotations
-
 import json
 import sys
 from collections.abc import Mapping, Sequence

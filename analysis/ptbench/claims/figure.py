@@ -1,7 +1,5 @@
 """A claim's figure: a row a condition, with what holds the claim, what was predicted and what was measured."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

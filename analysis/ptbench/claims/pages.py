@@ -1,7 +1,5 @@
 """Pages of the ledger: one table of all claims, and a page a claim, from their templates."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Sequence

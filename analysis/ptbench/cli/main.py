@@ -3,8 +3,6 @@
 Exit codes: 0 good, 1 a check failed, 2 the input or the call is wrong, 3 the machine failed.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import sys

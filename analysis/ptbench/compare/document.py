@@ -1,7 +1,5 @@
 """What `compare` found as JSON, for programs: every pair, every cell that was left out, every place and change."""
 
-from __future__ import annotations
-
 from ptbench.compare.compared import Compared
 from ptbench.compare.match import Matching
 from ptbench.compare.noise import Floor, Repeat

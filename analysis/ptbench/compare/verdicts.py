@@ -4,8 +4,6 @@ The rules are those of every table (ptbench.stats.estimates), with two differenc
 no difference. And between two machines the cycles do not veto a verdict: there, the clock is part of what is compared.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

@@ -4,8 +4,6 @@ Exit codes: 0 they agree; 1 one differs, or its images are too noisy for the aim
 that was named and cannot be rendered in both. docs/other_renderers.md has the conventions.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import math

@@ -1,7 +1,5 @@
 """What a cross-check found, as a file (schema/ptbench-crosscheck.schema.json) and as a table for a terminal."""
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass
 
 from ptbench.crosscheck.limits import SIDE

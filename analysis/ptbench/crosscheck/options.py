@@ -1,7 +1,5 @@
 """The options of `python3 -m ptbench crosscheck`."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from pathlib import Path

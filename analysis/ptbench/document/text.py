@@ -1,7 +1,5 @@
 """A document for a terminal: wrapped sentences and aligned tables."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Iterable
 

@@ -4,8 +4,6 @@ Two figures ask this of two axes; what they share is here. Where a file has one 
 on top of each other, so the rows of the compaction figure are drawn instead.
 """
 
-from __future__ import annotations
-
 from matplotlib.figure import Figure
 
 from ptbench.errors import NotDrawable

@@ -1,7 +1,5 @@
 """The captions: all that a reader needs to trust a figure that was cut out of its paper."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from ptbench.io.cells import Cell, Result, Study

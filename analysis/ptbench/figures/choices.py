@@ -1,7 +1,5 @@
 """The choices of one axis against each other, one group of rows a scene and depth; named for the axis."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from matplotlib.figure import Figure

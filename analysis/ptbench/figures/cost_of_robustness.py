@@ -1,7 +1,5 @@
 """What robust formulas and more digits cost: times as ratios to robust float, all else equal."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from matplotlib.figure import Figure

@@ -1,7 +1,5 @@
 """How efficient several GPUs are by the number of samples: a line a number of GPUs, with and without the reduction."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from matplotlib.figure import Figure

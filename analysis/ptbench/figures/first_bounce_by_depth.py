@@ -1,7 +1,5 @@
 """What keeping the camera rays' intersections costs or saves at each path depth."""
 
-from __future__ import annotations
-
 from ptbench.figures import by_depth, lines, rows
 from ptbench.figures.by_depth import draw
 from ptbench.io.cells import Result, Study

@@ -1,7 +1,5 @@
 """Ratios as a forest plot: a dot and its interval on a common axis, one group a scene, their geometric means first."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

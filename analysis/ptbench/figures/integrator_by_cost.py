@@ -3,8 +3,6 @@
 Below 1 the one kernel is the faster. Only of a study that has both integrators with the same settings.
 """
 
-from __future__ import annotations
-
 from matplotlib.figure import Figure
 
 from ptbench.errors import NotDrawable

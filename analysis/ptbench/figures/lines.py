@@ -1,7 +1,5 @@
 """Time per spp as lines over some x: a line a choice, a panel a scene or family of scenes, ratios below."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ Of `ptbench rays`, with a peer's line (OptiX) where it traced the same rays. Mes
 same are a family: `tori_262k` and `tori_4M`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from matplotlib.figure import Figure

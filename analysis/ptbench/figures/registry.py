@@ -4,8 +4,6 @@
 here, or by an axis or a tunable whose values they compare. A study of convergence has several figures.
 """
 
-from __future__ import annotations
-
 from matplotlib.figure import Figure
 
 from ptbench.errors import NotDrawable

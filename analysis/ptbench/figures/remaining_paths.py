@@ -1,7 +1,5 @@
 """How many paths are alive after each bounce, one line a scene: an open box loses them, a closed one keeps them."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Choices as rows: a dot and its interval on a common axis, the numbers beside it, one group a scene and depth."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from matplotlib.figure import Figure

@@ -5,8 +5,6 @@ bytes a pixel and an SVG spells every letter as a curve, which makes both about 
 the same bytes: no dates, no versions, no random ids.
 """
 
-from __future__ import annotations
-
 import io
 import re
 from pathlib import Path

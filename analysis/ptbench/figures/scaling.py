@@ -4,8 +4,6 @@ Four figures over four x: pixels, depth, materials, arithmetic injected into sha
 slopes are equal growth, and a choice that costs a constant more comes closer as the work grows.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

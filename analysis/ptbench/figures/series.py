@@ -3,8 +3,6 @@
 What `lines` is for times and their ratios to a baseline, this is for everything else: rates, ratios, totals.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

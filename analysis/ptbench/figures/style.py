@@ -5,8 +5,6 @@ line style at once, and carries its name beside it. Everything is placed in inch
 overlaps or is cut off, whatever the number of series.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager

@@ -5,8 +5,6 @@ the GPU have a second line where the folder `rays` beside the result has the sam
 copy: the suite's own encoding runs on the host.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path

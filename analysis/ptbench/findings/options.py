@@ -1,7 +1,5 @@
 """The command line of `findings`."""
 
-from __future__ import annotations
-
 import argparse
 
 from ptbench.command import Command, add_root

@@ -1,7 +1,5 @@
 """The figure of the README: every optimisation studied, one row each, its ratio in an open and in a closed box."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -12,8 +12,6 @@ aim or a version, which a page may not hold in any other way. A folder is one of
 variants/ there may be since the result's (findings/commits.py); more, and the page must be looked at again.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import re

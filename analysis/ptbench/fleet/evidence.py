@@ -4,8 +4,6 @@ Counters are of kernels. How the host launches them (the axis `launch`) is none 
 was counted was the cell's own shows in its rays a sample.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """Predicted and measured ratios of a fleet's GPU over its first one, a point a cell; within the band lies the aim."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

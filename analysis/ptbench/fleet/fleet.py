@@ -1,7 +1,5 @@
 """A suite on several models of GPU, with what was predicted of each cell and how far off that was."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -21,8 +21,6 @@ A variant's ratio is the mean of its kernels' by their time, and the host's part
 another size are not modelled: bytes of memory stay what they were.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """What `fleet` found, in words and tables."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 import numpy as np

@@ -4,8 +4,6 @@ Verdicts are those of a study's own table: a cell over its study's baseline, eac
 variant's time to be a + b / B, B the bandwidth: two GPUs that differ in their memory alone give a and b of each.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -3,8 +3,6 @@
 `ptbench.io.results` reads them. Times are milliseconds of wall time unless a name says otherwise.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass, field
 from pathlib import Path

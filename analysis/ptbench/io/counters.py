@@ -1,7 +1,5 @@
 """What ncu counted of a kernel, as files of `ptbench inspect` and of `ptbench rays` have it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ptbench.io.nodes import Node

@@ -3,8 +3,6 @@
 A file is written under a temporary name in the same folder first, then renamed.
 """
 
-from __future__ import annotations
-
 import errno
 import gzip
 import io

@@ -5,8 +5,6 @@ are thread instructions over active lanes. So the ratio of two kernels' times a 
 thread instructions a ray, 1 / active lanes, 1 / issued of the ceiling.
 """
 
-from __future__ import annotations
-
 import itertools
 import re
 from collections.abc import Iterator

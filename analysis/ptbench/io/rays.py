@@ -4,8 +4,6 @@ Times are milliseconds of a whole batch. A peer's file is named for its mesh: `o
 for the rays of the mesh `tori_4M`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path

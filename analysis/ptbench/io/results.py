@@ -5,8 +5,6 @@ from here. What is wrong in a file is told with the file, the JSON path, what wa
 this version does not know are ignored, so that a newer harness may add some.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from hashlib import blake2b

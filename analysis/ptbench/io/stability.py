@@ -1,7 +1,5 @@
 """Loads a result of `ptbench stability`: stiff cases with exact answers, and how far from them each variant came."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from pathlib import Path

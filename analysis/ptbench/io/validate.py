@@ -5,8 +5,6 @@ Of a result or a journal that is as its schema says, samples and films are held 
 `docs/results.md` is the guide to these files.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 from collections.abc import Iterable, Iterator

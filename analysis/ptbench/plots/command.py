@@ -1,7 +1,5 @@
 """`python3 -m ptbench plots`: every study's figure and the summary, from a result file alone."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The figure of files of `ptbench rays`, and a table of all their rows: of one file, or of a folder with a peer's."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

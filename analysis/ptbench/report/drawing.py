@@ -1,7 +1,5 @@
 """A file's figures, those that `plots` writes, as images to show in a page: SVG, or PNG where that is smaller."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from matplotlib.figure import Figure

@@ -1,7 +1,5 @@
 """What a report opens with: a run's findings in words, each made from its rows, and the one figure that shows them."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """A run's one overview figure: a row a comparison, its ratio with its interval, the rows of a scene together."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """A study's verdicts in words, made from its rows: counts, and how far each choice is from its baseline, and where."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable, Sequence
 

@@ -4,8 +4,6 @@ Strong scaling: the same image. Weak scaling: as many times the samples as GPUs.
 times as many samples a second there are, over the number of GPUs.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

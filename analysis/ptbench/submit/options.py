@@ -1,7 +1,5 @@
 """The command lines of `submit` and `collect`."""
 
-from __future__ import annotations
-
 import argparse
 import re
 from pathlib import Path

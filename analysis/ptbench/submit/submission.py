@@ -1,7 +1,5 @@
 """What was submitted: DIR/submission.json, from which `submit` goes on and `collect` knows what should come back."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 from dataclasses import dataclass, field

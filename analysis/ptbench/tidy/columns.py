@@ -3,8 +3,6 @@
 Units: _ms milliseconds, _mhz megahertz, _bytes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 from ptbench.io.cells import WORK_COUNTERS

@@ -3,8 +3,6 @@
 The page is written by `python3 -m ptbench.tidy.descriptions > docs/columns.md`.
 """
 
-from __future__ import annotations
-
 import sys
 
 from ptbench.tidy.columns import CATEGORY, FLAG, FROM_FILES, GROUPS, INTEGER, NUMBER, TEXT

@@ -1,7 +1,5 @@
 """What `compare` found of files of `ptbench stability`: in words and tables, and as JSON for programs."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Iterable, Sequence

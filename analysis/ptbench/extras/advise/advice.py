@@ -1,7 +1,5 @@
 """The advice for one scene: of each decision the forecasts, the best first, and in words where they are from."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ The weight of a measurement falls off as a power of its distance (Shepard 1968).
 how far a scene may be off are all found by leaving out one scene after the other.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass

@@ -11,8 +11,6 @@ timed samples than in the instrumented pass, if the pass disturbs all its stages
 any timed median in its 95 % interval. The instrumented pass is one render, whose own noise no file tells.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """`python3 -m ptbench explain`: where the time of two variants differs, and which differences go with that."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from hashlib import sha256
 from pathlib import Path

@@ -1,7 +1,5 @@
 """`map`: measures or looks up crossover maps, says where their lines are, and writes docs/maps."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """A map is a file, maps/NAME.json: two choices, two axes, the rule that makes a cell's scene, and what may be spent."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path

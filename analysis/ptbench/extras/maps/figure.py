@@ -1,7 +1,5 @@
 """A map's figure: the ratio as colours, the cells as marks, the line where it is 1, and its band."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

@@ -4,8 +4,6 @@ Exit codes: 0 all was measured; 1 a picture differs or is too noisy to tell, or 
 measured is in the file after every round, and `--resume` goes on with it.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import os

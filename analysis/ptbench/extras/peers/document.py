@@ -1,7 +1,5 @@
 """The file of a run (schema/ptbench-peers.schema.json), read, and its table for a terminal."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property

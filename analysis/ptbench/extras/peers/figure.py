@@ -3,8 +3,6 @@
 Of a file of `python3 -m ptbench peers`; a peer whose picture was not found to be the same is not drawn.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

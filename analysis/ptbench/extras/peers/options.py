@@ -1,7 +1,5 @@
 """The options of `python3 -m ptbench peers`."""
 
-from __future__ import annotations
-
 import argparse
 import re
 import shlex

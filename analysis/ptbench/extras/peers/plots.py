@@ -1,7 +1,5 @@
 """The figure of a file of `python3 -m ptbench peers`, and its tables."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from ptbench.document.blocks import Lines

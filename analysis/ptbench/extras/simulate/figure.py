@@ -1,7 +1,5 @@
 """Efficiency over the number of GPUs, a panel a number of samples a pixel, a line a partition."""
 
-from __future__ import annotations
-
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 

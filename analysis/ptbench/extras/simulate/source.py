@@ -1,7 +1,5 @@
 """One render on a thousand GPUs, as a page asks it: simulated from measured parts, and what of it was checked."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from ptbench.document.markdown import table_lines

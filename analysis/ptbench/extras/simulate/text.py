@@ -1,7 +1,5 @@
 """What a simulation found, in words and tables: what was measured, what is assumed, and what nobody has checked."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from ptbench.document.blocks import Section, section

@@ -1,7 +1,5 @@
 """Bars with intervals, one group a scene: time to an error, efficiency, the price of checkpoints."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ One point a variant, both axes logarithmic. Where no bias was found, an arrow ha
 somewhere below. A grey diagonal joins points whose bias equals their noise at one number of samples.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

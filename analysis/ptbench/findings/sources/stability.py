@@ -1,7 +1,5 @@
 """A file of `ptbench stability`, as a page asks it: what stiff cases found."""
 
-from __future__ import annotations
-
 from collections import Counter
 from pathlib import Path
 
