@@ -65,7 +65,7 @@ GRAPH = {name: set(imports_of(path.read_text(encoding="utf-8"), MODULES)) for na
 def test_the_graph_is_that_of_the_package():
     assert len(GRAPH) > 70
     assert "ptbench.io.nodes" in GRAPH["ptbench.io.results"]
-    assert "ptbench.plots.command" in GRAPH["ptbench.plots.options"]  # within a function
+    assert "ptbench.fleet.figure" in GRAPH["ptbench.fleet.command"]  # within a function
     assert "ptbench.measured" in GRAPH["ptbench"]
     assert "ptbench.figures.style" in GRAPH["ptbench.figures.rows"]  # from ptbench.figures import style
 
@@ -210,9 +210,11 @@ def test_a_command_is_added_by_its_folder_and_a_line(tmp_path):
     (copy / "greet" / "options.py").write_text(
         "from ptbench.command import Command\n"
         "def add(parser):\n    parser.add_argument('whom')\n"
-        "def load():\n    return lambda options: print(f'{options.program}: hello, {options.whom}') or 1\n"
         "def fault(options):\n    return 'found yourself' if options.whom == 'me' else ''\n"
-        "COMMANDS = (Command('greet', 'says hello', add, load, fault),)\n"
+        "COMMANDS = (Command('greet', 'says hello', add, fault=fault),)\n"
+    )
+    (copy / "greet" / "command.py").write_text(
+        "def greet(whom, program):\n    print(f'{program}: hello, {whom}')\n    return 1\n"
     )
     main = copy / "cli" / "main.py"
     main.write_text(main.read_text(encoding="utf-8").replace("FOLDERS = (", 'FOLDERS = ("greet",', 1), encoding="utf-8")
