@@ -13,7 +13,7 @@ from conftest import ROOT
 from legibility import check_legible
 
 from ptbench.errors import NotDrawable
-from ptbench.figures.registry import collect_study, draw_study
+from ptbench.figures.registry import collect_study, draw
 from ptbench.findings.page import read_page, render
 from ptbench.io.results import load
 from ptbench.studies.devices import strong, weak
@@ -105,7 +105,7 @@ def test_the_figure_has_a_line_a_number_of_gpus(measured):
     assert lines["2 GPUs"].xs == tuple(map(float, STRONG_SPPS))
     assert [e.value for e in lines["4 GPUs"].values] == pytest.approx([0.75, 0.75])
     assert [e.value for e in lines["2 GPUs, 2 times the samples"].values] == pytest.approx([48 / 51.2])
-    check_legible(draw_study(result.studies[0], data), "devices")
+    check_legible(draw(data), "devices")
 
 
 def test_one_gpu_alone_is_not_drawn(tmp_path):

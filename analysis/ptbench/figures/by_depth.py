@@ -4,8 +4,6 @@ Two figures ask this of two axes; what they share is here. Where a file has one 
 on top of each other, so the rows of the compaction figure are drawn instead.
 """
 
-from matplotlib.figure import Figure
-
 from ptbench.errors import NotDrawable
 from ptbench.figures import lines
 from ptbench.figures import rows as row_figure
@@ -39,8 +37,3 @@ def collect(result: Result, study: Study, default_title: str) -> lines.Data | ro
     caption = timing_caption(result, study, [row.cell for row in drawn], question, notes)
     baseline = f"{question.axis}={question.baseline}"
     return lines.Data(title, caption, tuple(notes), baseline, parts.order, tuple(panels), DEPTH)
-
-
-def draw(data: lines.Data | row_figure.Data) -> Figure:
-    """Draws the data of `collect` as a figure's page."""
-    return row_figure.draw(data) if isinstance(data, row_figure.Data) else lines.draw(data)

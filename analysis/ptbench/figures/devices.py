@@ -2,8 +2,6 @@
 
 from collections.abc import Sequence
 
-from matplotlib.figure import Figure
-
 from ptbench.errors import NotDrawable
 from ptbench.figures import series
 from ptbench.figures.caption import note_lines, setting
@@ -52,11 +50,6 @@ def collect(result: Result, study: Study) -> series.Data:
         one=True,
         linear=True,
     )
-
-
-def draw(data: series.Data) -> Figure:
-    """Draws the data of `collect` as a figure's page."""
-    return series.draw(data)
 
 
 def _line(label: str, scaled: Sequence[Scaled], efficiencies: Sequence) -> series.Series:

@@ -3,8 +3,6 @@
 Below 1 the one kernel is the faster. Only of a study that has both integrators with the same settings.
 """
 
-from matplotlib.figure import Figure
-
 from ptbench.errors import NotDrawable
 from ptbench.figures import series
 from ptbench.figures.caption import note_lines, setting
@@ -50,11 +48,6 @@ def collect(result: Result, study: Study) -> series.Data:
         {cost: f"{cost:g}" for cost in costs},
         one=True,
     )
-
-
-def draw(data: series.Data) -> Figure:
-    """Draws the data of `collect` as a figure's page."""
-    return series.draw(data)
 
 
 def _by_cost(cells: list[Cell], scene: str, integrator: str) -> dict[int, Cell]:

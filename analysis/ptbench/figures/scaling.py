@@ -8,8 +8,6 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from matplotlib.figure import Figure
-
 from ptbench.errors import NotDrawable
 from ptbench.figures import lines
 from ptbench.figures import rows as row_figure
@@ -63,21 +61,6 @@ SWEEPS = {
     ),
 }
 _BY_ORDER = Sweep("", "Scene, by its number in the caption", "", "{}".format)
-
-
-@dataclass(frozen=True)
-class Scaling:
-    """The figure of one sweep, such as over the number of materials."""
-
-    figure: str
-
-    def collect(self, result: Result, study: Study) -> lines.Data | row_figure.Data:
-        """Lines over what is swept, or rows where it has one value; raises NotDrawable."""
-        return collect(result, study, SWEEPS[self.figure])
-
-    def draw(self, data: lines.Data | row_figure.Data) -> Figure:
-        """Draws the data of `collect` as a figure's page."""
-        return row_figure.draw(data) if isinstance(data, row_figure.Data) else lines.draw(data)
 
 
 @dataclass(frozen=True)

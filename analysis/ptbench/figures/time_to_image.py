@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from ptbench.errors import NotDrawable
 from ptbench.figures import series
@@ -176,8 +175,3 @@ def _line(way: Way, base: Way, crossed: Sequence[Crossing]) -> series.Series:
     ratios = tuple(Estimate(over(spp), None, None, 1) for spp in SPPS)
     rings = tuple((item.spp, over(item.spp)) for item in crossed if item.later is way)
     return series.Series(way.label, tuple(map(float, SPPS)), ratios, rings)
-
-
-def draw(data: series.Data) -> Figure:
-    """Draws the data of `collect` as a figure's page."""
-    return series.draw(data)

@@ -7,7 +7,7 @@ from ptbench.document.blocks import Lines
 from ptbench.document.markdown import markdown
 from ptbench.document.table import table_of
 from ptbench.errors import NotDrawable
-from ptbench.figures import rays_by_triangles, style
+from ptbench.figures import rays_by_triangles, series, style
 from ptbench.figures.saving import save_figure
 from ptbench.io.files import make_folder, write_text
 from ptbench.io.rays import Peer, RayMesh, Rays, peer_batch
@@ -41,7 +41,7 @@ def rays_plots(files: Sequence[Rays], peers: Sequence[Peer], folder: Path) -> in
         say(f"not drawn: {reason}")
     else:
         with style.applied():
-            for written in save_figure(rays_by_triangles.draw(data), folder, FIGURE):
+            for written in save_figure(series.draw(data), folder, FIGURE):
                 say(written)
     say(write_text(folder / "summary.md", summary(files, peers, reason)))
     return 0

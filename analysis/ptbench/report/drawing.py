@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from ptbench.document.blocks import Image
 from ptbench.errors import NotDrawable
 from ptbench.figures import style
-from ptbench.figures.registry import PICTURES, collect_study, draw_study, parts_of_study
+from ptbench.figures.registry import PICTURES, collect_study, draw, parts_of_study
 from ptbench.figures.saving import DPI, png_of, svg_of
 from ptbench.figures.stability import heatmap, sweep
 from ptbench.io.cells import Result, Study
@@ -46,7 +46,7 @@ def draw_study_figures(result: Result, study: Study, prefix: str) -> Drawn:
             continue
         notes |= dict.fromkeys(data.notes)
         name = safe_name(f"{prefix}_{study.name}" + (f"_{part}" if part else ""))
-        figure = draw_study(study, data, part)
+        figure = draw(data)
         images.append(_image(figure, name, _alt(data), is_picture=part in PICTURES))
     return Drawn(tuple(images), tuple(notes) if images else None, tuple(not_drawn))
 
