@@ -32,6 +32,11 @@ def share(value: float | None) -> str:
     return "—" if value is None else f"{figures(100 * value, 2)} %"
 
 
+def percent(share: float) -> str:
+    """A share as pages write it, "95 %"."""
+    return f"{share:.0%}".replace("%", " %")
+
+
 def span(values: Iterable[int], unit: str = "") -> str:
     """The range of a setting, "4" or "1 to 8"."""
     ordered = sorted(set(values))

@@ -23,7 +23,7 @@ _PROGRAM = "ptbench-analysis"
 _MODULE = "python3 -m ptbench"
 # Whose options.py has COMMANDS, in the order of --help.
 FOLDERS = (
-    "plots", "report", "compare", "fleet", "crosscheck", "extras.peers", "extras.explain", "findings", "claims",
+    "plots", "report", "compare", "extras.fleet", "crosscheck", "extras.peers", "extras.explain", "findings", "claims",
     "extras.maps", "extras.advise", "gallery", "flat", "validate", "submit", "extras.simulate",
 )  # fmt: skip
 

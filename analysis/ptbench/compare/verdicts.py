@@ -97,10 +97,6 @@ class Comparison:
         """How many cells have that verdict."""
         return sum(row.verdict.word == word for row in self.rows)
 
-    def count_withheld(self, word: str) -> int:
-        """Number of UNSURE verdicts that would be `word` by their times alone."""
-        return sum(row.verdict.withheld == word for row in self.rows)
-
 
 def compare(matching: Matching, floors: Sequence[Floor]) -> Comparison:
     """Needs at least one pair. `floors` are those that are known of the two machines; the larger one counts."""

@@ -28,11 +28,6 @@ class Scaled:
     one: Cell
 
     @property
-    def is_weak(self) -> bool:
-        """Whether it has more samples than the one on one GPU."""
-        return self.cell.spp != self.one.spp
-
-    @property
     def efficiency(self) -> Estimate:
         """Efficiency with the time of the reduction."""
         return self._over(self.cell.ms_per_spp)

@@ -136,11 +136,6 @@ class Accounting:
         """The steps that are stages."""
         return tuple(step for step in self.steps if step.is_stage)
 
-    @property
-    def not_in_any_stage(self) -> float:
-        """Milliseconds a spp of the difference that no stage has."""
-        return sum(step.difference for step in self.steps if not step.is_stage)
-
 
 def accounting_of(a: Cell, b: Cell) -> Accounting:
     """The difference of two measured cells, in terms that add up to it."""

@@ -155,3 +155,13 @@ def _spread_text(spread: Spread) -> str:
 
 def _percent(share: float) -> str:
     return f"{figures(100 * share, 2)} %"
+
+
+# As a page names them.
+TABLES = {
+    "efficiency": efficiency_table,
+    "reduction": reduction_table,
+    "even": even_table,
+    "straggler": straggler_table,
+    "check": check_table,
+}

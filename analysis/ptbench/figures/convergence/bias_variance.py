@@ -35,11 +35,10 @@ class Point:
 
 @dataclass(frozen=True)
 class Panel:
-    """The points of one place; `last_spp` is the last checkpoint's."""
+    """The points of one place."""
 
     title: str
     points: tuple[Point, ...]
-    last_spp: int
 
 
 @dataclass(frozen=True)
@@ -67,7 +66,7 @@ def collect(result: Result, study: Study) -> Data:
             else:
                 noiseless.append(group.names[one.cell.name])
         if points:
-            panels.append(Panel(group.title, tuple(points), max(int(one.curve.spp[-1]) for one in group.members)))
+            panels.append(Panel(group.title, tuple(points)))
     if not panels:
         raise NotDrawable("no cell has both a bias² and a σ²")
     caption = (

@@ -37,7 +37,7 @@ class Gpu:
 
 @cache
 def _sheets() -> Node:
-    return read_json(package_file("fleet", SHEETS))
+    return read_json(package_file("extras", "fleet", SHEETS))
 
 
 def known_gpus() -> list[str]:

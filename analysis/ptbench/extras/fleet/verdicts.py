@@ -11,7 +11,7 @@ import numpy as np
 
 from ptbench.compare.ranking import Change, Ranking
 from ptbench.compare.verdicts import Comparison
-from ptbench.fleet.gpus import Gpu
+from ptbench.extras.fleet.gpus import Gpu
 from ptbench.io.cells import Cell, Result, Study
 from ptbench.stats.estimates import CONFIDENCE, FASTER, RESAMPLES, SAME, SEED, SLOWER, Estimate
 from ptbench.studies.questions import question_of

@@ -6,9 +6,9 @@ from pathlib import Path
 
 from ptbench.compare.compared import Compared, compare_files
 from ptbench.compare.verdicts import Comparison, Row
-from ptbench.fleet.evidence import OWN, Evidence, check_gpu, evidence_of
-from ptbench.fleet.gpus import Gpu, gpu_of_result, gpu_of_sheet
-from ptbench.fleet.model import RULES, USED, Rule, bound_of, predicted
+from ptbench.extras.fleet.evidence import OWN, Evidence, check_gpu, evidence_of
+from ptbench.extras.fleet.gpus import Gpu, gpu_of_result, gpu_of_sheet
+from ptbench.extras.fleet.model import RULES, USED, Rule, bound_of, predicted
 from ptbench.io.cells import Cell
 from ptbench.io.inspection import Inspected, load_inspected
 

@@ -24,7 +24,7 @@ another size are not modelled: bytes of memory stay what they were.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from ptbench.fleet.gpus import Gpu
+from ptbench.extras.fleet.gpus import Gpu
 
 MEMORY = "memory"
 _CACHES = ("l1", "l2")

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ptbench.errors import InputError
-from ptbench.fleet.gpus import Gpu
-from ptbench.fleet.model import KernelTime
+from ptbench.extras.fleet.gpus import Gpu
+from ptbench.extras.fleet.model import KernelTime
 from ptbench.io.cells import Cell
 from ptbench.io.inspection import Inspected, inspected_of
 
