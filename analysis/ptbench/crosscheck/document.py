@@ -5,6 +5,7 @@ from dataclasses import asdict, dataclass
 from ptbench.crosscheck.limits import SIDE
 from ptbench.crosscheck.renders import Images, Settings
 from ptbench.crosscheck.statistics import EDGES, FAMILY, POWER, Comparison
+from ptbench.io.files import picked
 
 AGREES, DIFFERS, WEAK, REFUSED = "agrees", "differs", "too weak", "not expressible"
 
@@ -38,10 +39,7 @@ def as_json(scenes: list[dict], settings: Settings, context: dict, allowed: floa
         "schema": "ptbench-crosscheck-1",
         "context": context,
         "settings": {
-            "seeds": settings.seeds,
-            "resolution": list(settings.resolution),
-            "depth": settings.depth,
-            "scale": settings.scale,
+            **picked(settings, "seeds resolution depth scale"),
             "allowed": allowed,
             "family": FAMILY,
             "family_scenes": count,

@@ -224,3 +224,9 @@ def safe_name(text: str) -> str:
 def one_line(text: str) -> str:
     """`text` with each run of white space as one space."""
     return " ".join(text.split())
+
+
+def picked(value: object, names: str) -> dict:
+    """The attributes of these names as JSON has them, which knows no tuples."""
+    found = {name: getattr(value, name) for name in names.split()}
+    return {name: list(one) if isinstance(one, tuple) else one for name, one in found.items()}
