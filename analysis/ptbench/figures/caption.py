@@ -77,6 +77,13 @@ def _fixed(cells: Sequence[Cell], question: Question | None, study: Study, told:
     return ", ".join(axes) + ("; tunables " + ", ".join(tunables) if tunables else "")
 
 
+def captioned(
+    what: str, result: Result, cells: Sequence[Cell], notes: Sequence[Note], study: Study | None = None
+) -> str:
+    """How to read a figure, what was run on what, and the notes."""
+    return "\n".join([what, setting(result, cells, None, study), *note_lines(notes)])
+
+
 def note_lines(notes: Sequence[Note]) -> list[str]:
     """The notes as one paragraph, or nothing."""
     shown: list[str] = []

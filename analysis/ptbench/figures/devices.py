@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from ptbench.errors import NotDrawable
 from ptbench.figures import series
-from ptbench.figures.caption import note_lines, setting
+from ptbench.figures.caption import captioned
 from ptbench.io.cells import Result, Study
 from ptbench.stats.estimates import INTERVAL_TEXT
 from ptbench.studies.devices import PARTITION, WHOLE, Scaled, devices_of, strong, weak
@@ -29,18 +29,15 @@ def collect(result: Result, study: Study) -> series.Data:
         if theirs := [one for one in growing if devices_of(one.cell) == count]:
             lines.append(_line(f"{count} GPUs, {count} times the samples", theirs, [one.efficiency for one in theirs]))
     notes = notes_of(result, study, rows)
-    caption = "\n".join(
-        [
-            "Samples a second over those of one GPU, over the number of GPUs; 1 is as good as can be. Bars: "
-            f"{INTERVAL_TEXT}, mostly hidden by the marker.",
-            setting(result, [row.cell for row in rows if row.cell.measured], None, study),
-            *note_lines(notes),
-        ]
+    what = (
+        "Samples a second over those of one GPU, over the number of GPUs; 1 is as good as can be. Bars: "
+        f"{INTERVAL_TEXT}, mostly hidden by the marker."
     )
+    measured = [row.cell for row in rows if row.cell.measured]
     spps = sorted({x for line in lines for x in line.xs})
     return series.Data(
         study.title or "Several GPUs",
-        caption,
+        captioned(what, result, measured, notes, study),
         tuple(notes),
         tuple(line.label for line in lines),
         (series.Panel(f"Efficiency on {first.scene}", tuple(lines)),),

@@ -12,7 +12,6 @@ from matplotlib.figure import Figure
 
 from ptbench.errors import NotDrawable
 from ptbench.figures import (
-    by_depth,
     cost_of_robustness,
     devices,
     integrator_by_cost,
@@ -28,9 +27,7 @@ from ptbench.studies.questions import axes_of, is_tunable
 
 FIGURES = {
     "remaining_paths": remaining_paths.collect,
-    "sorting_by_depth": partial(by_depth.collect, default_title="Material sorting: time by depth"),
-    "first_bounce_by_depth": partial(by_depth.collect, default_title="First-bounce cache: time by depth"),
-    **{figure: partial(scaling.collect, sweep=sweep) for figure, sweep in scaling.SWEEPS.items()},
+    **{figure: partial(scaling.collect, sweep=sweep) for figure, sweep in (scaling.BY_DEPTH | scaling.SWEEPS).items()},
 }
 # The axes that have a figure of their own; any other axis has its choices as rows.
 AXIS_FIGURES = {"robustness": cost_of_robustness.collect, "devices": devices.collect}

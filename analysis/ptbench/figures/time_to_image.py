@@ -13,7 +13,7 @@ import numpy as np
 
 from ptbench.errors import NotDrawable
 from ptbench.figures import series
-from ptbench.figures.caption import note_lines, setting
+from ptbench.figures.caption import captioned
 from ptbench.io.cells import Cell, Result, Study
 from ptbench.io.rays import RayMesh, load_rays_folder
 from ptbench.numbers import plural
@@ -143,21 +143,17 @@ def collect(result: Result, study: Study) -> series.Data:
         raise NotDrawable("no scene has trees of two builders")
     notes = notes_of(result, study, rows)
     threads = result.about("threads")
-    caption = "\n".join(
-        [
-            f"Time: building, once, plus encoding, once, plus spp times the median time of a sample. CPU: "
-            f"{plural(threads, 'thread')}. Below 1: the image is there before that of {BASELINE}. All on the GPU: "
-            "build and encoding as "
-            "`ptbench rays` timed them on this mesh, medians, without a copy. "
-            "Rings: from there on the line is the lowest. " + " ".join(said),
-            setting(result, cells, None, study),
-            *note_lines(notes),
-        ]
+    what = (
+        f"Time: building, once, plus encoding, once, plus spp times the median time of a sample. CPU: "
+        f"{plural(threads, 'thread')}. Below 1: the image is there before that of {BASELINE}. All on the GPU: "
+        "build and encoding as "
+        "`ptbench rays` timed them on this mesh, medians, without a copy. "
+        "Rings: from there on the line is the lowest. " + " ".join(said)
     )
     order = dict.fromkeys(one.label for panel in panels for one in panel.series)
     return series.Data(
         f"Time to an image by samples a pixel: builders over {BASELINE}",
-        caption,
+        captioned(what, result, cells, notes, study),
         tuple(notes),
         tuple(order),
         tuple(panels),

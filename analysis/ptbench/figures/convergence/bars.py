@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
+from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from ptbench import numbers
 from ptbench.convergence.assessment import PLATEAU
@@ -175,12 +175,11 @@ def draw(data: Data) -> Figure:
     """A page of bars."""
     looks = {label: style.look(index) for index, label in enumerate(data.order)}
 
-    def widest(texts, weight: str = "normal") -> float:
-        return max(style.text_width(text, style.LABEL_SIZE, weight) for text in texts)
-
-    label_width = widest(bar.label for group in data.groups for bar in group.bars)
-    title_width = widest((group.title for group in data.groups), "bold")
-    text_width = max(widest(bar.text for group in data.groups for bar in group.bars), widest([data.heading], "bold"))
+    label_width = style.widest(bar.label for group in data.groups for bar in group.bars)
+    title_width = style.widest((group.title for group in data.groups), "bold")
+    text_width = max(
+        style.widest(bar.text for group in data.groups for bar in group.bars), style.widest([data.heading], "bold")
+    )
     left = style.MARGIN + label_width + 0.3
     right = 0.2 + text_width + style.MARGIN
     plot_width = max(9.2 - left - right, 3.0, style.MARGIN + title_width - left + 0.2)
@@ -234,16 +233,14 @@ def _scale(axes: Axes, bounds: list[float], log: bool, zero_based: bool) -> floa
         axes.set_xscale("log")
         axes.set_xlim(low / 1.5, high * 1.4)
         fine = (1, 1.2, 1.5, 2, 3, 5, 7, 9) if high / low < 4 else (1, 2, 5)
-        axes.xaxis.set_major_locator(LogLocator(subs=fine if high / low < 100 else (1,)))
-        axes.xaxis.set_minor_locator(NullLocator())
+        style.ticks(axes.xaxis, LogLocator(subs=fine if high / low < 100 else (1,)))
     elif zero_based:
         axes.set_xlim(0, 1.06 * high)
-        axes.xaxis.set_major_locator(MaxNLocator(5))
+        style.ticks(axes.xaxis, MaxNLocator(5))
     else:
         margin = max(0.15 * (high - low), 0.01)
         axes.set_xlim(low - margin, high + margin)
-        axes.xaxis.set_major_locator(MaxNLocator(5))
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        style.ticks(axes.xaxis, MaxNLocator(5))
     return axes.get_xlim()[0]
 
 

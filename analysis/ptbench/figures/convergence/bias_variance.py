@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+from matplotlib.ticker import LogLocator
 
 from ptbench.convergence.assessment import PLATEAU, Assessment
 from ptbench.errors import NotDrawable
@@ -153,11 +153,8 @@ def _draw_panel(page: style.Page, axes, panel: Panel, looks: dict, wrapped: dict
         )
     for axis in (axes.xaxis, axes.yaxis):
         low, high = axis.get_view_interval()
-        axis.set_major_locator(
-            LogLocator(subs=(1,) if high / low > 300 else (1, 2, 5) if high / low > 5 else (1, 1.5, 2, 3, 4, 5, 7))
-        )
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axis.set_minor_locator(NullLocator())
+        steps = (1,) if high / low > 300 else (1, 2, 5) if high / low > 5 else (1, 1.5, 2, 3, 4, 5, 7)
+        style.ticks(axis, LogLocator(subs=steps))
     axes.set_xlabel("σ² a sample (log scale)")
     ends = [(point.sigma2.value, _height(point)) for point in panel.points]
     labels = [wrapped[point.label] for point in panel.points]
