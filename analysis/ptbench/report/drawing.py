@@ -71,8 +71,14 @@ def _alt(data) -> str:
     return one_line(f"{data.title}. {data.caption}")
 
 
-def _image(figure: Figure, name: str, alt: str, *, is_picture: bool = False) -> Image:
+def css_size(figure: Figure) -> tuple[int, int]:
+    """Width and height in CSS pixels."""
     width, height = (round(_CSS_PIXELS * inches) for inches in figure.get_size_inches())
+    return width, height
+
+
+def _image(figure: Figure, name: str, alt: str, *, is_picture: bool = False) -> Image:
+    width, height = css_size(figure)
 
     def image(ending: str, data: bytes) -> Image:
         return Image(f"{name}.{ending}", data, alt, width, height)
