@@ -45,7 +45,7 @@ def rendered(template: str, **names: object) -> str:
 
 
 def rendered_file(template: Path, **names: object) -> str:
-    """The same of a template's file; raises FindingError."""
+    """The text of a template's file with these names, and `confidence`; raises FindingError."""
     try:
         return rendered(template.read_text(encoding="utf-8"), **names)
     except (OSError, TemplateError) as error:
