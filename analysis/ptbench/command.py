@@ -3,16 +3,12 @@
 `cli/main.py` collects them and runs the one that is called.
 """
 
-from __future__ import annotations
-
 import argparse
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, is_dataclass
+from inspect import Parameter, signature
 from pathlib import Path
-from typing import TypeVar
-
-Of = TypeVar("Of")
 
 
 def _nothing_wrong(options: argparse.Namespace) -> str:
@@ -26,16 +22,26 @@ class Command:
     name: str
     help: str
     add_arguments: Callable[[argparse.ArgumentParser], None]
-    # Imports the command's modules and returns what runs it, which returns the exit code. Apart from running, so that
-    # a package that is not installed is told as that. The options hold `program`, too: what complaints call it.
-    load: Callable[[], Callable[[argparse.Namespace], int]]
+    # What runs it and returns the exit code: a function of its folder's module `command`; empty: the one of its name.
+    function: str = ""
     # What options that are each allowed are wrong in together; empty: nothing.
     fault: Callable[[argparse.Namespace], str] = _nothing_wrong
 
 
-def call_of(kind: type[Of], options: argparse.Namespace) -> Of:
-    """The dataclass `kind` made of the options by the names of its fields, each of which is an option."""
-    return kind(**{field.name: getattr(options, field.name) for field in fields(kind)})
+def called(function: Callable[..., int], options: argparse.Namespace) -> int:
+    """The function's exit code, called with the options by the names of its parameters.
+
+    A parameter `options` is all of them, `program` what complaints call the program, and a dataclass is made of the
+    options by the names of its fields.
+    """
+
+    def given(parameter: Parameter) -> object:
+        if is_dataclass(parameter.annotation):
+            names = (field.name for field in fields(parameter.annotation))
+            return parameter.annotation(**{name: getattr(options, name) for name in names})
+        return options if parameter.name == "options" else getattr(options, parameter.name)
+
+    return function(**{name: given(parameter) for name, parameter in signature(function).parameters.items()})
 
 
 def resolution(text: str) -> tuple[int, int]:

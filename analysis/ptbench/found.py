@@ -1,7 +1,5 @@
 """Modules that are found where they lie, so that whoever asks for a kind of them names none."""
 
-from __future__ import annotations
-
 from functools import cache
 from importlib import import_module
 from types import ModuleType

@@ -24,7 +24,7 @@ a cell that failed, since nobody knows what it timed. pandas itself drops rows w
 otherwise: group with `groupby(keys, observed=True, dropna=False)`.
 """
 
-from __future__ import annotations
+from collections.abc import Callable
 
 import numpy as np
 
@@ -37,72 +37,34 @@ from ptbench.tidy import columns, rows
 from ptbench.tidy.rows import Files, Rows
 
 
-def samples(paths: Files) -> pd.DataFrame:
-    """One row a timed sample, failed ones too; a cell without a sample has no row here, but one in `cells`."""
-    return frame_of(rows.samples(paths))
-
-
-def cells(paths: Files) -> pd.DataFrame:
-    """One row a cell. Medians are of its good samples, missing for a failed cell."""
-    return frame_of(rows.cells(paths))
-
-
-def verdicts(paths: Files) -> pd.DataFrame:
-    """One row a study and cell of it: its median time, the ratio over the study's baseline, and the verdict.
-
-    Intervals are those of every table and figure: 95 %, by bootstrap of the medians.
-    """
-    return frame_of(rows.verdicts(paths))
-
-
-def stages(paths: Files) -> pd.DataFrame:
-    """One row a cell and stage of the instrumented pass, which counts and is slower than the timed samples.
-
-    A cell that never got to that pass, or whose pass has no stages, is one row without a stage.
-    """
-    return frame_of(rows.stages(paths))
-
-
-def live_paths(paths: Files) -> pd.DataFrame:
-    """One row a cell and bounce (from 0, the camera ray's): paths alive, and their share of all, in the instrumented
-    pass."""
-    return frame_of(rows.live_paths(paths))
-
-
-def kernels(paths: Files) -> pd.DataFrame:
-    """One row a cell and CUDA kernel: registers and local memory a thread, shared memory a block."""
-    return frame_of(rows.kernels(paths))
-
-
-def curves(paths: Files) -> pd.DataFrame:
-    """One row a sample and checkpoint of the convergence cells; a failed sample is one row without a checkpoint."""
-    return frame_of(rows.curves(paths))
-
-
-def not_applicable(paths: Files) -> pd.DataFrame:
-    """One row a study, scene and variant that was left out before the run."""
-    return frame_of(rows.not_applicable(paths))
-
-
-def stability(paths: Files) -> pd.DataFrame:
-    """One row a check of `ptbench stability`; numbers that are not finite are NaN or infinite, as they came out.
-
-    A check that measured nothing (n/a, broken) has no `quantity`: that tells it from one that measured NaN.
-    """
-    return frame_of(rows.stability(paths))
-
-
-def rays(paths: Files) -> pd.DataFrame:
-    """One row a batch of `ptbench rays`: a mesh, a tree, a class of rays and a kernel, with its rate."""
-    return frame_of(rows.rays(paths))
-
-
 def frame_of(table: Rows) -> pd.DataFrame:
     """Rows as typed columns, in the order of `table.types`."""
     return pd.DataFrame(
         {name: _column([row.get(name) for row in table.rows], kind) for name, kind in table.types.items()},
         columns=list(table.types),
     )
+
+
+def _framed(table: Callable[[Files], Rows]) -> Callable[[Files], pd.DataFrame]:
+    """The function of rows as one that returns a data frame."""
+
+    def framed(paths: Files) -> pd.DataFrame:
+        return frame_of(table(paths))
+
+    framed.__name__, framed.__doc__ = table.__name__, table.__doc__
+    return framed
+
+
+samples = _framed(rows.samples)
+cells = _framed(rows.cells)
+verdicts = _framed(rows.verdicts)
+stages = _framed(rows.stages)
+live_paths = _framed(rows.live_paths)
+kernels = _framed(rows.kernels)
+curves = _framed(rows.curves)
+not_applicable = _framed(rows.not_applicable)
+stability = _framed(rows.stability)
+rays = _framed(rows.rays)
 
 
 def _column(values: list, kind: str) -> pd.Series:

@@ -1,7 +1,5 @@
 """Result files for a notebook: `ptbench.load` reads them once, and gives them as rows, arrays or pandas tables."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path

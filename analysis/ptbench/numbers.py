@@ -1,7 +1,5 @@
 """Numbers as a reader sees them: significant digits, intervals, ratios, ranges, counts."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 
@@ -32,6 +30,11 @@ def ratio(value: float) -> str:
 def share(value: float | None) -> str:
     """A part of a whole, "47 %"; a dash where nobody measured it."""
     return "—" if value is None else f"{figures(100 * value, 2)} %"
+
+
+def percent(share: float) -> str:
+    """A share as pages write it, "95 %"."""
+    return f"{share:.0%}".replace("%", " %")
 
 
 def span(values: Iterable[int], unit: str = "") -> str:

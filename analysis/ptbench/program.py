@@ -1,7 +1,5 @@
 """Calls of the program ptbench and of others: what they write, and small suites written as files."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

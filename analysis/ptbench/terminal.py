@@ -1,7 +1,5 @@
 """Text that is safe on a terminal: what file names and values bring along is shown, and never obeyed."""
 
-from __future__ import annotations
-
 import os
 import re
 import signal

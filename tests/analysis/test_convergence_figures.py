@@ -14,7 +14,7 @@ from matplotlib.text import Text
 from PIL import Image
 
 from ptbench.errors import InputError, NotDrawable
-from ptbench.figures.registry import CONVERGENCE_FIGURES, collect_study, draw_study, parts_of_study
+from ptbench.figures.registry import CONVERGENCE_FIGURES, collect_study, draw, parts_of_study
 from ptbench.io.images import displayed, exposure_of, flip, read_pfm
 from ptbench.io.results import load
 
@@ -80,8 +80,8 @@ def collected(builder: Builder, folder, part: str):
 @pytest.mark.parametrize("part", [part for part in CONVERGENCE_FIGURES if part != "equal_time"])
 @pytest.mark.parametrize(("scenes", "extra"), [(("cornell_open",), 0), (("cornell_open", "cornell_closed"), 5)])
 def test_every_figure_can_be_read(tmp_path, part, scenes, extra):
-    study, data = collected(study_of_all(scenes, extra), tmp_path, part)
-    check_legible(draw_study(study, data, part), part or "error_against_time")
+    _study, data = collected(study_of_all(scenes, extra), tmp_path, part)
+    check_legible(draw(data), part or "error_against_time")
     assert data.title.startswith("Cornell boxes")
     assert "NVIDIA H200" in data.caption
 
@@ -92,7 +92,7 @@ def test_lines_are_the_errors_and_times_of_the_file(tmp_path):
     convergence_cell(
         builder, Law(0.5, 0.01, noisy=False, reference_variance=1e-4), spps=SPPS, axes={"direct_light": "nee"}
     )
-    study, data = collected(builder, tmp_path, "")
+    _study, data = collected(builder, tmp_path, "")
     (panel,) = data.panels
     assert (panel.title, data.order) == ("cornell_open", ("off", "nee"))
     plain, biased = panel.lines
@@ -102,7 +102,7 @@ def test_lines_are_the_errors_and_times_of_the_file(tmp_path):
     assert biased.plateau == pytest.approx(0.1)
     # The variance 0.5 / n comes down to the squared bias, 0.01, at 50 spp of 2 ms.
     assert biased.crossing_ms == pytest.approx(100, rel=0.02)
-    axes = draw_study(study, data).axes[0]
+    axes = draw(data).axes[0]
     assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
     drawn = [line for line in axes.get_lines() if len(line.get_xdata()) == len(SPPS)]
     assert [list(line.get_ydata()) for line in drawn] == [list(plain.errors), list(biased.errors)]
@@ -119,13 +119,13 @@ def test_lines_are_the_errors_and_times_of_the_file(tmp_path):
 def test_a_plateau_known_only_as_a_bound_is_told_of_and_not_drawn(tmp_path):
     builder = convergence_study(on_gpu(), title="Cornell boxes")
     convergence_cell(builder, Law(mean_bias=0.001))
-    study, data = collected(builder, tmp_path, "")
+    _study, data = collected(builder, tmp_path, "")
     (line,) = data.panels[0].lines
     assert (line.plateau_is_bound, line.has_drawn_plateau) == (True, False)
-    texts = [text.get_text() for text in draw_study(study, data, "").findobj(Text)]
+    texts = [text.get_text() for text in draw(data).findobj(Text)]
     assert any("\nplateau ≥ " in text for text in texts)
     # The axis ends with the errors, not at the bound.
-    assert draw_study(study, data, "").axes[0].get_ylim()[0] > 10 * line.plateau
+    assert draw(data).axes[0].get_ylim()[0] > 10 * line.plateau
 
 
 def test_bands_are_the_lowest_and_highest_seed(tmp_path):
@@ -203,7 +203,7 @@ def test_a_study_without_a_curve_is_not_drawn_and_says_why(tmp_path):
 def test_crops_are_of_equal_time_and_can_be_read(tmp_path):
     builder = study_of_all()
     with_images(builder, tmp_path)
-    study, data = collected(builder, tmp_path, "equal_time")
+    _study, data = collected(builder, tmp_path, "equal_time")
     (sheet,) = data.sheets
     assert [shot.label for shot in sheet.shots][:2] == ["reference", "baseline"]
     # megakernel takes 1 ms a sample, the baseline 2: the time is the one that all have an image at, 64 ms.
@@ -213,7 +213,7 @@ def test_crops_are_of_equal_time_and_can_be_read(tmp_path):
     assert facts["integrator=megakernel"].startswith("64 spp, 64.0 ms")
     assert facts["first_bounce=cached"].startswith("8 spp, 48.0 ms")
     assert "sRGB" in data.caption
-    check_legible(draw_study(study, data, "equal_time"), "equal_time")
+    check_legible(draw(data), "equal_time")
 
 
 def test_missing_images_are_told_and_the_figure_left_out(tmp_path):

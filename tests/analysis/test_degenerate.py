@@ -17,7 +17,7 @@ from stability_builder import FLOAT, NAIVE, StabilityBuilder
 from ptbench.errors import NotDrawable
 from ptbench.extras.peers import figure as peers
 from ptbench.figures import style
-from ptbench.figures.registry import collect_study, draw_study, parts_of_study
+from ptbench.figures.registry import collect_study, draw, parts_of_study
 from ptbench.figures.stability import heatmap, sweep
 from ptbench.io.nodes import read_json
 from ptbench.io.results import load, result_of
@@ -124,7 +124,7 @@ def test_figures_are_drawn_or_say_why_not(tmp_path, name):
     for study in result.studies:
         for part in parts_of_study(study):
             try:
-                draw_study(study, collect_study(result, study, part), part).draw_without_rendering()
+                draw(collect_study(result, study, part)).draw_without_rendering()
             except NotDrawable as reason:
                 not_drawn.setdefault(study.name, []).append(f"{part}: {reason}")
     for word in ("nan", "inf"):
@@ -163,8 +163,8 @@ def test_errors_that_are_all_0_are_said_to_be(tmp_path):
 
 
 def test_a_line_without_an_error_is_named_and_not_drawn(tmp_path):
-    study, data = collected(convergence(Law(noisy=False), EXACT), tmp_path)
-    page = draw_study(study, data)
+    _study, data = collected(convergence(Law(noisy=False), EXACT), tmp_path)
+    page = draw(data)
     check_legible(page, "error_against_time")
     assert "nee\nno error above 0" in [text.get_text() for text in page.texts]
 
@@ -174,9 +174,9 @@ def test_a_scene_without_errors_leaves_the_others_theirs(tmp_path, part):
     builder = convergence(EXACT, scene="furnace", builder=convergence(Law(noisy=False)))
     for cell in list(builder.cells):
         without_checkpoints(builder, cell, 2.0, spp=SPPS[-1], scene=cell["scene"])
-    study, data = collected(builder, tmp_path, part)
+    _study, data = collected(builder, tmp_path, part)
     assert "Not drawn, since no error is above 0: furnace." in data.caption
-    assert len(draw_study(study, data, part).axes) == 1
+    assert len(draw(data).axes) == 1
 
 
 def test_peers_without_noise_have_no_place_on_a_logarithmic_axis(monkeypatch):

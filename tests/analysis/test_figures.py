@@ -12,7 +12,7 @@ from legibility import check_legible
 from ptbench import numbers
 from ptbench.errors import NotDrawable
 from ptbench.figures import lines, rows, style
-from ptbench.figures.registry import collect_study, draw_study
+from ptbench.figures.registry import collect_study, draw
 from ptbench.io.results import load
 
 SMALL = ("remaining_paths", "sorting_by_depth", "first_bounce_by_depth", "compaction", "integrator")
@@ -96,8 +96,8 @@ def test_times_by_depth_are_the_files_medians(tmp_path, name, other, factor):
 
 
 def test_the_lines_drawn_are_the_numbers_collected(tmp_path):
-    _, study, data = collected(small(), tmp_path, "sorting_by_depth")
-    axes = draw_study(study, data).axes[0]
+    _, _study, data = collected(small(), tmp_path, "sorting_by_depth")
+    axes = draw(data).axes[0]
     drawn = [line for line in axes.get_lines() if line.get_linestyle() != "None" and len(line.get_xdata()) == 3]
     for line, shown in zip(data.panels[0].lines, drawn, strict=True):
         assert list(shown.get_xdata()) == list(line.xs)
@@ -118,8 +118,8 @@ def test_compaction_rows_are_the_files_medians_and_ratios(tmp_path):
 
 
 def test_dots_drawn_are_the_medians(tmp_path):
-    _, study, data = collected(small(), tmp_path, "compaction")
-    axes = draw_study(study, data).axes[0]
+    _, _study, data = collected(small(), tmp_path, "compaction")
+    axes = draw(data).axes[0]
     dots = [line for line in axes.get_lines() if len(line.get_xdata()) == 1 and line.get_marker() != "None"]
     assert [dot.get_xdata()[0] for dot in dots] == pytest.approx([item.time.value for item in data.groups[0].items])
 
@@ -233,8 +233,8 @@ def many(choices: int, depths: int, scenes: int, long_names: bool) -> Builder:
 )
 def test_nothing_overlaps_or_is_cut_off(tmp_path, choices, depths, scenes, long_names):
     for name in ("remaining_paths", "sorting_by_depth", "compaction"):
-        _, study, data = collected(many(choices, depths, scenes, long_names), tmp_path, name)
-        check_legible(draw_study(study, data), name)
+        _, _study, data = collected(many(choices, depths, scenes, long_names), tmp_path, name)
+        check_legible(draw(data), name)
 
 
 def test_twelve_looks_differ_pairwise_in_marker_and_in_colour_or_line():

@@ -15,8 +15,8 @@ from stability_builder import StabilityBuilder
 from ptbench import frames
 from ptbench.cli.main import main
 from ptbench.tidy import rows
-from ptbench.tidy.columns import FROM_FILES, GROUPS
-from ptbench.tidy.descriptions import MEANINGS, page
+from ptbench.tidy.columns import COLUMNS, FROM_FILES, GROUPS
+from ptbench.tidy.descriptions import page
 
 SORTING = RESULTS / "nvidia-h200" / "sorting.json"
 
@@ -142,7 +142,7 @@ def test_parquet_reads_back_with_types_and_meanings(tmp_path):
         assert table.column(name).to_pylist() == [row.get(name) for row in expected.rows], name
     for name, kind in (("seed", "int64"), ("wall_ms", "double"), ("low_clock", "bool"), ("reason", "string")):
         assert str(table.schema.field(name).type) == kind
-    assert table.schema.field("wall_ms").metadata[b"description"].decode() == MEANINGS["wall_ms"]
+    assert table.schema.field("wall_ms").metadata[b"description"].decode() == COLUMNS["wall_ms"][1]
     assert isinstance(pd.read_parquet(out)["compaction"].dtype, pd.CategoricalDtype)
 
 
@@ -160,7 +160,7 @@ def test_parquet_has_room_for_seeds_of_64_bits(tmp_path):
 
 def test_every_column_is_described_and_the_page_is_up_to_date():
     planned = {name for groups in GROUPS.values() for group in groups for name in group}
-    assert planned == MEANINGS.keys()
+    assert planned == COLUMNS.keys()
     assert set(FROM_FILES) < planned
     assert GROUPS.keys() == rows.TABLES.keys()
     written = (ROOT / "docs" / "columns.md").read_text(encoding="utf-8")

@@ -12,12 +12,12 @@ from conftest import RESULTS, ROOT, stored_text
 
 from ptbench.cli.main import main
 from ptbench.errors import InputError
-from ptbench.fleet.evidence import NEAR, OWN, evidence_of, times_of
-from ptbench.fleet.fleet import fleet_of
-from ptbench.fleet.gpus import Gpu, gpu_of_result, gpu_of_sheet, known_gpus
-from ptbench.fleet.model import EXPOSED, PIPES, RULES, SHARES, KernelTime, bound_of, predicted
-from ptbench.fleet.text import sections
-from ptbench.fleet.verdicts import crossover, verdict_pairs
+from ptbench.extras.fleet.evidence import NEAR, OWN, evidence_of, times_of
+from ptbench.extras.fleet.fleet import fleet_of
+from ptbench.extras.fleet.gpus import Gpu, gpu_of_result, gpu_of_sheet, known_gpus
+from ptbench.extras.fleet.model import EXPOSED, PIPES, RULES, SHARES, KernelTime, bound_of, predicted
+from ptbench.extras.fleet.text import sections
+from ptbench.extras.fleet.verdicts import crossover, verdict_pairs
 from ptbench.io.inspection import load_inspected
 from ptbench.io.results import load_kept
 from ptbench.io.validate import complaints

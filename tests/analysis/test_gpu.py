@@ -7,7 +7,7 @@ from builder import GPU_AXES, LIVE, Builder, small
 from legibility import check_legible, texts_of
 
 from ptbench.errors import InputError, NotDrawable
-from ptbench.figures.registry import collect_study, draw_study, figure_names
+from ptbench.figures.registry import collect_study, draw, figure_names
 from ptbench.io.cells import Kernel
 from ptbench.io.results import load
 from ptbench.studies.gpu import hottest_kernel
@@ -30,7 +30,7 @@ def drawn(builder: Builder, tmp_path):
     result = loaded(builder, tmp_path)
     study = result.studies[0]
     data = collect_study(result, study)
-    return data, draw_study(study, data)
+    return data, draw(data)
 
 
 # ---- What is read ----
@@ -573,7 +573,7 @@ def test_every_caption_names_the_gpu_and_no_page_speaks_of_the_host(tmp_path):
             assert needed in data.caption, (study.name, needed)
         arithmetic = "arithmetic precise, exact;" if study.name == "arithmetic" else "arithmetic precise;"
         assert arithmetic in data.caption, study.name
-        figure = draw_study(study, data)
+        figure = draw(data)
         for text in texts_of(figure):
             for host in ("CPU", "threads", "Xeon"):
                 assert host not in text.get_text(), (study.name, text.get_text())

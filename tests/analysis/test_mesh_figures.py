@@ -13,7 +13,7 @@ from legibility import check_legible
 
 from ptbench.errors import FindingError, NotDrawable
 from ptbench.figures import integrator_by_cost, series, time_to_image
-from ptbench.figures.registry import collect_study, draw_study, parts_of_study
+from ptbench.figures.registry import collect_study, draw, parts_of_study
 from ptbench.figures.time_to_image import GPU_BUILDERS, Way, crossings, sibling_meshes, ways
 from ptbench.findings.sources.suite import SuiteSource
 from ptbench.findings.suite.builders import built, crossed
@@ -105,10 +105,10 @@ def test_studies_of_meshes_have_these_figures_too(builders):
     assert parts_of_study(study) == ("", "time_to_image")
     assert parts_of_study(dataclasses.replace(study, figure="shading_fmas")) == ("", "by_integrator")
     data = collect_study(builders, study, "time_to_image")
-    check_legible(draw_study(study, data, "time_to_image"), "time_to_image")
+    check_legible(draw(data), "time_to_image")
     result = load_kept(MESHES)
     (costs,) = [one for one in result.studies if one.figure == "shading_fmas"]
-    check_legible(draw_study(costs, collect_study(result, costs, "by_integrator"), "by_integrator"), "by_integrator")
+    check_legible(draw(collect_study(result, costs, "by_integrator")), "by_integrator")
 
 
 def test_one_kernel_against_a_queue_is_the_files(tmp_path):

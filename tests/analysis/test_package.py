@@ -24,7 +24,7 @@ MOST_LINES = 400
 LAYERS = (
     "terminal", "command", "errors", "git", "numbers", "io", "found", "program", "document", "stats", "studies",
     "convergence", "stability", "crosscheck", "figures", "compare", "findings", "claims", "submit", "plots",
-    "gallery", "report", "tidy", "frames", "measured", "fleet", "extras", "flat", "validate", "__init__", "cli",
+    "gallery", "report", "tidy", "frames", "measured", "extras", "flat", "validate", "__init__", "cli",
     "__main__",
 )  # fmt: skip
 SOURCES = sorted(PACKAGE.rglob("*.py"))
@@ -65,7 +65,7 @@ GRAPH = {name: set(imports_of(path.read_text(encoding="utf-8"), MODULES)) for na
 def test_the_graph_is_that_of_the_package():
     assert len(GRAPH) > 70
     assert "ptbench.io.nodes" in GRAPH["ptbench.io.results"]
-    assert "ptbench.plots.command" in GRAPH["ptbench.plots.options"]  # within a function
+    assert "ptbench.extras.fleet.figure" in GRAPH["ptbench.extras.fleet.command"]  # within a function
     assert "ptbench.measured" in GRAPH["ptbench"]
     assert "ptbench.figures.style" in GRAPH["ptbench.figures.rows"]  # from ptbench.figures import style
 
@@ -91,20 +91,21 @@ def test_folders_build_on_those_before_them():
 
 
 def is_extra(module: str) -> bool:
-    return module.startswith(("ptbench.extras", "ptbench.fleet"))
+    return module.startswith("ptbench.extras")
 
 
 def test_nothing_imports_extras():
     """What pages and results do without is found where it lies: its commands, sources and figures."""
     extras = {name for name in GRAPH if is_extra(name)}
-    assert {name.split(".")[2] for name in extras if name.count(".") > 2} >= {"advise", "explain", "maps", "peers"}
+    folders = {name.split(".")[2] for name in extras if name.count(".") > 2}
+    assert folders >= {"advise", "explain", "fleet", "maps", "peers"}
     users = {name for name in GRAPH if not is_extra(name) and GRAPH[name] & extras}
     assert users == set()
 
 
 def test_a_page_is_rendered_without_extras(tmp_path):
     copy = tmp_path / "ptbench"
-    shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__", "extras", "fleet"))
+    shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__", "extras"))
     names = ("imports", "compaction")
     code = (
         "import sys; from pathlib import Path; from ptbench.findings.page import read_page, render\n"
@@ -210,9 +211,11 @@ def test_a_command_is_added_by_its_folder_and_a_line(tmp_path):
     (copy / "greet" / "options.py").write_text(
         "from ptbench.command import Command\n"
         "def add(parser):\n    parser.add_argument('whom')\n"
-        "def load():\n    return lambda options: print(f'{options.program}: hello, {options.whom}') or 1\n"
         "def fault(options):\n    return 'found yourself' if options.whom == 'me' else ''\n"
-        "COMMANDS = (Command('greet', 'says hello', add, load, fault),)\n"
+        "COMMANDS = (Command('greet', 'says hello', add, fault=fault),)\n"
+    )
+    (copy / "greet" / "command.py").write_text(
+        "def greet(whom, program):\n    print(f'{program}: hello, {whom}')\n    return 1\n"
     )
     main = copy / "cli" / "main.py"
     main.write_text(main.read_text(encoding="utf-8").replace("FOLDERS = (", 'FOLDERS = ("greet",', 1), encoding="utf-8")

@@ -135,7 +135,7 @@ def test_lines_are_the_files_rates_and_the_peers():
 
 def test_the_page_is_legible():
     with style.applied():
-        figure = rays_by_triangles.draw(rays_by_triangles.collect(*load_rays_folder(FOLDER)))
+        figure = series.draw(rays_by_triangles.collect(*load_rays_folder(FOLDER)))
     check_legible(figure, "rays")
 
 
@@ -150,7 +150,7 @@ def test_more_accelerators_are_more_lines(tmp_path):
     data = rays_by_triangles.collect(files, [])
     assert {"bvh2, plain", "bvh4, plain", "bvh8, plain", "cwbvh, persistent"} < set(data.order)
     with style.applied():
-        check_legible(rays_by_triangles.draw(data), "more")
+        check_legible(series.draw(data), "more")
 
 
 def test_few_rays_are_no_rate():

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from ptbench.figures import style
-from ptbench.figures.registry import collect_study, draw_study
+from ptbench.figures.registry import collect_study, draw
 from ptbench.figures.saving import DPI, save_figure, save_pictures
 from ptbench.io.results import load
 
@@ -26,7 +26,7 @@ def saved(tmp_path_factory):
     """(PNG, SVG, the PNG as matplotlib writes it) of one figure with lines, labels and a caption."""
     folder = tmp_path_factory.mktemp("saved")
     result = load(crossing().write(folder / "result.json"))
-    page = draw_study(result.studies[0], collect_study(result, result.studies[0]))
+    page = draw(collect_study(result, result.studies[0]))
     with style.applied():
         png, svg = save_figure(page, folder, "page")
         drawn = io.BytesIO()

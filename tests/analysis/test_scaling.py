@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from ptbench.errors import NotDrawable
 from ptbench.figures import lines, rows
-from ptbench.figures.registry import collect_study, draw_study
+from ptbench.figures.registry import collect_study, draw
 from ptbench.figures.scaling import SWEEPS, Place, numbered_scenes
 from ptbench.io.results import load
 from ptbench.stats.estimates import Estimate, Verdict, verdict_of_ratio
@@ -27,7 +27,7 @@ def drawn(builder: Builder, tmp_path, name: str):
     result = load(builder.write(tmp_path / "result.json"))
     study = next(study for study in result.studies if study.name == name)
     data = collect_study(result, study)
-    return data, draw_study(study, data)
+    return data, draw(data)
 
 
 def line_of(data: lines.Data, label: str, panel: int = 0) -> lines.Line:

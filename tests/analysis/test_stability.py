@@ -21,7 +21,7 @@ from stability_builder import (
 )
 
 from ptbench.errors import InputError, NotDrawable
-from ptbench.figures.registry import collect_study, draw_study
+from ptbench.figures.registry import collect_study, draw
 from ptbench.figures.stability import heatmap as stability_heatmap
 from ptbench.figures.stability import sweep as stability_sweep
 from ptbench.figures.stability.heatmap import MOST_ROWS, colour
@@ -494,7 +494,7 @@ def cost_data(builder: Builder, tmp_path):
 
 
 def test_costs_are_ratios_to_robust_float_on_a_logarithmic_axis(tmp_path):
-    study, data = cost_data(costs(), tmp_path)
+    _study, data = cost_data(costs(), tmp_path)
     assert [group.title for group in data.groups] == ["cornell_open", "ball_glass"]
     for group in data.groups:
         assert {bar.label: bar.estimate.value for bar in group.bars} == pytest.approx(
@@ -503,7 +503,7 @@ def test_costs_are_ratios_to_robust_float_on_a_logarithmic_axis(tmp_path):
         assert all(bar.estimate.low < bar.estimate.value < bar.estimate.high for bar in group.bars[1:])
     assert data.groups[1].bars[0].text == "1 = 4.000 ms per spp"
     assert "naive double_intersection: has its own intersection" in [note.full for note in data.notes]
-    figure = draw_study(study, data)
+    figure = draw(data)
     check_legible(figure, "cost_of_robustness")
     axes = figure.axes[0]
     assert axes.get_xscale() == "log"

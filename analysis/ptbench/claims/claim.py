@@ -4,8 +4,6 @@ Its experiment is a suite of claims/suites, or a call of `ptbench rays`; each of
 of two cells as a rule, with the interval that was predicted before it was measured.
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Sequence
@@ -13,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ptbench.errors import FindingError, InputError, bad_value
+from ptbench.io.files import named_files
 from ptbench.io.nodes import read_json, shown
 from ptbench.io.validate import complaints
 from ptbench.studies.selection import parsed
@@ -120,12 +119,7 @@ class Ledger:
 
     def claims(self, names: Sequence[str] = ()) -> list[Claim]:
         """Every claim, or those of these names; raises InputError for one that is not there or not as it must be."""
-        files = {path.stem: path for path in sorted(self.folder.glob("*.json"))}
-        if not files:
-            raise bad_value(self.folder, "folder", "no claim", "the root of a checkout as --root")
-        if unknown := [name for name in names if name not in files]:
-            raise bad_value(self.folder, "claim", ", ".join(unknown), ", ".join(files))
-        return [read_claim(files[name], self.folder) for name in (dict.fromkeys(names) if names else files)]
+        return [read_claim(path, self.folder) for path in named_files(self.folder, names, "claim")]
 
 
 def read_claim(path: Path, folder: Path) -> Claim:

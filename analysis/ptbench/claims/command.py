@@ -1,11 +1,8 @@
 """`claims`: runs or looks up what each claim asks for, says what follows, and holds the committed verdicts to it."""
 
-from __future__ import annotations
-
 import json
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from ptbench.claims.claim import Claim, Ledger
@@ -14,31 +11,17 @@ from ptbench.claims.history import UNKNOWN, Order, order_of
 from ptbench.claims.judging import judge
 from ptbench.claims.pages import Told, measured_text, pages_of, span_text, word_text
 from ptbench.errors import FindingError
-from ptbench.io.files import write_text
+from ptbench.findings.ledger import Call, stale_pages, write_pages
 from ptbench.io.nodes import read_json
-from ptbench.program import Program
-
-
-@dataclass(frozen=True)
-class Call:
-    """The options of one call of `ptbench claims`."""
-
-    root: Path = Path()
-    names: Sequence[str] = ()
-    results: Path | None = None  # None: the checkout's own
-    binary: Path | None = None  # None: the checkout's own
-    run: bool = False
-    write: bool = False
-    check: bool = False
 
 
 def claims(call: Call) -> int:
     """Exit code: 0 all that is committed follows from its data, 1 something does not, or a run failed."""
     ledger = Ledger(call.root)
     chosen = ledger.claims(call.names)
-    results = call.results or call.root / "results"
+    results = call.folder
     if call.run:
-        _run(call, ledger, chosen, results)
+        _run(call, ledger, chosen)
     recorded = _recorded(ledger)
     told = [one for claim in chosen for one in told_of(ledger, claim, results, recorded)]
     for one in told:
@@ -53,9 +36,13 @@ def claims(call: Call) -> int:
     )
     try:
         if call.write:
-            _write(ledger, everything)
+            pages = pages_of(ledger, everything)
+            pages[ledger.verdicts.name] = json.dumps(_record(everything), indent=1, ensure_ascii=False) + "\n"
+            write_pages(ledger.pages, pages)
+            print(f"{ledger.pages}: {len(pages)} files")
         elif call.check:
-            faults += _stale(ledger, everything, recorded)
+            pages = pages_of(ledger, _committed(everything, recorded))
+            faults += stale_pages(ledger.pages, pages, "claim", "claims")
     except FindingError as error:
         faults.append(str(error))
     for fault in faults:
@@ -129,30 +116,6 @@ def _contradictions(told: Sequence[Told], recorded: Mapping, chosen: Sequence[Cl
     return faults
 
 
-def _write(ledger: Ledger, told: Sequence[Told]) -> None:
-    pages = pages_of(ledger, told)
-    ledger.pages.mkdir(parents=True, exist_ok=True)
-    pages[ledger.verdicts.name] = json.dumps(_record(told), indent=1, ensure_ascii=False) + "\n"
-    for name, text in pages.items():
-        write_text(ledger.pages / name, text)
-    for path in ledger.pages.iterdir():
-        if path.suffix in (".md", ".svg") and path.name not in pages:
-            path.unlink()
-    print(f"{ledger.pages}: {len(pages)} files")
-
-
-def _stale(ledger: Ledger, told: Sequence[Told], recorded: Mapping) -> list[str]:
-    pages = pages_of(ledger, _committed(told, recorded))
-    advice = "run python3 -m ptbench claims --write"
-    there = {path.name for path in ledger.pages.glob("*") if path.suffix in (".md", ".svg")}
-    faults = [f"{ledger.pages / name}: no claim has it; {advice}" for name in sorted(there - pages.keys())]
-    for name, text in pages.items():
-        page = ledger.pages / name
-        if not page.is_file() or page.read_text(encoding="utf-8") != text:
-            faults.append(f"{page}: not what claims and results say; {advice}")
-    return faults
-
-
 def _committed(told: Sequence[Told], recorded: Mapping) -> list[Told]:
     """Without the machines that have no committed verdict: whoever has measured for themselves changes no page."""
     kept: list[Told] = []
@@ -163,9 +126,9 @@ def _committed(told: Sequence[Told], recorded: Mapping) -> list[Told]:
     return kept
 
 
-def _run(call: Call, ledger: Ledger, chosen: Sequence[Claim], results: Path) -> None:
+def _run(call: Call, ledger: Ledger, chosen: Sequence[Claim]) -> None:
     """Runs what has no result on this machine yet, each experiment once; raises InputError where one fails."""
-    program = Program(call.binary or call.root / "build" / "ptbench")
+    program = call.program
     machine = program.machine()
     done = set()
     for claim in chosen:
@@ -173,7 +136,7 @@ def _run(call: Call, ledger: Ledger, chosen: Sequence[Claim], results: Path) -> 
         if experiment is None or experiment.result in done:
             continue
         done.add(experiment.result)
-        out = results / machine / "claims" / f"{experiment.result}.json"
+        out = call.folder / machine / "claims" / f"{experiment.result}.json"
         if out.exists() or Path(f"{out}.gz").exists():
             print(f"{out}: is there")
             continue

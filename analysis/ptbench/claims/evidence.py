@@ -15,6 +15,7 @@ from ptbench.convergence.fit import Curve, fit_of
 from ptbench.errors import FindingError
 from ptbench.findings.sources.suite import SuiteSource
 from ptbench.io.cells import Cell
+from ptbench.io.files import stored_file
 from ptbench.io.nodes import Node, read_json
 from ptbench.io.rays import SCHEMA as RAYS
 from ptbench.io.rays import Batch, RayMesh, Rays, Tree, rays_of
@@ -77,15 +78,11 @@ def _files(experiment: Experiment, machine: Path) -> list[Path]:
 
 
 def _is_there(file: Path) -> bool:
-    return file.is_file() or _packed(file).is_file()
+    return stored_file(file).is_file()
 
 
 def _backend(file: Path) -> str | None:
     return read_json(file).need("context").fields().get("ptbench.backend")
-
-
-def _packed(file: Path) -> Path:
-    return Path(f"{file}.gz")
 
 
 def _evidence(experiment: Experiment, results: Path, file: Path) -> Evidence:
@@ -121,8 +118,7 @@ def _of_two(experiment: Experiment, results: Path) -> list[Evidence]:
 
 
 def _shown(results: Path, file: Path) -> str:
-    there = file if file.is_file() else _packed(file)
-    return there.relative_to(results).as_posix()
+    return stored_file(file).relative_to(results).as_posix()
 
 
 def _device(experiment: Experiment, root: Node) -> str | None:

@@ -1,7 +1,5 @@
 """A claim's figure: a row a condition, with what holds the claim, what was predicted and what was measured."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 
@@ -9,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
+from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from ptbench.claims.claim import THEIRS, Claim, Span, span_of
 from ptbench.claims.judging import HOLDS_WHERE, LESS, MISSING, MORE, OPEN, WITHIN, Judged, Verdict
@@ -51,12 +49,10 @@ def draw(claim: Claim, verdict: Verdict, device: str) -> Figure:
 def _scale(axes: Axes, low: float, high: float, rows: int, *, is_log: bool = True) -> None:
     if is_log:
         axes.set_xscale("log")
-        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if high / low < 200 else (1,)))
-        axes.xaxis.set_minor_locator(NullLocator())
+        style.ticks(axes.xaxis, LogLocator(subs=(1, 2, 5) if high / low < 200 else (1,)))
         axes.axvline(1, color="#888888", linewidth=0.8, linestyle=(0, (4, 2)), zorder=1)
     else:
-        axes.xaxis.set_major_locator(MaxNLocator(6))
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        style.ticks(axes.xaxis, MaxNLocator(6))
     axes.set_xlim(low, high)
     axes.set_ylim(0, rows)
     axes.yaxis.set_major_locator(NullLocator())

@@ -4,8 +4,6 @@ A prediction that is edited is a prediction of that day: it is as old as the old
 claim's part that counts nor its suite's studies were another.
 """
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 

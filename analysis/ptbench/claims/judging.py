@@ -5,8 +5,6 @@ all of it lies outside; else it is open. Of the claim's conditions, theirs are t
 others lie on one side of them or the other along the axis that the claim names.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 

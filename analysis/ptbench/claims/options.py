@@ -1,10 +1,8 @@
 """The command line of `claims`."""
 
-from __future__ import annotations
-
 import argparse
 
-from ptbench.command import Command, add_ledger, call_of
+from ptbench.command import Command, add_ledger
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -13,11 +11,5 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     add_ledger(parser, "docs/claims and its verdicts", "docs/claims")
 
 
-def _load():
-    from ptbench.claims.command import Call, claims
-
-    return lambda options: claims(call_of(Call, options))
-
-
 _HELP = "what published claims are found to be; exit code 1 where a committed verdict does not follow"
-COMMANDS = (Command("claims", _HELP, _add_arguments, _load),)
+COMMANDS = (Command("claims", _HELP, _add_arguments),)

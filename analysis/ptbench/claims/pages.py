@@ -1,24 +1,20 @@
 """Pages of the ledger: one table of all claims, and a page a claim, from their templates."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-
-from jinja2 import Environment, StrictUndefined, TemplateError
 
 from ptbench.claims.claim import Claim, Ledger, Span
 from ptbench.claims.evidence import Evidence
 from ptbench.claims.figure import draw, draw_all
 from ptbench.claims.history import Order
 from ptbench.claims.judging import NOT_REACHED, RULE, VERDICTS, WITHDRAWN, Judged, Verdict
-from ptbench.errors import FindingError
 from ptbench.figures import style
 from ptbench.figures.saving import svg_of
+from ptbench.findings.ledger import rendered_file
 from ptbench.numbers import figures
-from ptbench.stats.estimates import CONFIDENCE, Estimate
+from ptbench.stats.estimates import Estimate
 
 DIGITS = 3
 OVERVIEW = "overview.svg"
@@ -122,17 +118,10 @@ def _foreseen(told: Sequence[Told]) -> tuple[int, int]:
 
 
 def _rendered(ledger: Ledger, template: str, **names: object) -> str:
-    environment = Environment(
-        undefined=StrictUndefined, keep_trailing_newline=True, trim_blocks=True, lstrip_blocks=True
-    )
-    file = ledger.templates / template
-    try:
-        return environment.from_string(file.read_text(encoding="utf-8")).render(
-            **names, interval=span_text, measured=measured_text, word=word_text, read=_READ, rule=RULE,
-            not_reached=NOT_REACHED, confidence=f"{CONFIDENCE:.0%}".replace("%", " %"), run=run_text,
-        )  # fmt: skip
-    except (OSError, TemplateError) as error:
-        raise FindingError(f"{file}: {error}") from error
+    return rendered_file(
+        ledger.templates / template, **names, interval=span_text, measured=measured_text, word=word_text, read=_READ,
+        rule=RULE, not_reached=NOT_REACHED, run=run_text,
+    )  # fmt: skip
 
 
 def span_text(span: Span) -> str:

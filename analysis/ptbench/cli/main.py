@@ -3,20 +3,19 @@
 Exit codes: 0 good, 1 a check failed, 2 the input or the call is wrong, 3 the machine failed.
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
 from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 
 from ptbench import __version__
 from ptbench.cli.parser import Parser
-from ptbench.command import Command
+from ptbench.command import Command, called
 from ptbench.errors import FindingError, InputError, MachineError
 from ptbench.terminal import OutputError, visible, visible_output
 
@@ -24,16 +23,16 @@ _PROGRAM = "ptbench-analysis"
 _MODULE = "python3 -m ptbench"
 # Whose options.py has COMMANDS, in the order of --help.
 FOLDERS = (
-    "plots", "report", "compare", "fleet", "crosscheck", "extras.peers", "extras.explain", "findings", "claims",
+    "plots", "report", "compare", "extras.fleet", "crosscheck", "extras.peers", "extras.explain", "findings", "claims",
     "extras.maps", "extras.advise", "gallery", "flat", "validate", "submit", "extras.simulate",
 )  # fmt: skip
 
 
 @cache
-def commands() -> dict[str, Command]:
-    """All commands by name, in the order of --help."""
-    found = [one for folder in FOLDERS for one in import_module(f"ptbench.{folder}.options").COMMANDS]
-    return {command.name: command for command in found}
+def commands() -> dict[str, tuple[str, Command]]:
+    """All commands by name, each with its folder, in the order of --help."""
+    found = ((folder, one) for folder in FOLDERS for one in import_module(f"ptbench.{folder}.options").COMMANDS)
+    return {command.name: (folder, command) for folder, command in found}
 
 
 def _program() -> str:
@@ -46,7 +45,7 @@ def parser_of(program: str = _MODULE) -> argparse.ArgumentParser:
     parser = Parser(prog=program, description="Draws what ptbench measured.")
     parser.add_argument("--version", action="version", version=f"{_PROGRAM} {__version__}")
     subparsers = parser.add_subparsers(dest="command", required=True, metavar="|".join(commands()))
-    for command in commands().values():
+    for _, command in commands().values():
         command.add_arguments(subparsers.add_parser(command.name, help=command.help))
     parser.set_defaults(program=program)
     return parser
@@ -85,12 +84,12 @@ def _drawing_to_files() -> Iterator[None]:
 
 def _main(arguments: list[str], program: str) -> int:
     options = parser_of(program).parse_args(arguments)
-    command = commands()[options.command]
+    folder, command = commands()[options.command]
     if fault := command.fault(options):
         print(f"{program} {command.name}: {visible(fault)}; see --help", file=sys.stderr)
         return 2
     try:
-        return _loaded(command)(options)
+        return called(getattr(_functions(folder, command.name), command.function or command.name), options)
     except (InputError, FindingError) as error:
         print(f"{program}: {visible(str(error))}", file=sys.stderr)
         return 2
@@ -99,11 +98,11 @@ def _main(arguments: list[str], program: str) -> int:
         return 3
 
 
-def _loaded(command: Command) -> Callable[[argparse.Namespace], int]:
-    """What runs the command; a package that is not installed is named in one line, as an InputError."""
+def _functions(folder: str, name: str) -> ModuleType:
+    """The command's functions; a package that is not installed is named in one line, as an InputError."""
     try:
-        return command.load()
+        return import_module(f"ptbench.{folder}.command")
     except ModuleNotFoundError as error:
         if error.name is None or error.name.partition(".")[0] == "ptbench":
             raise
-        raise InputError(f"{command.name} needs the Python package {error.name} (analysis/requirements.txt)") from error
+        raise InputError(f"{name} needs the Python package {error.name} (analysis/requirements.txt)") from error

@@ -1,7 +1,5 @@
 """argparse with complaints of one line, as all of ptbench's are, that name the nearest word of what was meant."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Iterable
 from difflib import get_close_matches

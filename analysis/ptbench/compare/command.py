@@ -7,8 +7,6 @@ Every file is held against the first. Exit codes: 0 compared; 1 what `--fail-on`
 judged; 2 bad input, which a file without a single cell in common with the first is, too.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Result files held against the first of them: all that one comparison finds, before it is told."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,6 +1,6 @@
 """What `compare` found as JSON, for programs: every pair, every cell that was left out, every place and change."""
 
-from __future__ import annotations
+from dataclasses import asdict
 
 from ptbench.compare.compared import Compared
 from ptbench.compare.match import Matching
@@ -9,7 +9,8 @@ from ptbench.compare.ranking import Ranking
 from ptbench.compare.text import MARKS
 from ptbench.compare.verdicts import Comparison, Mean, Row, capacity_of
 from ptbench.io.cells import Cell, Result
-from ptbench.stats.estimates import CONFIDENCE, Estimate, median_estimate
+from ptbench.io.files import picked
+from ptbench.stats.estimates import CONFIDENCE, Estimate, Verdict, median_estimate
 from ptbench.studies.disturbed import Disturbance, disturbance_of
 from ptbench.studies.withdrawn import among
 
@@ -35,7 +36,6 @@ def as_json(compared: Compared) -> dict:
 
 
 def _file(result: Result) -> dict:
-    capacity = capacity_of(result)
     return {
         "path": str(result.path),
         "machine": result.about("machine"),
@@ -47,27 +47,21 @@ def _file(result: Result) -> dict:
         "interrupted": result.interrupted,
         "cells": len(result.cells),
         "disturbed": _disturbed(disturbance_of(result.cells)),
-        "units": capacity.units,
-        "unit": capacity.unit,
-        "clock_mhz": capacity.clock_mhz,
-        "clock_from": capacity.clock_from,
-        "bandwidth_gb_s": capacity.bandwidth_gb_s,
+        **picked(capacity_of(result), "units unit clock_mhz clock_from bandwidth_gb_s"),
     }
 
 
 def _disturbed(found: Disturbance) -> dict:
-    return {
-        "samples": found.samples,
-        "disturbed": found.disturbed,
-        "contended": found.contended,
-        "low_clock": found.low_clock,
-    }
+    return picked(found, "samples disturbed contended low_clock")
 
 
 def _estimate(estimate: Estimate | None) -> dict | None:
-    if estimate is None:
-        return None
-    return {"value": estimate.value, "low": estimate.low, "high": estimate.high, "n": estimate.n}
+    return None if estimate is None else asdict(estimate)
+
+
+def _verdict(verdict: Verdict | None) -> dict:
+    word = None if verdict is None else verdict.word
+    return {"verdict": word, **picked(verdict or Verdict(""), "reason note withheld")}
 
 
 def _comparison(comparison: Comparison, index: dict[int, int]) -> dict:
@@ -75,8 +69,7 @@ def _comparison(comparison: Comparison, index: dict[int, int]) -> dict:
     return {
         "reference": index[id(comparison.reference)],
         "other": index[id(comparison.other)],
-        "one_machine": comparison.one_machine,
-        "repeated": comparison.repeated,
+        **picked(comparison, "one_machine repeated"),
         "across_backends": matching.across_backends,
         "assumed": list(matching.assumed),
         "threshold": comparison.threshold,
@@ -84,10 +77,7 @@ def _comparison(comparison: Comparison, index: dict[int, int]) -> dict:
         "floors_refused": [_floor(floor) for floor in comparison.no_floors],
         "withdrawn": [entry.full for entry in among([row.pair.reference for row in comparison.rows])],
         "geometric_mean": {"time": _mean(comparison.time), "cycles": _mean(comparison.cycles)},
-        "normalised": [
-            {"by": item.by, "factor": item.factor, "ratio": _estimate(item.ratio), "how": item.how}
-            for item in comparison.normalised
-        ],
+        "normalised": [asdict(item) for item in comparison.normalised],
         "pairs": [_row(row) for row in comparison.rows],
         "left_out": _left_out(matching),
     }
@@ -96,14 +86,8 @@ def _comparison(comparison: Comparison, index: dict[int, int]) -> dict:
 def _mean(mean: Mean) -> dict:
     return {
         "ratio": _estimate(mean.estimate),
-        "verdict": None if mean.verdict is None else mean.verdict.word,
-        "reason": "" if mean.verdict is None else mean.verdict.reason,
-        "note": "" if mean.verdict is None else mean.verdict.note,
-        "withheld": "" if mean.verdict is None else mean.verdict.withheld,
-        "used": mean.used,
-        "left_out": mean.left_out,
-        "smallest": mean.smallest,
-        "largest": mean.largest,
+        **_verdict(mean.verdict),
+        **picked(mean, "used left_out smallest largest"),
     }
 
 
@@ -112,16 +96,10 @@ def _row(row: Row) -> dict:
     return {
         "reference": _side(cell),
         "other": _side(row.pair.other),
-        "scene": cell.scene,
-        "scene_hash": cell.scene_hash,
-        "resolution": list(cell.resolution),
-        "depth": cell.depth,
+        **picked(cell, "scene scene_hash resolution depth"),
         "ratio": _estimate(row.ratio),
         "cycles": _estimate(row.cycles),
-        "verdict": row.verdict.word,
-        "reason": row.verdict.reason,
-        "note": row.verdict.note,
-        "withheld": row.verdict.withheld,
+        **_verdict(row.verdict),
         "remarks": list(row.remarks),
     }
 
@@ -132,21 +110,14 @@ def _side(cell: Cell) -> dict:
 
 def _left_out(matching: Matching) -> list[dict]:
     return [
-        {
-            "of": "reference" if item.in_reference else "other",
-            "cell": item.cell.name,
-            "kind": item.kind,
-            "reason": item.reason,
-        }
+        {"of": "reference" if item.in_reference else "other", "cell": item.cell.name, **picked(item, "kind reason")}
         for item in matching.alone
     ]
 
 
 def _floor(floor: Floor) -> dict:
     return {
-        "machine": floor.machine,
-        "value": floor.value,
-        "chance": floor.chance,
+        **picked(floor, "machine value chance"),
         "ratios": len(floor.ratios),
         "refused": floor.refusal,
         "runs": [[str(repeat.one.path), str(repeat.other.path)] for repeat in floor.repeats],
@@ -166,25 +137,11 @@ def _repeat(repeat: Repeat) -> dict:
 
 def _ranking(group: Ranking) -> dict:
     return {
-        "scene": group.scene,
-        "resolution": group.resolution,
-        "depth": group.depth,
-        "spp": list(group.spp),
-        "work": group.work,
+        **picked(group, "scene resolution depth spp work"),
         "variants": [
             {"cells": [cell.name for cell in cells], "places": list(places)}
             for cells, places in zip(group.cells, group.places, strict=True)
         ],
-        "changes": [
-            {
-                "ahead": change.ahead,
-                "behind": change.behind,
-                "at": change.at,
-                "turned_at": change.turned_at,
-                "ratio": _estimate(change.ratio),
-                "turned_ratio": _estimate(change.turned_ratio),
-            }
-            for change in group.changes
-        ],
+        "changes": [asdict(change) for change in group.changes],
         "within_noise": group.within_noise,
     }

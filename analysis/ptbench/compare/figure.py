@@ -1,7 +1,5 @@
 """The forest plots of a comparison: which numbers go where, and the caption that lets them stand alone."""
 
-from __future__ import annotations
-
 from collections import Counter
 from pathlib import Path
 

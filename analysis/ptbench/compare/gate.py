@@ -7,8 +7,6 @@ that is UNSURE because its interval is wide is noise that a program which did no
 passes.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ that, unless the two files have no backend in common. What the files say of the 
 where both claim them, and rays.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass

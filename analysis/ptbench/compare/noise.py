@@ -18,8 +18,6 @@ samples were disturbed, it is what befell the machine: such a run tells no floor
 what it is, and by it a program that takes a fourth more time would be the SAME: then no verdict on that machine holds.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

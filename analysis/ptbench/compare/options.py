@@ -1,7 +1,5 @@
 """The command line of `compare`."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 
@@ -31,11 +29,5 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, metavar="DIR", help="compare.md, and of result files the figures")
 
 
-def _load():
-    from ptbench.compare.command import compare_command
-
-    return compare_command
-
-
 _HELP = "hold result, stability or rays files of commits or machines against the first one"
-COMMANDS = (Command("compare", _HELP, _add_arguments, _load),)
+COMMANDS = (Command("compare", _HELP, _add_arguments, "compare_command"),)

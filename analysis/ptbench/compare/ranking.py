@@ -4,8 +4,6 @@ A change is told as one only where verdicts support it on both machines: FASTER 
 the medians change places and a verdict does not hold, that is counted as within the noise.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import combinations

@@ -4,8 +4,6 @@ A batch is known by its mesh's triangles (their hash), its tree's accelerator an
 kernel. Where the hits of two batches differ, other rays were traced, or one of both is wrong: they get no ratio.
 """
 
-from __future__ import annotations
-
 from argparse import Namespace
 from collections.abc import Sequence
 from dataclasses import dataclass

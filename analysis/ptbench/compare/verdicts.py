@@ -4,8 +4,6 @@ The rules are those of every table (ptbench.stats.estimates), with two differenc
 no difference. And between two machines the cycles do not veto a verdict: there, the clock is part of what is compared.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -98,10 +96,6 @@ class Comparison:
     def count(self, word: str) -> int:
         """How many cells have that verdict."""
         return sum(row.verdict.word == word for row in self.rows)
-
-    def count_withheld(self, word: str) -> int:
-        """Number of UNSURE verdicts that would be `word` by their times alone."""
-        return sum(row.verdict.withheld == word for row in self.rows)
 
 
 def compare(matching: Matching, floors: Sequence[Floor]) -> Comparison:

@@ -4,8 +4,6 @@
 words what the verdicts mean.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 

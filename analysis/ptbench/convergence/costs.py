@@ -1,7 +1,5 @@
 """What one cell costs over another: in time, in time to equal error, or in variance alone."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from ptbench.convergence.assessment import Assessment

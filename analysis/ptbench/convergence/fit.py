@@ -4,8 +4,6 @@ One cell has K seeds, each with errors at 1, 2, 4, ... samples per pixel. All re
 expectation at n spp is bias^2 + sigma^2 / n: noise of the reference is not in it.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The tables of a study of convergence in summary.md: verdicts, costs, slopes, errors, what checkpoints cost."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 

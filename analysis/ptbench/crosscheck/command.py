@@ -4,15 +4,13 @@ Exit codes: 0 they agree; 1 one differs, or its images are too noisy for the aim
 that was named and cannot be rendered in both. docs/other_renderers.md has the conventions.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import math
 import sys
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from dataclasses import replace
+from dataclasses import fields, replace
 from datetime import datetime
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -31,7 +29,7 @@ from ptbench.crosscheck.renders import (
 )
 from ptbench.crosscheck.statistics import compare, family_of
 from ptbench.errors import InputError, bad_value
-from ptbench.io.files import check_output_file, write_text
+from ptbench.io.files import check_output_file, picked, write_text
 from ptbench.io.nodes import read_json
 from ptbench.terminal import say
 
@@ -75,20 +73,8 @@ def crosscheck_command(options: argparse.Namespace) -> int:
 
 
 def _settings(options: argparse.Namespace) -> Settings:
-    return Settings(
-        binary=options.binary,
-        python=options.python,
-        variant=options.variant,
-        backend=options.backend,
-        axes=tuple(options.axis),
-        seeds=options.seeds,
-        first_seed=options.first_seed,
-        spp=options.spp,
-        spp_here=options.spp_here,
-        resolution=options.resolution,
-        depth=options.depth,
-        scale=options.scale,
-    )
+    given = {field.name: getattr(options, field.name) for field in fields(Settings) if field.name != "axes"}
+    return Settings(**given, axes=tuple(options.axis))
 
 
 def _check_streams(settings: Settings, variant: str) -> None:
@@ -113,10 +99,7 @@ def _asked(options: argparse.Namespace, settings: Settings, scenes: list[str]) -
     """What a file that is gone on with must have been asked for beside `settings`."""
     return {
         "scenes": scenes,
-        "backend": settings.backend,
-        "axes": list(settings.axes),
-        "spp": settings.spp,
-        "spp_here": settings.spp_here,
+        **picked(settings, "backend axes spp spp_here"),
         "most_spp": options.most_spp,
         "first_seed": settings.first_seed,
         "aim": options.aim,

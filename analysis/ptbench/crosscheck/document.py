@@ -1,12 +1,13 @@
 """What a cross-check found, as a file (schema/ptbench-crosscheck.schema.json) and as a table for a terminal."""
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass
 
 from ptbench.crosscheck.limits import SIDE
 from ptbench.crosscheck.renders import Images, Settings
 from ptbench.crosscheck.statistics import EDGES, FAMILY, POWER, Comparison
+from ptbench.document.table import table_of
+from ptbench.document.text import aligned
+from ptbench.io.files import picked
 
 AGREES, DIFFERS, WEAK, REFUSED = "agrees", "differs", "too weak", "not expressible"
 
@@ -40,10 +41,7 @@ def as_json(scenes: list[dict], settings: Settings, context: dict, allowed: floa
         "schema": "ptbench-crosscheck-1",
         "context": context,
         "settings": {
-            "seeds": settings.seeds,
-            "resolution": list(settings.resolution),
-            "depth": settings.depth,
-            "scale": settings.scale,
+            **picked(settings, "seeds resolution depth scale"),
             "allowed": allowed,
             "family": FAMILY,
             "family_scenes": count,
@@ -127,10 +125,8 @@ def row_of(scene: dict) -> tuple[str, ...]:
 
 def as_text(scenes: list[dict], settings: Settings, aim: float) -> list[str]:
     """The report as text: the table and what its columns mean."""
-    rows = [_HEAD, *(row_of(one) for one in scenes)]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(_HEAD))]
-    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-    lines += [
+    lines = [
+        *aligned(table_of(_HEAD, map(row_of, scenes))),
         "",
         f"{settings.size}, {settings.seeds} seeds in each renderer. sees: the bias that would"
         f" have been found with probability {POWER:g}, of the image's mean (aim: {_percent(aim)}) and of a block's, the"

@@ -1,7 +1,5 @@
 """The options of `python3 -m ptbench crosscheck`."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from pathlib import Path
@@ -97,11 +95,5 @@ def blocks(text: str) -> tuple[int, int]:
     return int(sides[0]), int(sides[1])
 
 
-def _load():
-    from ptbench.crosscheck.command import crosscheck_command
-
-    return crosscheck_command
-
-
 _HELP = "render scenes here and in Mitsuba 3, and hold them to one mean"
-COMMANDS = (Command("crosscheck", _HELP, _add_arguments, _load),)
+COMMANDS = (Command("crosscheck", _HELP, _add_arguments, "crosscheck_command"),)

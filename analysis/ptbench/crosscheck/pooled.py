@@ -5,8 +5,6 @@ makes the average noisier than it looks: by Meier's factor (Biometrics 9, 1953).
 Welch's and Satterthwaite's (Biometrics 2, 1946), each cross-check with those of its smaller side.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The images that are compared: ptbench's by its program, Mitsuba's by a worker process."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

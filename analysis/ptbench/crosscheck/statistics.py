@@ -7,8 +7,6 @@ apart; within one, Sidak's correction. Each says which bias it would have seen w
 call share FAMILY.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import pairwise
 

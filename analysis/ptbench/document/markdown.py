@@ -1,7 +1,5 @@
 """Documents as Markdown; a report's figures, pictures and raw rows are files beside it."""
 
-from __future__ import annotations
-
 import gzip
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence

@@ -1,7 +1,5 @@
 """Tables as values, so that one table is Markdown in a summary, text on a terminal and HTML in a report."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 

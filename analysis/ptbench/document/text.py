@@ -1,7 +1,5 @@
 """A document for a terminal: wrapped sentences and aligned tables."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Iterable
 
@@ -31,7 +29,7 @@ def _block(block: Block) -> Iterable[str]:
         case Bullets(items):
             return (line for item in items for line in _wrapped(item))
         case Table():
-            return _aligned(block)
+            return aligned(block)
     raise TypeError(f"no text for {type(block).__name__}")
 
 
@@ -39,7 +37,8 @@ def _wrapped(line: str) -> list[str]:
     return textwrap.wrap(line, _WIDTH, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)
 
 
-def _aligned(table: Table) -> Iterable[str]:
+def aligned(table: Table) -> Iterable[str]:
+    """The lines of a table whose columns stand under each other."""
     rows = [table.head, *(tuple(map(one_line, row)) for row in table.rows)]
     widths = [max(len(row[column]) for row in rows) for column in range(len(table.head))]
     for row in rows:

@@ -1,7 +1,5 @@
 """The captions: all that a reader needs to trust a figure that was cut out of its paper."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from ptbench.io.cells import Cell, Result, Study
@@ -77,6 +75,13 @@ def _fixed(cells: Sequence[Cell], question: Question | None, study: Study, told:
         for name, values in fixed_tunables(cells, varying).items()
     ]
     return ", ".join(axes) + ("; tunables " + ", ".join(tunables) if tunables else "")
+
+
+def captioned(
+    what: str, result: Result, cells: Sequence[Cell], notes: Sequence[Note], study: Study | None = None
+) -> str:
+    """How to read a figure, what was run on what, and the notes."""
+    return "\n".join([what, setting(result, cells, None, study), *note_lines(notes)])
 
 
 def note_lines(notes: Sequence[Note]) -> list[str]:

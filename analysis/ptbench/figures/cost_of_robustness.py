@@ -1,10 +1,6 @@
 """What robust formulas and more digits cost: times as ratios to robust float, all else equal."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
-
-from matplotlib.figure import Figure
 
 from ptbench import numbers
 from ptbench.errors import NotDrawable
@@ -38,40 +34,33 @@ def _notes(result: Result, study: Study, rows: Sequence[Row]) -> list[Note]:
     return [*notes, *(note for note in notes_of(result, study, rows) if note.kind != "n/a")]
 
 
-class CostOfRobustness:
-    """The figure of the axis "robustness", and of precision with it."""
-
-    def collect(self, result: Result, study: Study) -> bars.Data:
-        """A bar a variant; raises NotDrawable."""
-        rows = measure(result, study)
-        notes = _notes(result, study, rows)
-        cells = [row.cell for row in rows]
-        told = [name for name in varying_dimensions(cells, None, swept="") if name not in _FORMULA_AXES]
-        groups: dict[tuple, list[Cell]] = {}
-        for cell in cells:
-            place = (cell.scene, *(f"{name}={dimension(cell, name)}" for name in told))
-            groups.setdefault(place, []).append(cell)
-        if not any(_reference(members) for members in groups.values()):
-            raise NotDrawable(f"no cell of {REFERENCE} has times")
-        drawn = tuple(Bars(", ".join(place), _bars(members)) for place, members in groups.items())
-        timed = [cell for cell in cells if cell.measured]
-        n, question = numbers.span(len(cell.samples) for cell in timed), question_of(result, study)
-        order = dict.fromkeys([REFERENCE, *(bar.label for group in drawn for bar in group.bars)])
-        return bars.Data(
-            title=study.title or "The cost of robustness",
-            caption="\n".join([_WHAT.format(n), setting(result, timed, question, study), *note_lines(notes)]),
-            notes=tuple(notes),
-            order=tuple(order),
-            groups=drawn,
-            quantity=f"Time over that of {REFERENCE}",
-            heading="ratio [95 %]",
-            line_at=1.0,
-            from_line=True,
-        )
-
-    def draw(self, data: bars.Data) -> Figure:
-        """Draws the data of `collect` as a figure's page."""
-        return bars.draw(data)
+def collect(result: Result, study: Study) -> bars.Data:
+    """A bar a variant; raises NotDrawable."""
+    rows = measure(result, study)
+    notes = _notes(result, study, rows)
+    cells = [row.cell for row in rows]
+    told = [name for name in varying_dimensions(cells, None, swept="") if name not in _FORMULA_AXES]
+    groups: dict[tuple, list[Cell]] = {}
+    for cell in cells:
+        place = (cell.scene, *(f"{name}={dimension(cell, name)}" for name in told))
+        groups.setdefault(place, []).append(cell)
+    if not any(_reference(members) for members in groups.values()):
+        raise NotDrawable(f"no cell of {REFERENCE} has times")
+    drawn = tuple(Bars(", ".join(place), _bars(members)) for place, members in groups.items())
+    timed = [cell for cell in cells if cell.measured]
+    n, question = numbers.span(len(cell.samples) for cell in timed), question_of(result, study)
+    order = dict.fromkeys([REFERENCE, *(bar.label for group in drawn for bar in group.bars)])
+    return bars.Data(
+        title=study.title or "The cost of robustness",
+        caption="\n".join([_WHAT.format(n), setting(result, timed, question, study), *note_lines(notes)]),
+        notes=tuple(notes),
+        order=tuple(order),
+        groups=drawn,
+        quantity=f"Time over that of {REFERENCE}",
+        heading="ratio [95 %]",
+        line_at=1.0,
+        from_line=True,
+    )
 
 
 def _reference(cells: Sequence[Cell]) -> Cell | None:

@@ -1,14 +1,10 @@
 """How efficient several GPUs are by the number of samples: a line a number of GPUs, with and without the reduction."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
-
-from matplotlib.figure import Figure
 
 from ptbench.errors import NotDrawable
 from ptbench.figures import series
-from ptbench.figures.caption import note_lines, setting
+from ptbench.figures.caption import captioned
 from ptbench.io.cells import Result, Study
 from ptbench.stats.estimates import INTERVAL_TEXT
 from ptbench.studies.devices import PARTITION, WHOLE, Scaled, devices_of, strong, weak
@@ -33,18 +29,15 @@ def collect(result: Result, study: Study) -> series.Data:
         if theirs := [one for one in growing if devices_of(one.cell) == count]:
             lines.append(_line(f"{count} GPUs, {count} times the samples", theirs, [one.efficiency for one in theirs]))
     notes = notes_of(result, study, rows)
-    caption = "\n".join(
-        [
-            "Samples a second over those of one GPU, over the number of GPUs; 1 is as good as can be. Bars: "
-            f"{INTERVAL_TEXT}, mostly hidden by the marker.",
-            setting(result, [row.cell for row in rows if row.cell.measured], None, study),
-            *note_lines(notes),
-        ]
+    what = (
+        "Samples a second over those of one GPU, over the number of GPUs; 1 is as good as can be. Bars: "
+        f"{INTERVAL_TEXT}, mostly hidden by the marker."
     )
+    measured = [row.cell for row in rows if row.cell.measured]
     spps = sorted({x for line in lines for x in line.xs})
     return series.Data(
         study.title or "Several GPUs",
-        caption,
+        captioned(what, result, measured, notes, study),
         tuple(notes),
         tuple(line.label for line in lines),
         (series.Panel(f"Efficiency on {first.scene}", tuple(lines)),),
@@ -54,11 +47,6 @@ def collect(result: Result, study: Study) -> series.Data:
         one=True,
         linear=True,
     )
-
-
-def draw(data: series.Data) -> Figure:
-    """Draws the data of `collect` as a figure's page."""
-    return series.draw(data)
 
 
 def _line(label: str, scaled: Sequence[Scaled], efficiencies: Sequence) -> series.Series:

@@ -1,13 +1,11 @@
 """Ratios as a forest plot: a dot and its interval on a common axis, one group a scene, their geometric means first."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
+from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from ptbench import numbers
 from ptbench.figures import style
@@ -85,12 +83,9 @@ def draw(data: Data) -> Figure:
     ]
     heading = f"{data.axis} [95 %]"
 
-    def widest(lines, weight: str = "normal") -> float:
-        return max(style.text_width(line, style.LABEL_SIZE, weight) for line in lines)
-
-    label_width = widest(item.label for group in data.groups for item in group.items)
-    title_width = widest((group.title for group in data.groups), "bold")
-    text_width = max(widest(text for group in texts for text in group), widest([heading], "bold"))
+    label_width = style.widest(item.label for group in data.groups for item in group.items)
+    title_width = style.widest((group.title for group in data.groups), "bold")
+    text_width = max(style.widest(text for group in texts for text in group), style.widest([heading], "bold"))
     left = style.MARGIN + label_width + 0.3
     plot_width = max(_PLOT, title_width + style.MARGIN - left)
     pitch = _TIGHT_ROW if sum(len(group.items) for group in data.groups) >= _TIGHT_FROM else _ROW
@@ -187,12 +182,10 @@ def _scale(axes: Axes, limits: tuple[float, float], log: bool, most: int = 5) ->
     """Sets the axis' ticks: at most `most`, or about that many on a log scale."""
     if log:
         axes.set_xscale("log")
-        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if limits[1] < 12 * most * limits[0] else (1,)))
-        axes.xaxis.set_minor_locator(NullLocator())
+        style.ticks(axes.xaxis, LogLocator(subs=(1, 2, 5) if limits[1] < 12 * most * limits[0] else (1,)))
     else:
-        axes.xaxis.set_major_locator(MaxNLocator(most))
+        style.ticks(axes.xaxis, MaxNLocator(most))
     axes.set_xlim(limits)
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.grid(axis="x")
 
 

@@ -3,13 +3,9 @@
 Below 1 the one kernel is the faster. Only of a study that has both integrators with the same settings.
 """
 
-from __future__ import annotations
-
-from matplotlib.figure import Figure
-
 from ptbench.errors import NotDrawable
 from ptbench.figures import series
-from ptbench.figures.caption import note_lines, setting
+from ptbench.figures.caption import captioned
 from ptbench.io.cells import Cell, Result, Study
 from ptbench.stats.estimates import INTERVAL_TEXT
 from ptbench.studies.notes import notes_of
@@ -32,18 +28,14 @@ def collect(result: Result, study: Study) -> series.Data:
     if not lines:
         raise NotDrawable(f"no scene with a mesh has both {KERNEL} and {QUEUE}")
     notes = notes_of(result, study, rows)
-    caption = "\n".join(
-        [
-            f"Time of {KERNEL} over that of {QUEUE}: below 1 the one kernel is faster. Bars: {INTERVAL_TEXT}, mostly "
-            "hidden by the marker.",
-            setting(result, cells, None, study),
-            *note_lines(notes),
-        ]
+    what = (
+        f"Time of {KERNEL} over that of {QUEUE}: below 1 the one kernel is faster. Bars: {INTERVAL_TEXT}, mostly "
+        "hidden by the marker."
     )
     costs = sorted({x for line in lines for x in line.xs})
     return series.Data(
         "One kernel against a queue, by cost of shading",
-        caption,
+        captioned(what, result, cells, notes, study),
         tuple(notes),
         tuple(line.label for line in lines),
         (series.Panel(f"Time of {KERNEL} over that of {QUEUE}", tuple(lines)),),
@@ -52,11 +44,6 @@ def collect(result: Result, study: Study) -> series.Data:
         {cost: f"{cost:g}" for cost in costs},
         one=True,
     )
-
-
-def draw(data: series.Data) -> Figure:
-    """Draws the data of `collect` as a figure's page."""
-    return series.draw(data)
 
 
 def _by_cost(cells: list[Cell], scene: str, integrator: str) -> dict[int, Cell]:

@@ -1,7 +1,5 @@
 """Time per spp as lines over some x: a line a choice, a panel a scene or family of scenes, ratios below."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,7 +14,6 @@ from matplotlib.ticker import (
     MaxNLocator,
     MultipleLocator,
     NullFormatter,
-    NullLocator,
 )
 
 from ptbench.figures import style
@@ -274,8 +271,7 @@ def _scale_times(axes: Axes, values: list[float], log: bool) -> None:
         _log_y(axes, values)
     else:
         axes.set_ylim(0, 1.06 * max(values))
-        axes.yaxis.set_major_locator(MaxNLocator(6))
-        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        style.ticks(axes.yaxis, MaxNLocator(6))
 
 
 def _scale_ratios(axes: Axes, values: list[float], log: bool) -> None:
@@ -288,16 +284,14 @@ def _scale_ratios(axes: Axes, values: list[float], log: bool) -> None:
         margin = max((high / low) ** 0.1, 1.02)
         axes.set_yscale("log")
         axes.set_ylim(low / margin, high * margin)
-        axes.yaxis.set_major_locator(FixedLocator(_ratio_ticks(low / margin, high * margin)))
-        axes.yaxis.set_minor_locator(NullLocator())
+        style.ticks(axes.yaxis, FixedLocator(_ratio_ticks(low / margin, high * margin)))
     else:
         margin = max(0.1 * (high - low), 0.02)
         axes.set_ylim(low - margin, high + margin)
         # All these steps divide 1, so the baseline always has its tick.
         steps = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
         step = next((step for step in steps if (high - low + 2 * margin) / step <= 5.5), steps[-1])
-        axes.yaxis.set_major_locator(MultipleLocator(step))
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        style.ticks(axes.yaxis, MultipleLocator(step))
 
 
 def _ratio_ticks(low: float, high: float) -> list[float]:
@@ -315,6 +309,4 @@ def _log_y(axes: Axes, values: list[float]) -> None:
     low, high = min(values), max(values)
     axes.set_ylim(low / 1.25, high * 1.25)
     steps = next((steps for most, steps in _LOG_STEPS if high / low < most), (1,))
-    axes.yaxis.set_major_locator(LogLocator(subs=steps))
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.yaxis.set_minor_locator(NullLocator())
+    style.ticks(axes.yaxis, LogLocator(subs=steps))

@@ -4,11 +4,7 @@ Of `ptbench rays`, with a peer's line (OptiX) where it traced the same rays. Mes
 same are a family: `tori_262k` and `tori_4M`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
-
-from matplotlib.figure import Figure
 
 from ptbench.errors import NotDrawable
 from ptbench.figures import series
@@ -70,11 +66,6 @@ def collect(files: Sequence[Rays], peers: Sequence[Peer]) -> series.Data:
         "G rays/s (log scale)",
         {float(mesh.triangles): series.count_text(mesh.triangles) for mesh in meshes},
     )
-
-
-def draw(data: series.Data) -> Figure:
-    """Draws the data of `collect` as a figure's page."""
-    return series.draw(data)
 
 
 def _batches(mesh: RayMesh, builder: str, ray_class: str, peers: Sequence[Peer]) -> list[tuple[str, Batch]]:

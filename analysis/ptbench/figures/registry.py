@@ -1,51 +1,51 @@
-"""One module a figure: `collect` takes the numbers from a result and a study, `draw` makes a page of them.
+"""Every figure by its name: a function that takes its numbers from a result and a study.
 
-`collect` raises NotDrawable with the reason where a study has nothing to show. Studies name figures by the keys
-here, or by an axis or a tunable whose values they compare. A study of convergence has several figures.
+It raises NotDrawable with the reason where a study has nothing to show. Studies name figures by the keys here, or by an
+axis or a tunable whose values they compare. A study of convergence has several figures. What a function gives is drawn
+by `draw` of the module that its class is of.
 """
 
-from __future__ import annotations
+from functools import partial
+from importlib import import_module
 
 from matplotlib.figure import Figure
 
 from ptbench.errors import NotDrawable
 from ptbench.figures import (
+    cost_of_robustness,
     devices,
-    first_bounce_by_depth,
     integrator_by_cost,
     remaining_paths,
-    sorting_by_depth,
+    rows,
+    scaling,
     style,
     time_to_image,
 )
-from ptbench.figures.choices import Choices
-from ptbench.figures.convergence import bias_variance, equal_time, error_against_time
-from ptbench.figures.convergence.bars import CheckpointCost, Efficiency, TimeToError
-from ptbench.figures.cost_of_robustness import CostOfRobustness
-from ptbench.figures.scaling import SWEEPS, Scaling
+from ptbench.figures.convergence import bars, bias_variance, equal_time, error_against_time
 from ptbench.io.cells import Result, Study
 from ptbench.studies.questions import axes_of, is_tunable
 
 FIGURES = {
-    "remaining_paths": remaining_paths,
-    "sorting_by_depth": sorting_by_depth,
-    "first_bounce_by_depth": first_bounce_by_depth,
-    **{figure: Scaling(figure) for figure in SWEEPS},
+    "remaining_paths": remaining_paths.collect,
+    **{figure: partial(scaling.collect, sweep=sweep) for figure, sweep in (scaling.BY_DEPTH | scaling.SWEEPS).items()},
 }
-# The axes that have a figure of their own; any other axis is drawn by Choices.
-AXIS_FIGURES = {"robustness": CostOfRobustness(), "devices": devices}
+# The axes that have a figure of their own; any other axis has its choices as rows.
+AXIS_FIGURES = {"robustness": cost_of_robustness.collect, "devices": devices.collect}
 # What a study of the figure "convergence" is drawn as: by what follows the study's name in a file's.
 CONVERGENCE_FIGURES = {
-    "": error_against_time,
-    "equal_time": equal_time,
-    "time_to_error": TimeToError(),
-    "efficiency": Efficiency(),
-    "bias_variance": bias_variance,
-    "checkpoint_cost": CheckpointCost(),
+    "": error_against_time.collect,
+    "equal_time": equal_time.collect,
+    "time_to_error": bars.time_to_error,
+    "efficiency": bars.efficiency,
+    "bias_variance": bias_variance.collect,
+    "checkpoint_cost": bars.checkpoint_cost,
 }
 CONVERGENCE = "convergence"
 # What a study of these figures is drawn as too, where its scenes have meshes.
-MESH_FIGURES = {"builder": {"time_to_image": time_to_image}, "shading_fmas": {"by_integrator": integrator_by_cost}}
+MESH_FIGURES = {
+    "builder": {"time_to_image": time_to_image.collect},
+    "shading_fmas": {"by_integrator": integrator_by_cost.collect},
+}
 # Figures with photographs, which keep their colours.
 PICTURES = ("equal_time",)
 
@@ -63,7 +63,7 @@ def collect_study(result: Result, study: Study, part: str = ""):
         raise NotDrawable(f'no figure is called "{study.figure}"; there are {", ".join(figure_names(result))}')
     if not result.cells_of(study):
         raise NotDrawable("the file has no cell of this study")
-    return _figure(study, part).collect(result, study)
+    return _figure(study, part)(result, study)
 
 
 def figure_names(result: Result) -> list[str]:
@@ -72,10 +72,10 @@ def figure_names(result: Result) -> list[str]:
     return [*FIGURES, *axes, *AXIS_FIGURES, CONVERGENCE]
 
 
-def draw_study(study: Study, data, part: str = "") -> Figure:
+def draw(data) -> Figure:
     """The figure of what `collect_study` gave."""
     with style.applied():
-        return _figure(study, part).draw(data)
+        return import_module(type(data).__module__).draw(data)
 
 
 def _figure(study: Study, part: str):
@@ -84,4 +84,5 @@ def _figure(study: Study, part: str):
         return CONVERGENCE_FIGURES[part]
     if part:
         return MESH_FIGURES[study.figure][part]
-    return (FIGURES | AXIS_FIGURES).get(study.figure) or Choices(study.figure)
+    choices = partial(rows.collect, default_title=f"The choices of {study.figure} against each other")
+    return (FIGURES | AXIS_FIGURES).get(study.figure, choices)

@@ -1,7 +1,5 @@
 """How many paths are alive after each bounce, one line a scene: an open box loses them, a closed one keeps them."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
@@ -10,7 +8,7 @@ from matplotlib.figure import Figure
 from ptbench import numbers
 from ptbench.errors import NotDrawable
 from ptbench.figures import style
-from ptbench.figures.caption import note_lines, setting
+from ptbench.figures.caption import captioned
 from ptbench.io.cells import Cell, Result, Study
 from ptbench.studies.notes import Note, notes_of
 from ptbench.studies.rows import measure
@@ -82,7 +80,7 @@ def collect(result: Result, study: Study) -> Data:
     )
     # Nothing here is timed: what is amiss with times goes to stdout and the summary, not under this figure.
     told = [note for note in notes if note.kind not in ("few samples", "low clock")]
-    caption = "\n".join([what, setting(result, cells), *note_lines(told)])
+    caption = captioned(what, result, cells, told)
     return Data(study.title or "Paths that remain after each bounce", caption, tuple(notes), tuple(lines))
 
 

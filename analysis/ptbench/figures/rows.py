@@ -1,11 +1,9 @@
 """Choices as rows: a dot and its interval on a common axis, the numbers beside it, one group a scene and depth."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
+from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from ptbench import numbers
 from ptbench.errors import NotDrawable
@@ -131,15 +129,12 @@ def draw(data: Data) -> Figure:
     ratios = [[_ratio_text(i, data.baseline) for i in group.items] for group in data.groups]
     headings = ("ms per spp [95 %]", f"relative to {data.baseline} [95 %]")
 
-    def widest(texts, weight: str = "normal") -> float:
-        return max(style.text_width(text, style.LABEL_SIZE, weight) for text in texts)
-
-    title_width = widest((group.title for group in data.groups), "bold")
+    title_width = style.widest((group.title for group in data.groups), "bold")
     label_width = max(
-        widest(item.label for group in data.groups for item in group.items), min(title_width, _TITLE) - 0.2
+        style.widest(item.label for group in data.groups for item in group.items), min(title_width, _TITLE) - 0.2
     )
-    time_width = max(widest(text for group in times for text in group), widest(headings[:1], "bold"))
-    ratio_width = max(widest(text for group in ratios for text in group), widest(headings[1:], "bold"))
+    time_width = max(style.widest(text for group in times for text in group), style.widest(headings[:1], "bold"))
+    ratio_width = max(style.widest(text for group in ratios for text in group), style.widest(headings[1:], "bold"))
     left = style.MARGIN + label_width + 0.3
     right = 0.2 + time_width + 0.25 + ratio_width + style.MARGIN
     plot_width = max(9.2 - left - right, 2.6, style.MARGIN + title_width - left)
@@ -202,12 +197,10 @@ def _scale(axes, bounds: list[float], log: bool) -> None:
     if log:
         axes.set_xscale("log")
         axes.set_xlim(min(bounds) / 1.3, max(bounds) * 1.3)
-        axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if max(bounds) / min(bounds) < 100 else (1,)))
-        axes.xaxis.set_minor_locator(NullLocator())
+        style.ticks(axes.xaxis, LogLocator(subs=(1, 2, 5) if max(bounds) / min(bounds) < 100 else (1,)))
     else:
         axes.set_xlim(0, 1.05 * max(bounds))
-        axes.xaxis.set_major_locator(MaxNLocator(5))
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        style.ticks(axes.xaxis, MaxNLocator(5))
 
 
 def _time_text(time: Estimate) -> str:

@@ -5,17 +5,19 @@ bytes a pixel and an SVG spells every letter as a curve, which makes both about 
 the same bytes: no dates, no versions, no random ids.
 """
 
-from __future__ import annotations
-
 import io
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
 
+from ptbench.errors import NotDrawable
+from ptbench.figures import style
 from ptbench.io.files import write_text, write_whole
+from ptbench.terminal import say
 
 DPI = 200
 # How far a colour may be moved, of 255, so that few are left; of two, the more frequent one stays where it is.
@@ -34,6 +36,20 @@ def save_figure(figure: Figure, folder: Path, name: str) -> list[Path]:
         ),
         write_text(folder / f"{name}.svg", svg_of(figure)),
     ]
+
+
+def save_if_drawable(make: Callable[[], Figure], folder: Path, name: str) -> str:
+    """Writes the one figure of a file, and says what was written; why there is none, or empty."""
+    try:
+        with style.applied():
+            figure = make()
+    except NotDrawable as reason:
+        say(f"not drawn: {reason}")
+        return str(reason)
+    with style.applied():
+        for written in save_figure(figure, folder, name):
+            say(written)
+    return ""
 
 
 def save_pictures(figure: Figure, target: Path, dpi: float) -> Path:

@@ -4,13 +4,9 @@ Four figures over four x: pixels, depth, materials, arithmetic injected into sha
 slopes are equal growth, and a choice that costs a constant more comes closer as the work grows.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-
-from matplotlib.figure import Figure
 
 from ptbench.errors import NotDrawable
 from ptbench.figures import lines
@@ -33,6 +29,9 @@ class Sweep:
     said: Callable[[str], str]  # a tick's text in a sentence
     x: Callable[[Cell], int | None] | None = None
     tick: Callable[[Cell], str] | None = None
+    overtaking: bool = (
+        True  # whether growth is what is asked: logarithmic axes, and from where on which choice is ahead
+    )
 
 
 def _size(cell: Cell) -> str:
@@ -64,22 +63,17 @@ SWEEPS = {
         lambda cell: cell.tunables.get("shading_fmas"),
     ),
 }
+# Figures of two axes along the depth: what each choice costs or saves there.
+BY_DEPTH = {
+    f"{axis}_by_depth": Sweep(
+        title, "Path depth", "ray segments", "depth {}".format, lambda cell: cell.depth, overtaking=False
+    )
+    for axis, title in (
+        ("sorting", "Material sorting: time by depth"),
+        ("first_bounce", "First-bounce cache: time by depth"),
+    )
+}
 _BY_ORDER = Sweep("", "Scene, by its number in the caption", "", "{}".format)
-
-
-@dataclass(frozen=True)
-class Scaling:
-    """The figure of one sweep, such as over the number of materials."""
-
-    figure: str
-
-    def collect(self, result: Result, study: Study) -> lines.Data | row_figure.Data:
-        """Lines over what is swept, or rows where it has one value; raises NotDrawable."""
-        return collect(result, study, SWEEPS[self.figure])
-
-    def draw(self, data: lines.Data | row_figure.Data) -> Figure:
-        """Draws the data of `collect` as a figure's page."""
-        return row_figure.draw(data) if isinstance(data, row_figure.Data) else lines.draw(data)
 
 
 @dataclass(frozen=True)
@@ -140,17 +134,17 @@ def collect(result: Result, study: Study, sweep: Sweep) -> lines.Data | row_figu
         place = places[row.cell.name]
         by_panel.setdefault((place.panel, *parts.values(row.cell)), []).append((place.x, row))
     panels = [
-        lines.panel_of(key[0] + parts.suffix(key[1:]), by_panel[key], parts, with_crossovers=True)
+        lines.panel_of(key[0] + parts.suffix(key[1:]), by_panel[key], parts, with_crossovers=sweep.overtaking)
         for key in in_file_order(by_panel)
     ]
     cells = {places[row.cell.name].x: row.cell for row in drawn}
     ticks = {x: sweep.tick(cell) for x, cell in cells.items()} if sweep.tick else {}
-    abscissa = lines.Abscissa(sweep.quantity, sweep.unit, ticks, log=sweep is not _BY_ORDER)
+    abscissa = lines.Abscissa(sweep.quantity, sweep.unit, ticks, log=sweep.overtaking and sweep is not _BY_ORDER)
     remarks = []
     if sweep is _BY_ORDER:
         remarks.append("Scenes: " + ", ".join(f"{x} {cell.scene}" for x, cell in sorted(cells.items())) + ".")
     told = list(notes)
-    if question is not None:
+    if question is not None and sweep.overtaking:
         named = {x: cell.scene if sweep is _BY_ORDER else sweep.said(abscissa.tick(x)) for x, cell in cells.items()}
         words = [crossover_words(panel, named) for panel in panels]
         rule = f"the first x from which on the whole interval of a ratio to {_named(question)} is below 1"
@@ -158,7 +152,9 @@ def collect(result: Result, study: Study, sweep: Sweep) -> lines.Data | row_figu
         notes += [Note("crossover", f"{text}.", text) for text in words]
     caption = timing_caption(result, study, [row.cell for row in drawn], question, told, remarks)
     baseline = "" if question is None else _named(question)
-    return lines.Data(title, caption, tuple(notes), baseline, parts.order, tuple(panels), abscissa, log_times=True)
+    return lines.Data(
+        title, caption, tuple(notes), baseline, parts.order, tuple(panels), abscissa, log_times=sweep.overtaking
+    )
 
 
 def crossover_words(panel: lines.Panel, named: dict[int, str]) -> str:

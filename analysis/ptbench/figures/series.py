@@ -3,15 +3,13 @@
 What `lines` is for times and their ratios to a baseline, this is for everything else: rates, ratios, totals.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullFormatter, NullLocator
+from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
 
 from ptbench.figures import style
 from ptbench.stats.estimates import Estimate
@@ -124,11 +122,7 @@ def _scale_y(axes: Axes, values: Sequence[float], linear: bool) -> None:
     low, high = min(values) / 1.15, max(values) * 1.15
     axes.set_yscale("log")
     axes.set_ylim(low, high)
-    ticks = ticks_between(low, high)
-    axes.yaxis.set_major_locator(FixedLocator(ticks))
-    axes.yaxis.set_minor_locator(NullLocator())
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.yaxis.set_minor_formatter(NullFormatter())
+    style.ticks(axes.yaxis, FixedLocator(ticks_between(low, high)))
 
 
 def ticks_between(low: float, high: float) -> list[float]:

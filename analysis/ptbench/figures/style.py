@@ -5,10 +5,8 @@ line style at once, and carries its name beside it. Everything is placed in inch
 overlaps or is cut off, whatever the number of series.
 """
 
-from __future__ import annotations
-
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
@@ -16,10 +14,12 @@ from functools import cache
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.font_manager import FontProperties
 from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, Locator, NullLocator
 
 from ptbench.stats.estimates import Estimate
 
@@ -102,6 +102,18 @@ def _character_width(character: str, size: float, weight: str) -> float:
 def _may_exceed(text: str, size: float, weight: str, width: float) -> bool:
     """Whether a text may be wider, by the sum of its characters' widths and some for kerning and hinting."""
     return 1.1 * sum(_character_width(character, size, weight) for character in text) > width
+
+
+def ticks(axis: Axis, locator: Locator) -> None:
+    """Plain numbers where `locator` has them, and nothing between them."""
+    axis.set_major_locator(locator)
+    axis.set_minor_locator(NullLocator())
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+
+
+def widest(texts: Iterable[str], weight: str = "normal") -> float:
+    """Inches that the widest of some labels takes."""
+    return max(text_width(text, LABEL_SIZE, weight) for text in texts)
 
 
 def room(low: float, high: float, share: float) -> float:

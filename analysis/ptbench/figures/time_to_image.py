@@ -5,18 +5,15 @@ the GPU have a second line where the folder `rays` beside the result has the sam
 copy: the suite's own encoding runs on the host.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from ptbench.errors import NotDrawable
 from ptbench.figures import series
-from ptbench.figures.caption import note_lines, setting
+from ptbench.figures.caption import captioned
 from ptbench.io.cells import Cell, Result, Study
 from ptbench.io.rays import RayMesh, load_rays_folder
 from ptbench.numbers import plural
@@ -146,21 +143,17 @@ def collect(result: Result, study: Study) -> series.Data:
         raise NotDrawable("no scene has trees of two builders")
     notes = notes_of(result, study, rows)
     threads = result.about("threads")
-    caption = "\n".join(
-        [
-            f"Time: building, once, plus encoding, once, plus spp times the median time of a sample. CPU: "
-            f"{plural(threads, 'thread')}. Below 1: the image is there before that of {BASELINE}. All on the GPU: "
-            "build and encoding as "
-            "`ptbench rays` timed them on this mesh, medians, without a copy. "
-            "Rings: from there on the line is the lowest. " + " ".join(said),
-            setting(result, cells, None, study),
-            *note_lines(notes),
-        ]
+    what = (
+        f"Time: building, once, plus encoding, once, plus spp times the median time of a sample. CPU: "
+        f"{plural(threads, 'thread')}. Below 1: the image is there before that of {BASELINE}. All on the GPU: "
+        "build and encoding as "
+        "`ptbench rays` timed them on this mesh, medians, without a copy. "
+        "Rings: from there on the line is the lowest. " + " ".join(said)
     )
     order = dict.fromkeys(one.label for panel in panels for one in panel.series)
     return series.Data(
         f"Time to an image by samples a pixel: builders over {BASELINE}",
-        caption,
+        captioned(what, result, cells, notes, study),
         tuple(notes),
         tuple(order),
         tuple(panels),
@@ -178,8 +171,3 @@ def _line(way: Way, base: Way, crossed: Sequence[Crossing]) -> series.Series:
     ratios = tuple(Estimate(over(spp), None, None, 1) for spp in SPPS)
     rings = tuple((item.spp, over(item.spp)) for item in crossed if item.later is way)
     return series.Series(way.label, tuple(map(float, SPPS)), ratios, rings)
-
-
-def draw(data: series.Data) -> Figure:
-    """Draws the data of `collect` as a figure's page."""
-    return series.draw(data)

@@ -4,8 +4,6 @@ A page is written only if every number of it is found and every verdict holds. `
 pages on disk are not what their results say.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass

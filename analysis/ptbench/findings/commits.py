@@ -4,8 +4,6 @@ results/lost_commits.json names those of results' commits that no history has an
 history that their work is part of, which counts in their place, and why they are lost.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

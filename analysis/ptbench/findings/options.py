@@ -1,7 +1,5 @@
 """The command line of `findings`."""
 
-from __future__ import annotations
-
 import argparse
 
 from ptbench.command import Command, add_root
@@ -13,11 +11,5 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     add_root(parser)
 
 
-def _load():
-    from ptbench.findings.command import findings
-
-    return lambda options: findings(options.root, options.names, check=options.check)
-
-
 _HELP = "write README.md and docs/findings from docs/templates and results/ of a checkout"
-COMMANDS = (Command("findings", _HELP, _add_arguments, _load),)
+COMMANDS = (Command("findings", _HELP, _add_arguments),)

@@ -1,7 +1,5 @@
 """The figure of the README: every optimisation studied, one row each, its ratio in an open and in a closed box."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -10,7 +8,7 @@ from pathlib import Path
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
+from matplotlib.ticker import FixedLocator, NullLocator
 
 from ptbench.figures import style
 from ptbench.findings.quantities import Ratio
@@ -144,9 +142,7 @@ def _scale(axes: Axes, height: float, lines: Sequence[Line]) -> None:
     axes.set_xscale("log")
     axes.set_xlim(min(ends) / 1.12, max(ends) * 1.12)
     axes.set_ylim(0, height)
-    axes.xaxis.set_major_locator(FixedLocator([tick for tick in _TICKS if min(ends) / 1.12 < tick < max(ends) * 1.12]))
-    axes.xaxis.set_minor_locator(NullLocator())
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    style.ticks(axes.xaxis, FixedLocator([one for one in _TICKS if min(ends) / 1.12 < one < max(ends) * 1.12]))
     axes.yaxis.set_major_locator(NullLocator())
     axes.spines["left"].set_visible(False)
     axes.set_xlabel("time with over time without, log scale")

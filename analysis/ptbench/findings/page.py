@@ -12,8 +12,6 @@ aim or a version, which a page may not hold in any other way. A folder is one of
 variants/ there may be since the result's (findings/commits.py); more, and the page must be looked at again.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import re
@@ -21,13 +19,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from jinja2 import Environment, StrictUndefined, TemplateError
+from jinja2 import TemplateError
 
 from ptbench.errors import FindingError
 from ptbench.findings.commits import age_fault
+from ptbench.findings.ledger import rendered
 from ptbench.findings.quantities import span
 from ptbench.findings.source import source_of
-from ptbench.stats.estimates import CONFIDENCE, FASTER, SAME, SLOWER, THRESHOLD, UNSURE
+from ptbench.numbers import percent
+from ptbench.stats.estimates import FASTER, SAME, SLOWER, THRESHOLD, UNSURE
 
 _HEAD = re.compile(r"\A---\n(\{.*?\n\})\n---\n", re.DOTALL)
 _EXPRESSION = re.compile(r"\{\{.*?\}\}|\{%.*?%\}|\{#.*?#\}", re.DOTALL)
@@ -71,22 +71,12 @@ def read_page(template: Path) -> Page:
 
 def render(page: Page, results: Path) -> str:
     """The page as Markdown; raises FindingError where a number is not there or a sentence contradicts the data."""
-    environment = Environment(
-        undefined=StrictUndefined, keep_trailing_newline=True, trim_blocks=True, lstrip_blocks=True
-    )
     names = {name: source_of(results, about) for name, about in page.sources.items()}
     try:
-        text = environment.from_string(page.text).render(
-            **names,
-            **page.head.get("constants", {}),
-            span=span,
-            root=math.sqrt,
-            confidence=f"{CONFIDENCE:.0%}".replace("%", " %"),
-            margin=f"{THRESHOLD:.0%}".replace("%", " %"),
-        )
+        constants = page.head.get("constants", {})
+        return rendered(page.text, **names, **constants, span=span, root=math.sqrt, margin=percent(THRESHOLD))
     except (TemplateError, FindingError) as error:
         raise FindingError(f"{page.template}: {error}") from error
-    return text
 
 
 def measured_in(prose: str) -> list[str]:

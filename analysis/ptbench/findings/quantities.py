@@ -76,11 +76,6 @@ class Ratio:
         return figures(1 / self.estimate.value, DIGITS)
 
     @property
-    def percent(self) -> str:
-        """By how much the time is changed, "8 %", without its sign."""
-        return f"{abs(self.estimate.value - 1) * 100:.0f} %"
-
-    @property
     def word(self) -> str:
         """FASTER, SLOWER, SAME or UNSURE."""
         return self.verdict.word

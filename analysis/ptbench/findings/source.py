@@ -1,6 +1,6 @@
 """What a page has of a file by a name of its own, and how the kind of a file is found.
 
-Each kind is a class in a module of findings/sources, or in the source.py of fleet or of a folder of extras, and says by
+Each kind is a class in a module of findings/sources, or in the source.py of a folder of extras, and says by
 `form` which files are its own. The modules are found where they lie: one more kind is one more file.
 """
 
@@ -21,7 +21,7 @@ from ptbench.io.nodes import Node, read_json
 SEVERAL, TEXT, FOLDER, LIST, SUITE, OTHER = "several files", "text", "a folder", "a list", "ptbench run", "other JSON"
 # Form of the files of `ptbench stability`, whose schema has this name.
 STABILITY = "ptbench-stability-1"
-_MODULES = ("findings/sources/*.py", "fleet/source.py", "extras/*/source.py")
+_MODULES = ("findings/sources/*.py", "extras/*/source.py")
 _NO_PART_OF_IT = ("kernels_behind", "optional")
 
 

@@ -1,7 +1,5 @@
 """`python3 -m ptbench flat`: rows of result files as one CSV or Parquet table, for R, Julia, DuckDB, spreadsheets."""
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Sequence
 from pathlib import Path

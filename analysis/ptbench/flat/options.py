@@ -1,7 +1,5 @@
 """The command line of `flat`."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 
@@ -18,11 +16,5 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
 
 
-def _load():
-    from ptbench.flat.command import flat
-
-    return lambda options: flat(options.results, options.out, options.table)
-
-
 _HELP = "rows of result files as one CSV or Parquet table (docs/columns.md)"
-COMMANDS = (Command("flat", _HELP, _add_arguments, _load),)
+COMMANDS = (Command("flat", _HELP, _add_arguments),)

@@ -1,7 +1,5 @@
 """`python3 -m ptbench gallery`: renders picture pairs with `ptbench render` onto one labelled sheet."""
 
-from __future__ import annotations
-
 import io
 import json
 import math

@@ -1,7 +1,5 @@
 """The command line of `gallery`."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 
@@ -19,11 +17,5 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _load():
-    from ptbench.gallery.command import gallery
-
-    return lambda options: gallery(options.binary, options.spec, options.out, options.spp, options.resolution)
-
-
 _HELP = "render the picture pairs of a gallery file into one labelled sheet"
-COMMANDS = (Command("gallery", _HELP, _add_arguments, _load),)
+COMMANDS = (Command("gallery", _HELP, _add_arguments),)

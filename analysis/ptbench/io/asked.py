@@ -3,8 +3,6 @@
 Files of before 1.1 name the figure itself.
 """
 
-from __future__ import annotations
-
 LIVE_PATHS = "live_paths"
 # Axes that have a figure of their own along the depth of paths.
 _BY_DEPTH = ("sorting", "first_bounce")

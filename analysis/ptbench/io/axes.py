@@ -3,8 +3,6 @@
 A test holds the two equal. `python -m ptbench.io.axes` writes what the schema of result files says of axes anew.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 `ptbench.io.results` reads them. Times are milliseconds of wall time unless a name says otherwise.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,6 +11,7 @@ import numpy as np
 
 from ptbench.io.convergence import Checkpoint, Convergence
 from ptbench.io.limits import limit
+from ptbench.io.run import OfARun
 
 CELL_STATUSES = ("ok", "failed", "interrupted")
 RUN_STATUSES = ("completed", "interrupted")
@@ -359,7 +358,7 @@ class NotApplicable:
 
 
 @dataclass(frozen=True)
-class Result:
+class Result(OfARun):
     """One result file of `ptbench run`."""
 
     path: Path
@@ -371,10 +370,6 @@ class Result:
     retaken: int = 0  # disturbed samples whose places others took
     comparisons: dict[tuple[str, str], Comparison] | None = None  # by study and cell; None: the file has none
 
-    def about(self, key: str) -> str:
-        """A ptbench context value, or "unknown" where the file does not have it."""
-        return self.context.get(f"ptbench.{key}") or "unknown"
-
     @property
     def suite(self) -> str:
         """The suite's name; empty where there was none."""
@@ -384,12 +379,6 @@ class Result:
     def interrupted(self) -> bool:
         """Whether the run was interrupted: cells and samples may be missing."""
         return self.context.get("ptbench.status") == "interrupted"
-
-    @property
-    def git(self) -> str:
-        """The program's commit, and whether its sources were changed."""
-        dirty = self.context.get("ptbench.git_dirty", "").lower() in ("true", "1")
-        return self.about("git_sha") + (" (dirty)" if dirty else "")
 
     def cells_of(self, study: Study) -> tuple[Cell, ...]:
         """The study's cells, in the file's order."""

@@ -3,8 +3,6 @@
 The types have to be right; a complaint names the place, the cell, what was found and what is allowed.
 """
 
-from __future__ import annotations
-
 import math
 import re
 import statistics

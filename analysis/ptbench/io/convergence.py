@@ -4,8 +4,6 @@ A checkpoint's times are the render's so far, without what happens at checkpoint
 so far. An error is None where the harness gave none: a pixel was not finite, or the metric is not defined there.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass, field
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """What ncu counted of a kernel, as files of `ptbench inspect` and of `ptbench rays` have it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ptbench.io.nodes import Node
@@ -34,16 +32,10 @@ class Counters:
 
 def counters_of(node: Node) -> Counters:
     """Reads the counters of a kernel from an object; raises InputError."""
-    of_ceiling = ceilings_reached(node)
+    of_ceiling = node.optional_numbers("of_ceiling")
     return Counters(
         **{name: node.need(name).number() for name in MEASURED},
         of_ceiling=of_ceiling,
         bound=node.need("bound").one_of(tuple(of_ceiling)),
         **{name: node.optional_number(name) for name in ("l1_hit_rate", "l2_hit_rate", "memory_stalls")},
     )
-
-
-def ceilings_reached(node: Node) -> dict[str, float]:
-    """The share of each ceiling that is reached, by its name; empty where there is none."""
-    reached = node.maybe("of_ceiling")
-    return {} if reached is None else {key: reached.need(key).number() for key in reached.fields()}

@@ -3,8 +3,6 @@
 A file is written under a temporary name in the same folder first, then renamed.
 """
 
-from __future__ import annotations
-
 import errno
 import gzip
 import io
@@ -120,6 +118,16 @@ def _unreadable(path: Path, found: str, largest: int) -> InputError:
     return bad_value(path, "the file", found, f"a regular file of at most {largest >> 20} MiB that can be read")
 
 
+def named_files(folder: Path, names: Iterable[str], what: str) -> list[Path]:
+    """Every JSON file of a folder, or those of these names; raises InputError for one that is not there."""
+    files = {path.stem: path for path in sorted(folder.glob("*.json"))}
+    if not files:
+        raise bad_value(folder, "folder", f"no {what}", "the root of a checkout as --root")
+    if unknown := [name for name in names if name not in files]:
+        raise bad_value(folder, what, ", ".join(unknown), ", ".join(files))
+    return [files[name] for name in (dict.fromkeys(names) if names else files)]
+
+
 def make_folder(folder: Path) -> None:
     """Makes the folder and those above it; raises InputError."""
     check_output_folder(folder)
@@ -216,3 +224,9 @@ def safe_name(text: str) -> str:
 def one_line(text: str) -> str:
     """`text` with each run of white space as one space."""
     return " ".join(text.split())
+
+
+def picked(value: object, names: str) -> dict:
+    """The attributes of these names as JSON has them, which knows no tuples."""
+    found = {name: getattr(value, name) for name in names.split()}
+    return {name: list(one) if isinstance(one, tuple) else one for name, one in found.items()}

@@ -1,7 +1,5 @@
 """PFM images as arrays, and what is shown and said of them: display values, signed errors, FLIP."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from pathlib import Path

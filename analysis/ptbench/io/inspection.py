@@ -5,8 +5,6 @@ are thread instructions over active lanes. So the ratio of two kernels' times a 
 thread instructions a ray, 1 / active lanes, 1 / issued of the ceiling.
 """
 
-from __future__ import annotations
-
 import itertools
 import re
 from collections.abc import Iterator
@@ -16,7 +14,7 @@ from pathlib import Path
 from ptbench.errors import bad_value
 from ptbench.io.axes import known_axes
 from ptbench.io.cells import Cell
-from ptbench.io.counters import MEASURED, ceilings_reached
+from ptbench.io.counters import MEASURED
 from ptbench.io.names import tuned_in
 from ptbench.io.nodes import Node, read_json, shown
 from ptbench.io.older import filled_in
@@ -85,7 +83,7 @@ def _inspected(node: Node, word: str, path: Path) -> Inspected:
         others=_others(node, word),
         architecture=node.optional_text("architecture"),
         rays_per_spp=_rays_per_spp(node),
-        ceilings=_ceilings(node),
+        ceilings=node.optional_numbers("ceilings"),
     )
 
 
@@ -102,11 +100,6 @@ def _others(node: Node, word: str) -> tuple[KernelCounters, ...]:
 def _rays_per_spp(node: Node) -> float | None:
     rays, spp = node.optional_number("rays"), node.optional_number("spp")
     return rays / spp if rays and spp else None
-
-
-def _ceilings(node: Node) -> dict[str, float]:
-    ceilings = node.maybe("ceilings")
-    return {} if ceilings is None else {key: ceilings.need(key).number() for key in ceilings.fields()}
 
 
 def _word_of_rates(root: Node) -> str:
@@ -149,7 +142,7 @@ def _kernel(node: Node, word: str) -> KernelCounters:
 def _counted(counters: Node, word: str) -> dict:
     return {
         **{name: counters.need(name.replace("_per_", f"_{word}_")).number() for name in MEASURED},
-        "of_ceiling": ceilings_reached(counters) or None,
+        "of_ceiling": counters.optional_numbers("of_ceiling") or None,
         "bound": counters.optional_text("bound"),
         "milliseconds": counters.optional_number("milliseconds"),
     }

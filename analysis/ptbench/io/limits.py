@@ -1,7 +1,5 @@
 """The limits that the program and this package both judge by: limits.json, of which CMake makes a header for C++."""
 
-from __future__ import annotations
-
 import json
 from functools import cache
 from pathlib import Path

@@ -4,8 +4,6 @@ The last member of a line, "check", is the FNV-1a of the line's text without it,
 before: a line that was changed, lost, moved or doubled is found.
 """
 
-from __future__ import annotations
-
 import re
 
 _ENDING = re.compile(rb',"check":"([0-9a-f]{16})"\}\Z')

@@ -3,8 +3,6 @@
 Files since version 1.0 hold such names; older ones spell every choice, joined by dots, and are named from their axes.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 

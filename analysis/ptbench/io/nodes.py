@@ -119,6 +119,11 @@ class Node:
         """The object's integers by key; raises InputError for anything else."""
         return {key: Node(self.file, value, self, key).integer() for key, value in self.fields().items()}
 
+    def optional_numbers(self, key: str) -> dict[str, float]:
+        """The numbers of at least 0 of the key's object, by their keys; empty where there is none."""
+        node = self.maybe(key)
+        return {} if node is None else {name: node.need(name).number() for name in node.fields()}
+
     def optional_text(self, key: str, default: str = "") -> str:
         """The key's string, or `default`; raises InputError for anything else."""
         node = self.maybe(key)

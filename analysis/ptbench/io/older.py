@@ -4,8 +4,6 @@ A file names its axes, and all but the oldest their baselines. What is here hold
 not name; a file that names it is believed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from ptbench.io.axes import known_axes

@@ -4,8 +4,6 @@ Times are milliseconds of a whole batch. A peer's file is named for its mesh: `o
 for the rays of the mesh `tori_4M`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +13,7 @@ import numpy as np
 from ptbench.errors import bad_value
 from ptbench.io.counters import Counters, counters_of
 from ptbench.io.nodes import Node, read_json, shown
+from ptbench.io.run import OfARun
 
 SCHEMA = "ptbench-rays-1"
 QUERIES = ("closest", "any")
@@ -72,7 +71,7 @@ class RayMesh:
 
 
 @dataclass(frozen=True)
-class Rays:
+class Rays(OfARun):
     """One file of `ptbench rays`."""
 
     path: Path
@@ -86,10 +85,6 @@ class Rays:
     def suite(self) -> str:
         """The suite of the file; None, since ray batches belong to no suite."""
         return ""
-
-    def about(self, key: str) -> str:
-        """A ptbench context value, or "unknown" where the file does not have it."""
-        return self.context.get(f"ptbench.{key}") or "unknown"
 
 
 @dataclass(frozen=True)

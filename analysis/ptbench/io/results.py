@@ -5,8 +5,6 @@ from here. What is wrong in a file is told with the file, the JSON path, what wa
 this version does not know are ignored, so that a newer harness may add some.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from hashlib import blake2b
@@ -340,14 +338,13 @@ def _kernel(node: Node) -> Kernel:
 
 
 def _instrumented(node: Node) -> Instrumented:
-    stages = node.maybe("stage_ms")
     live = node.maybe("live_paths")
     unaccounted = node.maybe("unaccounted_ms")
     return Instrumented(
         live_paths=() if live is None else tuple(item.integer() for item in live.items()),
         paths=node.need("paths").integer(minimum=1),
         spp=node.need("spp").integer(minimum=1),
-        stage_ms={} if stages is None else {key: stages.need(key).number() for key in stages.fields()},
+        stage_ms=node.optional_numbers("stage_ms"),
         wall_ms=node.optional_number("wall_ms"),
         # May be below zero: stages that overlap add up to more than the wall time.
         unaccounted_ms=None if unaccounted is None else unaccounted.number(signed=True),

@@ -1,7 +1,5 @@
 """Loads a result of `ptbench stability`: stiff cases with exact answers, and how far from them each variant came."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -10,6 +8,7 @@ from ptbench.errors import bad_value
 from ptbench.io.names import shown_name, tuned_in
 from ptbench.io.nodes import Node, shown
 from ptbench.io.older import usual_baselines
+from ptbench.io.run import OfARun
 
 SCHEMA = "ptbench-stability-1"
 PASSED, FAILED, KNOWN_LIMIT, NOT_APPLICABLE, BROKEN = STATUSES = ("passed", "failed", "known limit", "n/a", "broken")
@@ -92,7 +91,7 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Stability:
+class Stability(OfARun):
     """One result file of `ptbench stability`."""
 
     path: Path
@@ -104,16 +103,6 @@ class Stability:
     paths: int | None = None  # asked for with --paths; 0: each case's own number
 
     suite = "stability"
-
-    def about(self, key: str) -> str:
-        """A ptbench context value, or "unknown" where the file does not have it."""
-        return self.context.get(f"ptbench.{key}") or "unknown"
-
-    @property
-    def git(self) -> str:
-        """The program's commit, and whether its sources were changed."""
-        dirty = self.context.get("ptbench.git_dirty", "").lower() in ("true", "1")
-        return self.about("git_sha") + (" (dirty)" if dirty else "")
 
     @property
     def is_complete(self) -> bool:

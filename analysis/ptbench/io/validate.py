@@ -5,11 +5,8 @@ Of a result or a journal that is as its schema says, samples and films are held 
 `docs/results.md` is the guide to these files.
 """
 
-from __future__ import annotations
-
 import json
-import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
@@ -22,7 +19,7 @@ from ptbench.io.consistency import JournalBook, contradictions
 from ptbench.io.files import LARGEST_RESULT, one_line, package_file, read_whole
 from ptbench.io.line_seal import LineSeal
 from ptbench.io.nodes import Node, parse, read_json, shown
-from ptbench.terminal import say, visible
+from ptbench.terminal import visible
 
 SCHEMAS = package_file("schema")
 KINDS = (
@@ -151,22 +148,6 @@ def _contradictions(root: Node) -> Iterator[str]:
         yield from map(str, contradictions(root))
     except InputError as error:  # a row of no cell
         yield str(error).removeprefix(visible(f"{root.file}: "))
-
-
-def validate_command(paths: Iterable[Path], program: str) -> int:
-    """Says of each file in one line that it is good, or where it is not. Returns the exit code: 0, 1 or 2."""
-    code = 0
-    for path in paths:
-        try:
-            found = validate(path)
-        except InputError as error:
-            print(f"{program}: {error}", file=sys.stderr)
-            code = 2
-            continue
-        others = f" (and {len(found) - 1} more)" if len(found) > 1 else ""
-        say(f"{path}: {found[0]}{others}" if found else f"{path}: good")
-        code = max(code, 1 if found else 0)
-    return code
 
 
 def _refuse(constant: str) -> None:

@@ -1,7 +1,5 @@
 """`python3 -m ptbench plots`: every study's figure and the summary, from a result file alone."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -9,7 +7,7 @@ from matplotlib.figure import Figure
 
 from ptbench.errors import NotDrawable
 from ptbench.figures import style
-from ptbench.figures.registry import PICTURES, collect_study, draw_study, parts_of_study
+from ptbench.figures.registry import PICTURES, collect_study, draw, parts_of_study
 from ptbench.figures.saving import DPI, save_figure, save_pictures
 from ptbench.found import modules
 from ptbench.io.cells import Result
@@ -87,7 +85,7 @@ def plots(path: Path, out: Path | None) -> int:
             else:
                 name = _free_name(study.name + (f"_{part}" if part else ""), taken)
                 with style.applied():
-                    for written in _save(draw_study(study, data, part), folder, name, part):
+                    for written in _save(draw(data), folder, name, part):
                         say(written)
         if study.name not in notes:
             notes[study.name] = notes_of(result, study, measure(result, study))

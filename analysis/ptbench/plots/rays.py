@@ -1,16 +1,13 @@
 """The figure of files of `ptbench rays`, and a table of all their rows: of one file, or of a folder with a peer's."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 
 from ptbench.document.blocks import Lines
 from ptbench.document.markdown import markdown
 from ptbench.document.table import table_of
-from ptbench.errors import NotDrawable
-from ptbench.figures import rays_by_triangles, style
-from ptbench.figures.saving import save_figure
+from ptbench.figures import rays_by_triangles, series
+from ptbench.figures.saving import save_if_drawable
 from ptbench.io.files import make_folder, write_text
 from ptbench.io.rays import Peer, RayMesh, Rays, peer_batch
 from ptbench.numbers import figures, interval, share
@@ -35,16 +32,7 @@ _COUNTERS = (
 def rays_plots(files: Sequence[Rays], peers: Sequence[Peer], folder: Path) -> int:
     """Draws and writes the figures into `folder`; returns the exit code."""
     make_folder(folder)
-    reason = ""
-    try:
-        data = rays_by_triangles.collect(files, peers)
-    except NotDrawable as error:
-        reason = str(error)
-        say(f"not drawn: {reason}")
-    else:
-        with style.applied():
-            for written in save_figure(rays_by_triangles.draw(data), folder, FIGURE):
-                say(written)
+    reason = save_if_drawable(lambda: series.draw(rays_by_triangles.collect(files, peers)), folder, FIGURE)
     say(write_text(folder / "summary.md", summary(files, peers, reason)))
     return 0
 

@@ -1,7 +1,5 @@
 """Figures and summary.md of a stability result."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from ptbench.errors import NotDrawable

@@ -1,7 +1,5 @@
 """summary.md: the figures' numbers as tables, with verdicts, and everything that was not measured."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 
 from ptbench.convergence.tables import convergence_rules, convergence_tables

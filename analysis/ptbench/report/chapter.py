@@ -1,7 +1,5 @@
 """One result file's chapter, and what the page as a whole says of the file: plain values, to pass between processes."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The command: reads, draws in as many processes as there are processors, writes report.html and report.md."""
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """A file's figures, those that `plots` writes, as images to show in a page: SVG, or PNG where that is smaller."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from matplotlib.figure import Figure
@@ -9,7 +7,7 @@ from matplotlib.figure import Figure
 from ptbench.document.blocks import Image
 from ptbench.errors import NotDrawable
 from ptbench.figures import style
-from ptbench.figures.registry import PICTURES, collect_study, draw_study, parts_of_study
+from ptbench.figures.registry import PICTURES, collect_study, draw, parts_of_study
 from ptbench.figures.saving import DPI, png_of, svg_of
 from ptbench.figures.stability import heatmap, sweep
 from ptbench.io.cells import Result, Study
@@ -48,7 +46,7 @@ def draw_study_figures(result: Result, study: Study, prefix: str) -> Drawn:
             continue
         notes |= dict.fromkeys(data.notes)
         name = safe_name(f"{prefix}_{study.name}" + (f"_{part}" if part else ""))
-        figure = draw_study(study, data, part)
+        figure = draw(data)
         images.append(_image(figure, name, _alt(data), is_picture=part in PICTURES))
     return Drawn(tuple(images), tuple(notes) if images else None, tuple(not_drawn))
 
@@ -73,8 +71,14 @@ def _alt(data) -> str:
     return one_line(f"{data.title}. {data.caption}")
 
 
-def _image(figure: Figure, name: str, alt: str, *, is_picture: bool = False) -> Image:
+def css_size(figure: Figure) -> tuple[int, int]:
+    """Width and height in CSS pixels."""
     width, height = (round(_CSS_PIXELS * inches) for inches in figure.get_size_inches())
+    return width, height
+
+
+def _image(figure: Figure, name: str, alt: str, *, is_picture: bool = False) -> Image:
+    width, height = css_size(figure)
 
     def image(ending: str, data: bytes) -> Image:
         return Image(f"{name}.{ending}", data, alt, width, height)

@@ -1,7 +1,5 @@
 """What a report opens with: a run's findings in words, each made from its rows, and the one figure that shows them."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -21,7 +19,7 @@ from ptbench.convergence.efficiency import (
 from ptbench.io.cells import Cell, Result, Study
 from ptbench.io.stability import BROKEN, FAILED, KNOWN_LIMIT, NOT_APPLICABLE, PASSED, Stability
 from ptbench.numbers import plural, ratio
-from ptbench.report.verdicts import WORDS, counts_text, where_in
+from ptbench.report.verdicts import WORDS, counts_text, range_text, where_in
 from ptbench.stability.layout import count
 from ptbench.stats.estimates import (
     CLOCK_UNKNOWN,
@@ -32,7 +30,6 @@ from ptbench.stats.estimates import (
     UNSURE,
     Estimate,
     Verdict,
-    interval_of_ratio,
 )
 from ptbench.studies.questions import Question, question_of
 from ptbench.studies.rows import Row, measure
@@ -166,23 +163,14 @@ def _ends(choices: Sequence[str], rows: Sequence[Row], question: Question, where
     alone = len(choices) == 1 or (len(choices) <= _NAMED and any(row.verdict.word == FASTER for row in rows))
     if not alone:
         named = ", ".join(f"`{choice}`" for choice in choices) if len(choices) <= _NAMED else f"{len(choices)} choices"
-        return f"{named}, {_range(rows, lambda cell: f'`{question.choice_of(cell)}`, {where(cell)}')}"
+        return f"{named}, {range_text(rows, lambda cell: f'`{question.choice_of(cell)}`, {where(cell)}')}"
     each = ((choice, [row for row in rows if question.choice_of(row.cell) == choice]) for choice in choices)
-    return "; ".join(f"`{choice}`{_mixed(of)} {_range(of, where)}" for choice, of in each)
+    return "; ".join(f"`{choice}`{_mixed(of)} {range_text(of, where)}" for choice, of in each)
 
 
 def _mixed(rows: Sequence[Row]) -> str:
     counts = Counter(row.verdict.word for row in rows)
     return f" ({counts_text(counts)})" if len(counts) > 1 else ""
-
-
-def _range(rows: Sequence[Row], told: Callable[[Cell], str]) -> str:
-    ordered = sorted(rows, key=lambda row: row.ratio.value)
-    ends = ordered[:1] if len(ordered) == 1 else [ordered[0], ordered[-1]]
-    return " to ".join(
-        " ".join(filter(None, (ratio(row.ratio.value), interval_of_ratio(row.ratio), f"({told(row.cell)})")))
-        for row in ends
-    )
 
 
 # --- errors -----------------------------------------------------------------------------------------------------------

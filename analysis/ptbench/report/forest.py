@@ -1,7 +1,5 @@
 """A run's one overview figure: a row a comparison, its ratio with its interval, the rows of a scene together."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -12,6 +10,7 @@ from ptbench.figures.forest import Data, Group, Item
 from ptbench.figures.saving import svg_of
 from ptbench.io.cells import Cell, Result, Study
 from ptbench.io.files import one_line, safe_name
+from ptbench.report.drawing import css_size
 from ptbench.report.findings import Efficiency, compared_rows, efficiencies_of, is_convergence
 from ptbench.stats.estimates import (
     INTERVAL_TEXT,
@@ -27,7 +26,6 @@ from ptbench.studies.rows import Row, baseline_of
 from ptbench.studies.withdrawn import between
 
 MOST_ROWS = 44  # of one page; more comparisons than that are drawn as means, a row a choice and scene
-_CSS_PIXELS = 96  # an inch
 
 
 def draw_overview(result: Result, title: str, prefix: str) -> tuple[Image, ...]:
@@ -52,8 +50,7 @@ def _images(data: Data, prefix: str) -> list[Image]:
 
 
 def _image(figure, name: str, alt: str) -> Image:
-    width, height = (round(_CSS_PIXELS * inches) for inches in figure.get_size_inches())
-    return Image(f"{name}.svg", svg_of(figure).encode(), alt, width, height)
+    return Image(f"{name}.svg", svg_of(figure).encode(), alt, *css_size(figure))
 
 
 # --- times ------------------------------------------------------------------------------------------------------------

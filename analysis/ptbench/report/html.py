@@ -1,7 +1,5 @@
 """A report as one HTML page that needs nothing else: style, script, images and raw rows are in it."""
 
-from __future__ import annotations
-
 import base64
 import re
 from collections.abc import Iterable, Sequence

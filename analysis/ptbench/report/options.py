@@ -1,7 +1,5 @@
 """The command line of `report`."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 
@@ -9,7 +7,7 @@ from ptbench.command import Command, positive
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("results", type=Path, nargs="+", metavar="RESULT", help="a result file, or a folder of some")
+    parser.add_argument("named", type=Path, nargs="+", metavar="RESULT", help="a result file, or a folder of some")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR")
     parser.add_argument(
         "--binary", type=Path, metavar="PTBENCH", help="renders the scenes' pictures (default: no rendering)"
@@ -20,11 +18,5 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _load():
-    from ptbench.report.command import report
-
-    return lambda options: report(options.results, options.out, options.binary, options.spp, options.side)
-
-
 _HELP = "one page of one or more result files: report.html and report.md"
-COMMANDS = (Command("report", _HELP, _add_arguments, _load),)
+COMMANDS = (Command("report", _HELP, _add_arguments),)

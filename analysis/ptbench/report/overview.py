@@ -1,7 +1,5 @@
 """The parts of a report that speak of all its files: machines, what ran, what was left out, scenes, method, rows."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A small picture of each scene that was measured: a convergence study's reference, or rendered for the page."""
 
-from __future__ import annotations
-
 import io
 import os
 import textwrap

@@ -1,7 +1,5 @@
 """Which files a report is of: result files as named, and of a folder all that are such files."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Raw rows as CSV: one tidy row a sample, a checkpoint or a check, with all that identifies it in columns."""
 
-from __future__ import annotations
-
 import csv
 import gzip
 import io

@@ -1,7 +1,5 @@
 """A study's verdicts in words, made from its rows: counts, and how far each choice is from its baseline, and where."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable, Sequence
 
@@ -93,7 +91,7 @@ def _choice_text(choice: str, rows: Sequence[Row], where: Callable[[Cell], str])
         found = [row for row in rows if row.verdict.word == word]
         if found:
             many = f" in {len(found)} of {len(rows)}" if len(rows) > 1 else ""
-            parts.append(f"**{word}**{many}, {_range(found, where)}")
+            parts.append(f"**{word}**{many}, {range_text(found, where)}")
     alone = [row for row in rows if row.verdict.word not in WORDS]
     if alone:
         reasons = dict.fromkeys(row.verdict.reason for row in alone)
@@ -102,18 +100,12 @@ def _choice_text(choice: str, rows: Sequence[Row], where: Callable[[Cell], str])
     return f"`{choice}`: " + "; ".join(parts) + said + "."
 
 
-def _range(rows: Sequence[Row], where: Callable[[Cell], str]) -> str:
+def range_text(rows: Sequence[Row], where: Callable[[Cell], str]) -> str:
     """The ratios, from the lowest to the highest, with their intervals and places."""
     ordered = sorted((row for row in rows if row.ratio is not None), key=lambda row: row.ratio.value)
-    if not ordered:
-        return "no ratio"
-    ends = [ordered[0]] if len(ordered) == 1 else [ordered[0], ordered[-1]]
-    return " to ".join(_ratio_text(row, where) for row in ends)
-
-
-def _ratio_text(row: Row, where: Callable[[Cell], str]) -> str:
-    estimate = row.ratio
-    return " ".join(filter(None, (ratio(estimate.value), interval_of_ratio(estimate), f"({where(row.cell)})")))
+    ends = ordered if len(ordered) < 2 else [ordered[0], ordered[-1]]
+    said = ((ratio(row.ratio.value), interval_of_ratio(row.ratio), f"({where(row.cell)})") for row in ends)
+    return " to ".join(" ".join(filter(None, parts)) for parts in said) or "no ratio"
 
 
 def _convergence(result: Result, study: Study) -> tuple[str, list[str]]:

@@ -1,7 +1,5 @@
 """How a stability result is laid out: the columns that its variants are, the places that its cases are looked at."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """summary.md of a stability result: a sentence or two a family, known limits, and what failed."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 

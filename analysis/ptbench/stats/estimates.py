@@ -5,8 +5,6 @@ that 10 000 times, and cut 2.5 % off each end. The random numbers are seeded, so
 ratio is that of two medians, both sets drawn independently.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache

@@ -4,8 +4,6 @@ Points of one run depend on each other, since a checkpoint's samples are the nex
 estimated once a seed, or as a function of the means over seeds, and its spread between seeds is its uncertainty.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 import numpy as np

@@ -3,8 +3,6 @@
 SciPy takes a quarter of a second to load, which a command that calls none of them should not wait for.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 

@@ -1,7 +1,5 @@
 """The place along x from which on a choice is faster: a claim, so it is held to the whole interval of the ratio."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ Strong scaling: the same image. Weak scaling: as many times the samples as GPUs.
 times as many samples a second there are, over the number of GPUs.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -28,11 +26,6 @@ class Scaled:
 
     cell: Cell
     one: Cell
-
-    @property
-    def is_weak(self) -> bool:
-        """Whether it has more samples than the one on one GPU."""
-        return self.cell.spp != self.one.spp
 
     @property
     def efficiency(self) -> Estimate:

@@ -9,8 +9,6 @@ On a GPU a busy host disturbs only a render that took longer than the device wor
 (Cell.is_disturbed).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """What a result file says of the GPU that ran it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from ptbench.io.cells import Cell, Kernel, Result

@@ -1,7 +1,5 @@
 """How the cells of a figure stand together: groups, labels and their order."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass

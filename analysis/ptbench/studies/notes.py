@@ -1,7 +1,5 @@
 """All that keeps a figure or a table of a study from being the whole story."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Whether files of several machines are of one program, so that what differs between them is the machines'."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Protocol
 

@@ -1,7 +1,5 @@
 """What a study asks: the axis or tunable that it varies, its baseline, and what else differs between its cells."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """What a study measured, worked out once for its figure and its table: medians, ratios, and verdicts."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 

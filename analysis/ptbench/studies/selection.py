@@ -5,8 +5,6 @@ A word without `=` is an integrator; `axis=choice`, `tunable=value` and `scene`,
 setting must have one value only. `*` is any value.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from ptbench.errors import FindingError

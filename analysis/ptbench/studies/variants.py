@@ -1,7 +1,5 @@
 """Finds a variant by its name or a part of it, and says what two variants differ in."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

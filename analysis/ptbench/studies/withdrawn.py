@@ -4,8 +4,6 @@ A verdict in time or efficiency on two cells that differ in a withdrawn choice i
 its withdrawal. Of an entry with scenes that is so of any two variants in one of these, where either has the choice.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache

@@ -1,7 +1,5 @@
 """What came back: read, held against what was submitted, and merged by machine."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 from collections import Counter

@@ -1,7 +1,5 @@
 """`submit` and `collect`."""
 
-from __future__ import annotations
-
 import argparse
 import json
 from pathlib import Path

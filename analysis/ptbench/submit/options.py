@@ -1,7 +1,5 @@
 """The command lines of `submit` and `collect`."""
 
-from __future__ import annotations
-
 import argparse
 import re
 from pathlib import Path
@@ -52,19 +50,7 @@ def _add_collect(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("folder", type=Path, metavar="DIR", help="the --out of `submit`")
 
 
-def _load_submit():
-    from ptbench.submit.command import submit_command
-
-    return submit_command
-
-
-def _load_collect():
-    from ptbench.submit.command import collect_command
-
-    return lambda options: collect_command(options.folder)
-
-
 COMMANDS = (
-    Command("submit", "run a suite on a cluster: a Slurm job array of shards", _add_submit, _load_submit),
-    Command("collect", "merge what came back of `submit`, and say what is missing", _add_collect, _load_collect),
+    Command("submit", "run a suite on a cluster: a Slurm job array of shards", _add_submit, "submit_command"),
+    Command("collect", "merge what came back of `submit`, and say what is missing", _add_collect, "collect_command"),
 )

@@ -1,7 +1,5 @@
 """The file that sbatch is given: to be read, and changed where a centre needs it otherwise."""
 
-from __future__ import annotations
-
 import shlex
 from string import Template
 

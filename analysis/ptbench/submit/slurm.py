@@ -1,7 +1,5 @@
 """What is asked of Slurm."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 from pathlib import Path

@@ -1,14 +1,12 @@
 """What was submitted: DIR/submission.json, from which `submit` goes on and `collect` knows what should come back."""
 
-from __future__ import annotations
-
 import json
 import subprocess
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from ptbench.errors import InputError, bad_value
-from ptbench.io.files import read_whole, write_text
+from ptbench.io.files import picked, read_whole, write_text
 
 _SCHEMA = "ptbench-submission-1"
 ANY = "any"
@@ -43,21 +41,15 @@ class Submission:
 
     def settings(self) -> dict:
         """The settings that have to be the same when the suite is submitted again."""
-        return {
-            "call": self.call,
-            "shards": self.shards,
-            "arrays": [array.name for array in self.arrays],
-            "cells": self.cells,
-        }
+        arrays = [array.name for array in self.arrays]
+        return {**picked(self, "call shards"), "arrays": arrays, "cells": self.cells}
 
     def write(self) -> None:
         """Writes the submission into its folder."""
         document = {
             "schema": _SCHEMA,
-            "binary": self.binary,
-            "call": self.call,
-            "shards": self.shards,
-            "arrays": [{"name": array.name, "jobs": array.jobs} for array in self.arrays],
+            **picked(self, "binary call shards"),
+            "arrays": [asdict(array) for array in self.arrays],
             "cells": self.cells,
         }
         write_text(self.folder / "submission.json", json.dumps(document, indent=1) + "\n")

@@ -1,203 +1,232 @@
-"""The columns of rows from result files: names, units in the names, and types.
+"""The columns of rows from result files: names, units in the names, types, and what each says.
 
 Units: _ms milliseconds, _mhz megahertz, _bytes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
-
-from ptbench.io.cells import WORK_COUNTERS
-from ptbench.io.convergence import CLOCKS, METRICS
 
 # Types by pandas' names. Names and choices repeat; a whole number, a truth value or a text may be missing.
 CATEGORY, INTEGER, NUMBER, FLAG, TEXT = "category", "Int64", "float64", "boolean", "string"
 
-FILE = {
-    "file": CATEGORY,  # the path as given
-    "machine": CATEGORY,
-    "suite": CATEGORY,
-    "commit": CATEGORY,
-    "commit_dirty": FLAG,
-    "date": CATEGORY,
+# The type and the meaning of each column. Where tables have a column of one name, it says one thing in all of them.
+COLUMNS = {
+    # the file
+    "file": (CATEGORY, "path of the result file, as given"),
+    "machine": (CATEGORY, "the machine's name in results/"),
+    "suite": (CATEGORY, "suite that was run; `adhoc` where the command line said what; empty: a file of no suite"),
+    "commit": (CATEGORY, "commit of the program"),
+    "commit_dirty": (FLAG, "whether it had changes that were not committed"),
+    "date": (CATEGORY, "when the file was written"),
+    # what was measured
+    "cell": (CATEGORY, "the cell's name, its key within the file"),
+    "studies": (CATEGORY, "studies that it belongs to, with commas between"),
+    "study": (CATEGORY, "a study of the suite"),
+    "scene": (CATEGORY, "the scene's name"),
+    "scene_hash": (CATEGORY, "hash of the scene's content"),
+    "backend": (CATEGORY, "`cpu` or `cuda`"),
+    "variant": (CATEGORY, "the variant's shown name"),
+    "AXES": (CATEGORY, "one column an axis (reference.md), its choice; missing: the file is older than the axis"),
+    "TUNABLES": (INTEGER, "one column a tunable; missing: no choice of the variant has it"),
+    "width": (INTEGER, "pixels"),
+    "height": (INTEGER, "pixels"),
+    "depth": (INTEGER, "ray segments in a path at most, the camera ray included"),
+    "spp": (INTEGER, "samples a pixel of one timed render"),
+    "is_convergence": (FLAG, "whether errors are measured on the way"),
+    # status
+    "status": (
+        CATEGORY,
+        "`ok`, `failed` or `interrupted`; of a check `passed`, `failed`, `known limit`, `n/a` or `broken`",
+    ),
+    "reason": (TEXT, "why it is not `ok`, or not applicable; empty if it is"),
+    # samples
+    "repetition": (INTEGER, "index of the sample within its cell, from 0"),
+    "seed": (INTEGER, "of the render; samples of one repetition have one seed in all cells"),
+    "order": (INTEGER, "place in time among all samples of the run, from 0"),
+    "timestamp": (NUMBER, "when the sample ended, seconds since 1970-01-01 UTC"),
+    "wall_ms": (
+        NUMBER,
+        "wall time, ms: of a sample's render, `spp` samples in every pixel; of a checkpoint since the start",
+    ),
+    "device_ms": (NUMBER, "the same on the device's own clock, ms"),
+    "end_to_end_ms": (NUMBER, "wall time with scene buffers and film, ms"),
+    "cpu_ms": (NUMBER, "CPU time of all threads, ms"),
+    "ms_per_spp": (NUMBER, "wall_ms / spp; of a verdict the median over samples"),
+    "mega_cycles_per_spp": (NUMBER, "ms_per_spp times the clock round the render, 1e6 cycles; missing: no clock"),
+    "mega_rays_per_second": (NUMBER, "rays over wall_ms, 1e6/s"),
+    "rays": (NUMBER, "rays that were traced"),
+    "paths": (NUMBER, "paths that were started"),
+    "clock_mhz_before": (NUMBER, "clock before the render, MHz"),
+    "clock_mhz_after": (NUMBER, "clock after it, MHz"),
+    "low_clock": (FLAG, "whether one of these is far below the file's highest (method.md)"),
+    "contended": (FLAG, "whether other processes, or a quota, took CPU time meanwhile"),
+    "foreign_cpu_ms": (NUMBER, "CPU time that other processes took, ms"),
+    "throttled_periods": (INTEGER, "periods in which a quota of CPU time was used up meanwhile"),
+    "throttled_ms": (NUMBER, "for how long threads stood still for it, ms"),
+    "involuntary_switches": (INTEGER, "times that the process had to give up a processor"),
+    "launches": (INTEGER, "kernels, copies and graphs that the host enqueued"),
+    "graph_nodes": (INTEGER, "nodes of the graphs that were launched"),
+    "host_waits": (INTEGER, "times that the host waited for the device"),
+    # cells
+    "claim": (CATEGORY, "what the variant claims of its image"),
+    "claim_check": (TEXT, "what verification found, in words"),
+    "film_hash": (CATEGORY, "hash of the film of the instrumented pass"),
+    "samples": (INTEGER, "good samples"),
+    "failed_samples": (INTEGER, "failed ones"),
+    "median_ms_per_spp": (NUMBER, "median of the samples' ms_per_spp"),
+    "median_mega_rays_per_second": (NUMBER, "median of the samples' mega_rays_per_second"),
+    "low_clock_samples": (INTEGER, "samples with low_clock"),
+    "contended_samples": (INTEGER, "samples with contended"),
+    "disturbed_samples": (INTEGER, "contended ones whose time may be wrong for it"),
+    "nonfinite": (INTEGER, "path samples that were infinite or no number"),
+    "negative": (INTEGER, "path samples below 0"),
+    "saturated": (INTEGER, "path samples brighter than the film holds"),
+    "unfinished_walks": (INTEGER, "paths lost in a subsurface body whose cap they met"),
+    "instrumented_spp": (INTEGER, "samples a pixel of the instrumented pass"),
+    "instrumented_wall_ms": (NUMBER, "wall time of that pass, ms; it counts, so it is slower than samples"),
+    "COUNTERS": (INTEGER, "one column a counter of the instrumented pass"),
+    "block": (INTEGER, "threads a block"),
+    "device_bytes": (INTEGER, "device memory of the render, bytes"),
+    "path_bytes": (INTEGER, "of that a path in the queue, with all that compacts and sorts it, bytes"),
+    "path_state_bytes": (INTEGER, "of path_bytes one copy of the path itself, bytes"),
+    "prepare_ms": (NUMBER, "memory, upload and graph before the clock starts, ms"),
+    "mesh_triangles": (INTEGER, "triangles of the scene's meshes"),
+    "mesh_nodes": (INTEGER, "nodes of their trees; 0: every triangle in turn"),
+    "mesh_node_bytes": (INTEGER, "of all nodes, bytes"),
+    "mesh_leaf_bytes": (INTEGER, "of the triangles as leaves hold them, bytes"),
+    "mesh_sah_cost": (NUMBER, "expected cost of a line through the largest tree (surface area heuristic)"),
+    "mesh_build_ms": (NUMBER, "time of the builder, ms; in no sample"),
+    "mesh_encode_ms": (NUMBER, "time to bring its tree into the accelerator's format, ms; in no sample"),
+    # verdicts
+    "label": (CATEGORY, "the choice, and what else varies in the study"),
+    "is_baseline": (FLAG, "whether the others are held against it"),
+    "ms_per_spp_low": (NUMBER, "lower end of the median's confidence interval (method.md)"),
+    "ms_per_spp_high": (NUMBER, "upper end"),
+    "ratio": (NUMBER, "time over the baseline's"),
+    "ratio_low": (NUMBER, "lower end of its confidence interval"),
+    "ratio_high": (NUMBER, "upper end"),
+    "verdict": (CATEGORY, "FASTER, SLOWER, SAME or UNSURE (method.md)"),
+    "verdict_reason": (TEXT, "why, in words"),
+    # stages, bounces, kernels
+    "stage": (CATEGORY, "stage of the instrumented pass; missing: it has none"),
+    "stage_ms": (NUMBER, "its time in the whole pass, ms"),
+    "stage_ms_per_spp": (NUMBER, "stage_ms / instrumented_spp"),
+    "unaccounted_ms": (NUMBER, "time of the pass in no stage, ms; below 0 where stages overlap"),
+    "bounce": (INTEGER, "from 0, the camera ray's"),
+    "live_paths": (INTEGER, "paths that traced this bounce's ray, in the instrumented pass"),
+    "live_share": (NUMBER, "their share of all paths"),
+    "kernel": (CATEGORY, "function or kind of kernel"),
+    "registers": (INTEGER, "registers a thread"),
+    "local_bytes": (INTEGER, "local memory a thread, bytes"),
+    "shared_bytes": (INTEGER, "static shared memory a block, bytes"),
+    # checkpoints
+    "checkpoint_spp": (INTEGER, "samples a pixel so far"),
+    "mse": (NUMBER, "mean squared error against the reference, its noise included"),
+    "mse_dual": (NUMBER, "the same against both halves of the reference, unbiased by its noise; may be below 0"),
+    "rel_mse": (NUMBER, "mse relative to the reference's square, pixel by pixel (result-fields.md)"),
+    "rel_mse_dual": (NUMBER, "the same of mse_dual"),
+    "smape": (NUMBER, "symmetric mean absolute percentage error (result-fields.md)"),
+    "bias2": (NUMBER, "squared bias from the render's two halves; may be below 0"),
+    "mean_error_r": (NUMBER, "mean of x-r, red"),
+    "mean_error_g": (NUMBER, "green"),
+    "mean_error_b": (NUMBER, "blue"),
+    "shared": (FLAG, "whether the film has the bits of another cell's, whose errors these are"),
+    "shared_with": (CATEGORY, "that cell"),
+    "reference": (CATEGORY, "the reference's name"),
+    "reference_variance": (NUMBER, "variance of a pixel and channel of it"),
+    "dual_error": (NUMBER, "standard error that its noise alone gives to mse_dual"),
+    "independent_samples": (FLAG, "whether samples of a pixel know nothing of each other"),
+    "biases": (TEXT, "declared biases, with semicolons between"),
+    # ptbench stability
+    "case": (CATEGORY, "the case's name"),
+    "catalogue": (CATEGORY, "its number in the project's catalogue of numerics"),
+    "family": (CATEGORY, "family of cases"),
+    "kind": (CATEGORY, "kind of case"),
+    "sweep": (CATEGORY, "what a sweep of cases varies"),
+    "point": (CATEGORY, "all parameters as text"),
+    "PARAMETERS": (NUMBER, "one column a parameter of a case"),
+    "quantity": (CATEGORY, "what is measured; missing: nothing was"),
+    "relation": (CATEGORY, "how it is held to `exact`"),
+    "measured": (NUMBER, "its value"),
+    "exact": (NUMBER, "the exact one"),
+    "error": (NUMBER, "how far off, as the relation has it"),
+    "allowed": (NUMBER, "how far off it may be"),
+    "standard_error": (NUMBER, "of a measured value that is random"),
+    "over_allowed": (NUMBER, "error / allowed"),
+    "looks": (INTEGER, "times that a random value was looked at"),
+    "must_pass": (FLAG, "whether ptbench claims that it passes"),
+    # ptbench rays
+    "mesh": (CATEGORY, "the mesh's name"),
+    "triangles": (INTEGER, "its triangles"),
+    "accelerator": (CATEGORY, "choice of the axis accelerator"),
+    "builder": (CATEGORY, "choice of the axis builder; missing: no tree is needed"),
+    "class": (CATEGORY, "class of rays: primary, shadow and so on"),
+    "query": (CATEGORY, "nearest hit, or any"),
+    "repetitions": (INTEGER, "times that the batch was traced"),
+    "giga_rays_per_second": (NUMBER, "median rate, 1e9/s"),
+    "giga_rays_per_second_low": (NUMBER, "lower end of its confidence interval"),
+    "giga_rays_per_second_high": (NUMBER, "upper end"),
+    "nodes_per_ray": (NUMBER, "nodes that a ray visits"),
+    "boxes_per_ray": (NUMBER, "boxes that it is held against"),
+    "triangles_per_ray": (NUMBER, "triangles that it is held against"),
+    "active_lanes": (NUMBER, "of a warp's 32, the mean (--counters)"),
+    "memory_stalls": (NUMBER, "of the time of warps, waiting for what they loaded (--counters)"),
+    "bound": (CATEGORY, "the ceiling that the batch comes nearest to (--counters)"),
+    "nodes": (INTEGER, "nodes of the tree"),
+    "node_bytes": (INTEGER, "of all nodes, bytes"),
+    "leaf_bytes": (INTEGER, "of the triangles as leaves hold them, bytes"),
+    "sah_cost": (NUMBER, "expected cost of a line through the tree"),
+    "build_ms": (NUMBER, "time of the builder, ms"),
+    "encode_ms": (NUMBER, "time to bring its tree into the accelerator's format, ms"),
+    "device_build_ms": (NUMBER, "median where the GPU built, ms"),
+    "device_encode_ms": (NUMBER, "median where the GPU encoded, ms"),
+    "agree": (FLAG, "whether all batches of the class left the same hits"),
 }
-IDENTITY = {
-    "cell": CATEGORY,
-    "studies": CATEGORY,  # joined by commas
-    "scene": CATEGORY,
-    "scene_hash": CATEGORY,
-    "backend": CATEGORY,
-    "variant": CATEGORY,
-    "AXES": CATEGORY,
-    "TUNABLES": INTEGER,
-    "width": INTEGER,
-    "height": INTEGER,
-    "depth": INTEGER,
-    "spp": INTEGER,
-    "is_convergence": FLAG,
-}
-STATUS = {"status": CATEGORY, "reason": TEXT}
-SAMPLE = {
-    "repetition": INTEGER,
-    "seed": INTEGER,
-    "order": INTEGER,  # in which the run's samples were taken
-    "timestamp": NUMBER,  # seconds since 1970
-    "wall_ms": NUMBER,  # of the render, spp samples in every pixel
-    "device_ms": NUMBER,
-    "end_to_end_ms": NUMBER,
-    "cpu_ms": NUMBER,  # of all threads
-    "ms_per_spp": NUMBER,  # wall_ms / spp
-    "mega_cycles_per_spp": NUMBER,  # ms_per_spp times the clock round the render
-    "mega_rays_per_second": NUMBER,  # over wall_ms
-    "rays": NUMBER,
-    "paths": NUMBER,
-    "clock_mhz_before": NUMBER,
-    "clock_mhz_after": NUMBER,
-    "low_clock": FLAG,
-    "contended": FLAG,
-    "foreign_cpu_ms": NUMBER,
-    "throttled_periods": INTEGER,
-    "throttled_ms": NUMBER,
-    "involuntary_switches": INTEGER,
-    **dict.fromkeys(WORK_COUNTERS, INTEGER),
-    **STATUS,
-}
-CELL = {
-    "claim": CATEGORY,
-    "claim_check": TEXT,
-    "film_hash": CATEGORY,
-    "samples": INTEGER,
-    "failed_samples": INTEGER,
-    "median_ms_per_spp": NUMBER,
-    "median_mega_rays_per_second": NUMBER,
-    "low_clock_samples": INTEGER,
-    "contended_samples": INTEGER,
-    "disturbed_samples": INTEGER,  # contended ones whose time may be wrong for it
-    "nonfinite": INTEGER,
-    "negative": INTEGER,
-    "saturated": INTEGER,
-    "unfinished_walks": INTEGER,
-    "instrumented_spp": INTEGER,
-    "instrumented_wall_ms": NUMBER,
-    "COUNTERS": INTEGER,  # of the instrumented pass
-    "block": INTEGER,
-    "device_bytes": INTEGER,
-    "path_bytes": INTEGER,
-    "path_state_bytes": INTEGER,
-    "prepare_ms": NUMBER,
-    # These columns are filled for scenes with meshes; builds and encodings are outside every sample's clock.
-    "mesh_triangles": INTEGER,
-    "mesh_nodes": INTEGER,
-    "mesh_node_bytes": INTEGER,
-    "mesh_leaf_bytes": INTEGER,
-    "mesh_sah_cost": NUMBER,
-    "mesh_build_ms": NUMBER,
-    "mesh_encode_ms": NUMBER,
-    **STATUS,
-}
-RAYS = {
-    "backend": CATEGORY,
-    "mesh": CATEGORY,
-    "triangles": INTEGER,
-    "accelerator": CATEGORY,
-    "builder": CATEGORY,
-    "class": CATEGORY,
-    "kernel": CATEGORY,
-    "query": CATEGORY,
-    "rays": INTEGER,
-    "repetitions": INTEGER,
-    "giga_rays_per_second": NUMBER,  # median, and its 95 % interval
-    "giga_rays_per_second_low": NUMBER,
-    "giga_rays_per_second_high": NUMBER,
-    "nodes_per_ray": NUMBER,
-    "boxes_per_ray": NUMBER,
-    "triangles_per_ray": NUMBER,
-    "active_lanes": NUMBER,  # and the next two with --counters
-    "memory_stalls": NUMBER,
-    "bound": CATEGORY,
-    "nodes": INTEGER,
-    "node_bytes": INTEGER,
-    "leaf_bytes": INTEGER,
-    "sah_cost": NUMBER,
-    "build_ms": NUMBER,
-    "encode_ms": NUMBER,
-    "device_build_ms": NUMBER,  # medians, where the GPU built
-    "device_encode_ms": NUMBER,
-    "agree": FLAG,  # all batches of the class left the same hits, and brute force's where they were held to it
-}
-STAGE = {
-    "stage": CATEGORY,
-    "stage_ms": NUMBER,  # of the whole pass
-    "stage_ms_per_spp": NUMBER,
-    "instrumented_spp": INTEGER,
-    "instrumented_wall_ms": NUMBER,
-    "unaccounted_ms": NUMBER,  # wall time in no stage; below zero where stages overlap
-    **STATUS,
-}
-CHECKPOINT = {
-    "repetition": INTEGER,
-    "seed": INTEGER,
-    "checkpoint_spp": INTEGER,
-    **dict.fromkeys(CLOCKS, NUMBER),  # since the render's start
-    **dict.fromkeys(METRICS, NUMBER),
-    "mean_error_r": NUMBER,
-    "mean_error_g": NUMBER,
-    "mean_error_b": NUMBER,
-    "nonfinite": INTEGER,
-    "shared": FLAG,  # the errors were computed for another cell, whose film has the same bits
-    "shared_with": CATEGORY,
-    "reference": CATEGORY,
-    "reference_variance": NUMBER,
-    "dual_error": NUMBER,
-    "independent_samples": FLAG,
-    "biases": TEXT,  # declared ones, joined by semicolons
-    **STATUS,
-}
-CHECK = {
-    "case": CATEGORY,
-    "catalogue": CATEGORY,
-    "family": CATEGORY,
-    "kind": CATEGORY,
-    "sweep": CATEGORY,
-    "point": CATEGORY,  # all parameters as text
-    "PARAMETERS": NUMBER,
-    "variant": CATEGORY,
-    "AXES": CATEGORY,
-    "quantity": CATEGORY,
-    "relation": CATEGORY,
-    "measured": NUMBER,
-    "exact": NUMBER,
-    "error": NUMBER,
-    "allowed": NUMBER,
-    "standard_error": NUMBER,
-    "over_allowed": NUMBER,
-    "looks": INTEGER,
-    "must_pass": FLAG,
-    **STATUS,
-}
-LIVE_PATHS = {"bounce": INTEGER, "live_paths": INTEGER, "live_share": NUMBER, **STATUS}
-KERNEL = {
-    "kernel": CATEGORY,
-    "registers": INTEGER,
-    "local_bytes": INTEGER,
-    "shared_bytes": INTEGER,
-    **STATUS,
-}
-LEFT_OUT = {"study": CATEGORY, "scene": CATEGORY, "variant": CATEGORY, "AXES": CATEGORY, "reason": TEXT}
-VERDICT = {
-    "study": CATEGORY,
-    "label": CATEGORY,  # the choice and what else varies in the study
-    "is_baseline": FLAG,
-    "ms_per_spp": NUMBER,  # median, and its 95 % interval
-    "ms_per_spp_low": NUMBER,
-    "ms_per_spp_high": NUMBER,
-    "ratio": NUMBER,  # time over the baseline's, and its 95 % interval
-    "ratio_low": NUMBER,
-    "ratio_high": NUMBER,
-    "verdict": CATEGORY,
-    "verdict_reason": TEXT,
-    **STATUS,
-}
+
+
+def _columns(names: str) -> dict[str, str]:
+    """The types of columns by their names."""
+    return {name: COLUMNS[name][0] for name in names.split()}
+
+
+FILE = _columns("file machine suite commit commit_dirty date")
+IDENTITY = _columns("cell studies scene scene_hash backend variant AXES TUNABLES width height depth spp is_convergence")
+STATUS = _columns("status reason")
+SAMPLE = _columns(
+    "repetition seed order timestamp wall_ms device_ms end_to_end_ms cpu_ms ms_per_spp mega_cycles_per_spp "
+    "mega_rays_per_second rays paths clock_mhz_before clock_mhz_after low_clock contended foreign_cpu_ms "
+    "throttled_periods throttled_ms involuntary_switches launches graph_nodes host_waits status reason"
+)
+CELL = _columns(
+    "claim claim_check film_hash samples failed_samples median_ms_per_spp median_mega_rays_per_second "
+    "low_clock_samples contended_samples disturbed_samples nonfinite negative saturated unfinished_walks "
+    "instrumented_spp instrumented_wall_ms COUNTERS block device_bytes path_bytes path_state_bytes prepare_ms "
+    "mesh_triangles mesh_nodes mesh_node_bytes mesh_leaf_bytes mesh_sah_cost mesh_build_ms mesh_encode_ms status "
+    "reason"
+)
+# A batch's rays are counted; a sample's come as Google Benchmark writes every counter.
+RAYS = _columns(
+    "backend mesh triangles accelerator builder class kernel query rays repetitions giga_rays_per_second "
+    "giga_rays_per_second_low giga_rays_per_second_high nodes_per_ray boxes_per_ray triangles_per_ray "
+    "active_lanes memory_stalls bound nodes node_bytes leaf_bytes sah_cost build_ms encode_ms device_build_ms "
+    "device_encode_ms agree"
+) | {"rays": INTEGER}
+STAGE = _columns("stage stage_ms stage_ms_per_spp instrumented_spp instrumented_wall_ms unaccounted_ms status reason")
+CHECKPOINT = _columns(
+    "repetition seed checkpoint_spp wall_ms device_ms cpu_ms mse mse_dual rel_mse rel_mse_dual smape bias2 "
+    "mean_error_r mean_error_g mean_error_b nonfinite shared shared_with reference reference_variance dual_error "
+    "independent_samples biases status reason"
+)
+CHECK = _columns(
+    "case catalogue family kind sweep point PARAMETERS variant AXES quantity relation measured exact error "
+    "allowed standard_error over_allowed looks must_pass status reason"
+)
+LIVE_PATHS = _columns("bounce live_paths live_share status reason")
+KERNEL = _columns("kernel registers local_bytes shared_bytes status reason")
+LEFT_OUT = _columns("study scene variant AXES reason")
+VERDICT = _columns(
+    "study label is_baseline ms_per_spp ms_per_spp_low ms_per_spp_high ratio ratio_low ratio_high verdict "
+    "verdict_reason status reason"
+)
 # Columns whose names come from the files: what stands for them above, and what their names begin with.
 FROM_FILES = {"AXES": "", "TUNABLES": "tunable_", "COUNTERS": "counter_", "PARAMETERS": "parameter_"}
 # The columns of each table.

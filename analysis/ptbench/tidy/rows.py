@@ -4,8 +4,6 @@ Nothing is dropped: a sample that failed is a row with status "failed", the reas
 a cell that failed, since nobody knows what it timed. A value that a file does not have is missing from its row.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path

@@ -5,8 +5,6 @@ against a GPU's. A case that broke or does not apply has one row in place of its
 each of them.
 """
 
-from __future__ import annotations
-
 import math
 from argparse import Namespace
 from collections import Counter

@@ -1,7 +1,5 @@
 """What `compare` found of files of `ptbench stability`: in words and tables, and as JSON for programs."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Iterable, Sequence
@@ -11,7 +9,7 @@ from ptbench.compare.stability.matching import Against, Pair, StabilityCompared
 from ptbench.compare.text import MARKS, device_of, differing
 from ptbench.document.blocks import Section, section
 from ptbench.document.table import table_of
-from ptbench.io.files import one_line
+from ptbench.io.files import one_line, picked
 from ptbench.io.stability import BROKEN, FAILED, KNOWN_LIMIT, NOT_APPLICABLE, PASSED, Row, Stability
 from ptbench.stability.layout import Layout, point_label, short_power
 
@@ -262,7 +260,7 @@ def _identity_json(row: Row) -> dict:
 
 
 def _row_json(row: Row) -> dict:
-    found = {"status": row.status, "must_pass": row.must_pass, "reason": row.reason}
+    found = picked(row, "status must_pass reason")
     if row.measured is None:
         return found
     numbers = {"measured": row.measured.value, "exact": row.measured.exact}

@@ -1,7 +1,5 @@
 """The advice for one scene: of each decision the forecasts, the best first, and in words where they are from."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -9,7 +7,7 @@ from ptbench.convergence.costs import TIME, VARIANCE
 from ptbench.extras.advise.evidence import DECISIONS, SCHEDULE, Book, Choice, Decision, choice_text
 from ptbench.extras.advise.features import Features, farthest
 from ptbench.extras.advise.model import WITHIN, Forecast, Model, Near, model_of
-from ptbench.numbers import figures, interval
+from ptbench.numbers import figures, interval, percent
 from ptbench.stats.estimates import CONFIDENCE
 
 _SHOWN = 3
@@ -135,9 +133,8 @@ def _trial_text(model: Model) -> str:
     trial = model.trial
     if trial.factor is None:
         return "one scene only: no error is known, so it is left as it was"
-    share = f"{CONFIDENCE:.0%}".replace("%", " %")
     return (
-        f"scenes left out in turn: {share} of {trial.forecasts} forecasts within a factor of "
+        f"scenes left out in turn: {percent(CONFIDENCE)} of {trial.forecasts} forecasts within a factor of "
         f"{figures(trial.factor, _DIGITS)}, the pick within {WITHIN:.0%} of the best measured in {trial.good} of "
         f"{trial.settings} settings{'' if trial.is_good else _NOT_BELIEVED}"
     )

@@ -1,7 +1,5 @@
 """Measures the advised choice and the nearest others on the scene itself, and says how good the advice was."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace

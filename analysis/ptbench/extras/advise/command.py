@@ -1,7 +1,5 @@
 """`advise`: which choices to take for a scene, what each is expected to bring, and from which measurements."""
 
-from __future__ import annotations
-
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """What committed results say of each choice: its time over a reference's, or its error, scene by scene."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

@@ -3,8 +3,6 @@
 A distance is Euclid's over a few features, each in a unit of its own: a unit is a step that is expected to matter.
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Cells of crossover maps as measurements for the advice: a choice over its decision's reference, in a made scene."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path

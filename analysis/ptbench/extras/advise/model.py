@@ -4,8 +4,6 @@ The weight of a measurement falls off as a power of its distance (Shepard 1968).
 how far a scene may be off are all found by leaving out one scene after the other.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -95,9 +93,12 @@ class Model:
         """
         out = set(barred)
         reference = () if out & set(self.decision.reference.items()) else (Forecast((), 1.0, 1.0, 1.0, ()),)
+        wanted = Wanted(features, context or {})
         found = [
-            _forecast(choice, points, Wanted(features, context or {}), self.decision, self.power, self.trial.factor)
-            for choice, points in _by_choice(self.points).items()
+            _forecast(
+                choice, [self.points[index] for index in indices], wanted, self.decision, self.power, self.trial.factor
+            )
+            for choice, indices in _by_choice(self.points).items()
             if not out & set(choice)
         ]
         nearest = min((one.distance for one in found), default=0.0)
@@ -163,17 +164,18 @@ def _off(point: Point, wanted: Wanted, decision: Decision) -> float:
     return math.hypot(distance(point.features, wanted.features, decision.features), ANOTHER_CHOICE * math.sqrt(others))
 
 
-def _by_choice(points: Iterable[Point]) -> dict[Choice, list[Point]]:
-    found: dict[Choice, list[Point]] = {}
-    for point in points:
-        found.setdefault(point.choice, []).append(point)
+def _by_choice(points: Sequence[Point]) -> dict[Choice, list[int]]:
+    """The numbers of the points of each choice."""
+    found: dict[Choice, list[int]] = {}
+    for index, point in enumerate(points):
+        found.setdefault(point.choice, []).append(index)
     return found
 
 
 def _left_out(decision: Decision, points: Sequence[Point], power: float) -> dict[int, float]:
     """Forecasts of points' logarithms without their own scene, by the point's number; none without another scene."""
     told = {}
-    for indices in _by_choice_indices(points).values():
+    for indices in _by_choice(points).values():
         for index in indices:
             others = [points[other] for other in indices if points[other].family != points[index].family]
             if others:
@@ -181,13 +183,6 @@ def _left_out(decision: Decision, points: Sequence[Point], power: float) -> dict
                 one = _forecast((), others, wanted, decision, power, None)
                 told[index] = math.log(one.ratio) - points[index].log_ratio
     return told
-
-
-def _by_choice_indices(points: Sequence[Point]) -> dict[Choice, list[int]]:
-    found: dict[Choice, list[int]] = {}
-    for index, point in enumerate(points):
-        found.setdefault(point.choice, []).append(index)
-    return found
 
 
 def _mean_square(errors: Iterable[float]) -> float:

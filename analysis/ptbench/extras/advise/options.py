@@ -1,11 +1,9 @@
 """The command line of `advise`."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 
-from ptbench.command import Command, add_root, call_of, positive, resolution
+from ptbench.command import Command, add_root, positive, resolution
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -33,11 +31,5 @@ def _fault(options: argparse.Namespace) -> str:
     return f"found {'both' if options.scene else 'neither'}, allowed: SCENE or --try N"
 
 
-def _load():
-    from ptbench.extras.advise.command import Call, advise
-
-    return lambda options: advise(call_of(Call, options))
-
-
 _HELP = "which choices to take for a scene, what each is expected to bring, and from which measurements"
-COMMANDS = (Command("advise", _HELP, _add_arguments, _load, _fault),)
+COMMANDS = (Command("advise", _HELP, _add_arguments, fault=_fault),)

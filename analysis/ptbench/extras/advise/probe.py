@@ -1,7 +1,5 @@
 """What a user's scene is like: its file, and a render of few pixels that counts paths. No time of it is used."""
 
-from __future__ import annotations
-
 import json
 import math
 import tempfile

@@ -5,8 +5,6 @@ interval does not tell, whatever may be the best is measured once more, eight ti
 a machine that others use say nothing, so a try is refused there.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import os

@@ -11,8 +11,6 @@ timed samples than in the instrumented pass, if the pass disturbs all its stages
 any timed median in its 95 % interval. The instrumented pass is one render, whose own noise no file tells.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -137,11 +135,6 @@ class Accounting:
     def stages(self) -> tuple[Step, ...]:
         """The steps that are stages."""
         return tuple(step for step in self.steps if step.is_stage)
-
-    @property
-    def not_in_any_stage(self) -> float:
-        """Milliseconds a spp of the difference that no stage has."""
-        return sum(step.difference for step in self.steps if not step.is_stage)
 
 
 def accounting_of(a: Cell, b: Cell) -> Accounting:

@@ -1,7 +1,6 @@
 """`python3 -m ptbench explain`: where the time of two variants differs, and which differences go with that."""
 
-from __future__ import annotations
-
+import argparse
 from collections.abc import Sequence
 from hashlib import sha256
 from pathlib import Path
@@ -53,6 +52,12 @@ def explain(
     for target in written:
         say(target)
     return 0
+
+
+def explain_command(options: argparse.Namespace) -> int:
+    """The exit code; raises InputError."""
+    choice = Choice(options.scene, options.depth, options.resolution)
+    return explain(options.result, options.a, options.b, choice, options.counters, options.out)
 
 
 def pairs_of(result: Result, names: tuple[str, str], choice: Choice, entries: Sequence[Inspected] = ()) -> Found:

@@ -3,8 +3,6 @@
 Everything is computed from the result file's rows; what a row does not have is left out, or said to be unknown.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 

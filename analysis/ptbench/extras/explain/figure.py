@@ -1,7 +1,5 @@
 """Where the time of two cells differs: both as stacked bars, and the steps from one total to the other."""
 
-from __future__ import annotations
-
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle

@@ -1,7 +1,5 @@
 """What an explanation finds: pairs of cells and all that is said of them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 from ptbench.extras.explain.accounting import Accounting

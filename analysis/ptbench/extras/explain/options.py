@@ -1,7 +1,5 @@
 """The command line of `explain`."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 
@@ -22,17 +20,5 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, metavar="DIR", help="default: figures/explain-... beside the result file")
 
 
-def _load():
-    from ptbench.extras.explain.command import explain
-    from ptbench.extras.explain.found import Choice
-
-    def run(options: argparse.Namespace) -> int:
-        choice = Choice(options.scene, options.depth, options.resolution)
-        return explain(options.result, options.a, options.b, choice, options.counters, options.out)
-
-    return run
-
-
-COMMANDS = (
-    Command("explain", "where the time of two variants differs, and what goes with that", _add_arguments, _load),
-)
+_HELP = "where the time of two variants differs, and what goes with that"
+COMMANDS = (Command("explain", _HELP, _add_arguments, "explain_command"),)

@@ -1,7 +1,5 @@
 """What `explain` says: one sentence of finding, two small tables, and how far their numbers can be trusted."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from ptbench.extras.explain.accounting import ADD_UP_WITHIN, OUTSIDE, PASSES, TRACING, WHOLE, Account, Step

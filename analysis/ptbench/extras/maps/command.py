@@ -1,47 +1,32 @@
 """`map`: measures or looks up crossover maps, says where their lines are, and writes docs/maps."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timezone
 from pathlib import Path
 
-from jinja2 import Environment, StrictUndefined, TemplateError
-
-from ptbench.errors import FindingError
 from ptbench.extras.maps.definition import Definition, maps_in
 from ptbench.extras.maps.figure import can_be_drawn, draw, words_of
 from ptbench.extras.maps.measuring import Sheet, measured_by, refine, sheet_of, write_sheet
 from ptbench.extras.maps.refining import OPEN, Bracket, spans_of, verdict_of
 from ptbench.figures import style
 from ptbench.figures.saving import svg_of
+from ptbench.findings import ledger
 from ptbench.io.cells import Result
-from ptbench.io.files import write_text
 from ptbench.io.nodes import read_json
 from ptbench.numbers import figures, interval
-from ptbench.program import Program
-from ptbench.stats.estimates import CONFIDENCE
 from ptbench.terminal import say
 
 _DIGITS = 3
 CUT_SHORT = "the run was cut short"
-_ADVICE = "run python3 -m ptbench map --write"
 
 
 @dataclass(frozen=True)
-class Call:
+class Call(ledger.Call):
     """The options of one call."""
 
-    root: Path = Path()
-    names: Sequence[str] = ()
-    results: Path | None = None  # None: the checkout's own
-    binary: Path | None = None  # None: the checkout's own
     budget_s: float | None = None  # None: each map's own
-    run: bool = False
-    write: bool = False
-    check: bool = False
 
 
 @dataclass(frozen=True)
@@ -77,10 +62,9 @@ class Told:
 def maps(call: Call) -> int:
     """Exit code: 0 told or written, 1 a page does not match."""
     definitions = maps_in(call.root / "maps", call.names)
-    results = call.results or call.root / "results"
     if call.run:
-        _run(call, definitions, results)
-    told = [one for definition in definitions for one in told_of(definition, results)]
+        _run(call, definitions)
+    told = [one for definition in definitions for one in told_of(definition, call.folder)]
     for one in told:
         where = f" on {one.sheet.device}" if one.sheet is not None else f": not measured yet ({one.command})"
         say(f"{one.definition.name}{where}")
@@ -88,7 +72,7 @@ def maps(call: Call) -> int:
             say(f"  {sentence}")
     if not call.write and not call.check:
         return 0
-    everything = [one for definition in maps_in(call.root / "maps") for one in told_of(definition, results)]
+    everything = [one for definition in maps_in(call.root / "maps") for one in told_of(definition, call.folder)]
     return _pages(call, everything)
 
 
@@ -98,11 +82,11 @@ def told_of(definition: Definition, results: Path) -> list[Told]:
     return [Told(definition, file.parts[-3], sheet_of(definition, file)) for file in files] or [Told(definition)]
 
 
-def _run(call: Call, definitions: Sequence[Definition], results: Path) -> None:
-    program = Program(call.binary or call.root / "build" / "ptbench")
+def _run(call: Call, definitions: Sequence[Definition]) -> None:
+    program = call.program
     machine = program.machine()
     for definition in definitions:
-        file = results / machine / "maps" / f"{definition.name}.json"
+        file = call.folder / machine / "maps" / f"{definition.name}.json"
         sheet = sheet_of(definition, file)
         load = [round(one, 2) for one in os.getloadavg()]
         sheet.sessions = [*sheet.sessions, {"date": datetime.now(timezone.utc).isoformat("T", "seconds"), "load": load}]
@@ -164,16 +148,7 @@ def advice_in(results: Path) -> list[dict]:
 
 def pages_of(root: Path, told: Sequence[Told], advice: Sequence[dict]) -> dict[str, str]:
     """Every file of docs/maps by its name."""
-    template = root / "docs" / "templates" / "maps" / "README.md"
-    environment = Environment(
-        undefined=StrictUndefined, keep_trailing_newline=True, trim_blocks=True, lstrip_blocks=True
-    )
-    try:
-        page = environment.from_string(template.read_text(encoding="utf-8")).render(
-            told=told, advice=advice, confidence=f"{CONFIDENCE:.0%}".replace("%", " %")
-        )
-    except (OSError, TemplateError) as error:
-        raise FindingError(f"{template}: {error}") from error
+    page = ledger.rendered_file(root / "docs" / "templates" / "maps" / "README.md", told=told, advice=advice)
     with style.applied():
         drawn = {one.figure: svg_of(draw(one.sheet)) for one in told if one.figure and one.sheet is not None}
     return {"README.md": page, **drawn}
@@ -181,20 +156,12 @@ def pages_of(root: Path, told: Sequence[Told], advice: Sequence[dict]) -> dict[s
 
 def _pages(call: Call, told: Sequence[Told]) -> int:
     folder = call.root / "docs" / "maps"
-    pages = pages_of(call.root, told, advice_in(call.results or call.root / "results"))
-    there = {path.name for path in folder.glob("*") if path.suffix in (".md", ".svg")}
+    pages = pages_of(call.root, told, advice_in(call.folder))
     if call.write:
-        folder.mkdir(parents=True, exist_ok=True)
-        for name, text in pages.items():
-            write_text(folder / name, text)
-        for name in there - pages.keys():
-            (folder / name).unlink()
+        ledger.write_pages(folder, pages)
         say(f"{folder}: {len(pages)} files")
         return 0
-    faults = [f"{folder / name}: no map has it; {_ADVICE}" for name in sorted(there - pages.keys())]
-    for name, text in pages.items():
-        if name not in there or (folder / name).read_text(encoding="utf-8") != text:
-            faults.append(f"{folder / name}: not what maps and results say; {_ADVICE}")
+    faults = ledger.stale_pages(folder, pages, "map", "map")
     for fault in faults:
         say(fault)
     return 1 if faults else 0

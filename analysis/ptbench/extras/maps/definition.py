@@ -1,7 +1,5 @@
 """A map is a file, maps/NAME.json: two choices, two axes, the rule that makes a cell's scene, and what may be spent."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +8,7 @@ from ptbench.convergence.costs import TIME, VARIANCE
 from ptbench.errors import InputError, bad_value
 from ptbench.extras.maps.refining import Axis, Place
 from ptbench.extras.maps.scenes import RULES
+from ptbench.io.files import named_files
 from ptbench.io.nodes import read_json, shown
 from ptbench.io.validate import complaints
 
@@ -129,9 +128,4 @@ def _axis(path: Path, document: Mapping, key: str) -> Axis:
 
 def maps_in(folder: Path, names: tuple[str, ...] = ()) -> list[Definition]:
     """Every map, or those of these names; raises InputError for one that is not there or not as it must be."""
-    files = {path.stem: path for path in sorted(folder.glob("*.json"))}
-    if not files:
-        raise bad_value(folder, "folder", "no map", "the root of a checkout as --root")
-    if unknown := [name for name in names if name not in files]:
-        raise bad_value(folder, "map", ", ".join(unknown), ", ".join(files))
-    return [read_map(files[name]) for name in (dict.fromkeys(names) if names else files)]
+    return [read_map(path) for path in named_files(folder, names, "map")]

@@ -1,7 +1,5 @@
 """A map's figure: the ratio as colours, the cells as marks, the line where it is 1, and its band."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 
@@ -11,7 +9,7 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+from matplotlib.ticker import FuncFormatter, LogLocator
 from scipy.interpolate import LinearNDInterpolator
 
 from ptbench.extras.maps.measuring import Sheet
@@ -94,9 +92,7 @@ def _scale(axes: Axes, limits: Sequence) -> None:
         getattr(axes, f"set_{name}scale")("log")
         getattr(axes, f"set_{name}lim")(axis.low, axis.high)
         getattr(axes, f"set_{name}label")(axis.name)
-        ticks.set_major_locator(LogLocator(subs=(1, 2, 5) if axis.high / axis.low < 100 else (1,)))
-        ticks.set_minor_locator(NullLocator())
-        ticks.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        style.ticks(ticks, LogLocator(subs=(1, 2, 5) if axis.high / axis.low < 100 else (1,)))
 
 
 def _colour_bar(page: style.Page, mesh, most: float) -> None:

@@ -4,8 +4,6 @@ A run is what both choices took in one scene and setting. Cells that ask the sam
 numbers of samples) share it. The file is written after every run, so that a run that is cut short goes on.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import tempfile

@@ -1,10 +1,8 @@
 """The command line of `map`."""
 
-from __future__ import annotations
-
 import argparse
 
-from ptbench.command import Command, add_ledger, call_of, positive
+from ptbench.command import Command, add_ledger, positive
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -16,10 +14,4 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     add_ledger(parser, "docs/maps", "docs/maps")
 
 
-def _load():
-    from ptbench.extras.maps.command import Call, maps
-
-    return lambda options: maps(call_of(Call, options))
-
-
-COMMANDS = (Command("map", "where the better of two choices changes, over two axes", _add_arguments, _load),)
+COMMANDS = (Command("map", "where the better of two choices changes, over two axes", _add_arguments, "maps"),)

@@ -4,8 +4,6 @@ A coarse grid first; then, along each of its rows and columns, the geometric mid
 verdicts differ, the widest bracket first, until all are as narrow as the map asks (bisection in logarithms).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

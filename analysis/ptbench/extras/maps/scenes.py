@@ -1,7 +1,5 @@
 """Scenes of cells, made by rules: a rule and its parameters give one scene file."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 

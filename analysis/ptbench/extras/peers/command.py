@@ -4,8 +4,6 @@ Exit codes: 0 all was measured; 1 a picture differs or is too noisy to tell, or 
 measured is in the file after every round, and `--resume` goes on with it.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import os
@@ -18,7 +16,7 @@ from ptbench.errors import InputError, bad_value
 from ptbench.extras.peers.document import SCHEMA, as_text, scenes_of
 from ptbench.extras.peers.measure import Plan, measure_scene
 from ptbench.extras.peers.wanted import Call, Wanted, chosen_variants, mitsubas, own_variants, programs
-from ptbench.io.files import check_output_file, make_folder, write_text
+from ptbench.io.files import check_output_file, make_folder, picked, write_text
 from ptbench.io.nodes import read_json
 from ptbench.program import Program, run_program
 from ptbench.terminal import say
@@ -110,17 +108,8 @@ def _differing(there: dict, new: dict) -> str:
 
 def _settings(options: argparse.Namespace, plan: Plan) -> dict:
     return {
-        "backend": options.backend,
-        "resolution": list(options.resolution),
-        "depth": options.depth,
-        "rounds": plan.rounds,
-        "repetitions": plan.repetitions,
-        "render_ms": plan.render_ms,
-        "seeds": plan.seeds,
-        "spp": plan.spp,
-        "scale": plan.scale,
-        "aim": plan.aim,
-        "allowed": plan.allowed,
+        **picked(options, "backend resolution depth"),
+        **picked(plan, "rounds repetitions render_ms seeds spp scale aim allowed"),
         "variants": options.variant,
         "mitsuba": options.mitsuba,
         "programs": options.program,

@@ -1,14 +1,13 @@
 """The file of a run (schema/ptbench-peers.schema.json), read, and its table for a terminal."""
 
-from __future__ import annotations
-
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from ptbench.crosscheck.document import AGREES
+from ptbench.document.table import table_of
+from ptbench.document.text import aligned
 from ptbench.extras.peers.statistics import Measured, by_round
 from ptbench.io.cells import GPU_BACKEND, MOST_HOST_SHARE
 from ptbench.io.limits import limit
@@ -158,14 +157,8 @@ def as_text(document: dict) -> list[str]:
     """A table a scene, and what its columns mean."""
     lines: list[str] = []
     for scene in scenes_of(document):
-        lines += [scene.name, *_table([HEAD, *(row_of(scene, peer) for peer in scene.peers)]), ""]
+        table = table_of(HEAD, (row_of(scene, peer) for peer in scene.peers))
+        lines += [scene.name, *(f"  {line}" for line in aligned(table)), ""]
     disturbed = sum(peer.disturbed for scene in scenes_of(document) for peer in scene.peers)
     renders = sum(len(peer.value["samples"]) for scene in scenes_of(document) for peer in scene.peers)
     return [*lines, RULE, f"disturbed by other processes: {disturbed} of {renders} timed renders"]
-
-
-def _table(rows: Sequence[Sequence[str]]) -> list[str]:
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    return [
-        "  " + "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows
-    ]

@@ -3,15 +3,13 @@
 Of a file of `python3 -m ptbench peers`; a peer whose picture was not found to be the same is not drawn.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
+from matplotlib.ticker import FixedLocator
 
 from ptbench.errors import NotDrawable
 from ptbench.extras.peers.document import Scene, scenes_of
@@ -114,9 +112,7 @@ def _scale(axes: Axes, points: Sequence[Point]) -> None:
     axes.set_xlim(*x_ends)
     axes.set_ylim(*y_ends)
     for axis, ends in ((axes.xaxis, x_ends), (axes.yaxis, y_ends)):
-        axis.set_major_locator(FixedLocator(ticks_between(*ends)))
-        axis.set_minor_locator(NullLocator())
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        style.ticks(axis, FixedLocator(ticks_between(*ends)))
     axes.set_xlabel("Time of a sample a pixel, ms (log scale)")
     # These are guide lines, each of half the work-normalised variance of the one above.
     line = np.array(x_ends)

@@ -1,7 +1,5 @@
 """One scene: pictures of every peer, held against the first one's, then rounds in which each is timed once."""
 
-from __future__ import annotations
-
 import os
 import sys
 from collections.abc import Callable, Sequence

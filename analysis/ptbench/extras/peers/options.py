@@ -1,7 +1,5 @@
 """The options of `python3 -m ptbench peers`."""
 
-from __future__ import annotations
-
 import argparse
 import re
 import shlex
@@ -98,12 +96,5 @@ def _program(text: str) -> str:
     return text
 
 
-def _load():
-    # Needs neither what draws nor what checks schemas: it runs on machines that have little.
-    from ptbench.extras.peers.command import peers_command
-
-    return peers_command
-
-
 _HELP = "time, variance and efficiency of ptbench and other renderers, side by side on this machine"
-COMMANDS = (Command("peers", _HELP, _add_arguments, _load),)
+COMMANDS = (Command("peers", _HELP, _add_arguments, "peers_command"),)

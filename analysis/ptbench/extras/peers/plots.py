@@ -1,17 +1,13 @@
 """The figure of a file of `python3 -m ptbench peers`, and its tables."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from ptbench.document.blocks import Lines
 from ptbench.document.markdown import markdown
 from ptbench.document.table import table_of
-from ptbench.errors import NotDrawable
 from ptbench.extras.peers import figure
 from ptbench.extras.peers.document import HEAD, RULE, SCHEMA, row_of, scenes_of
-from ptbench.figures import style
-from ptbench.figures.saving import save_figure
+from ptbench.figures.saving import save_if_drawable
 from ptbench.io.files import make_folder, write_text
 from ptbench.studies.withdrawn import withdrawals
 from ptbench.terminal import say
@@ -23,16 +19,7 @@ FIGURE = "variance_by_time"
 def plots(document: dict, folder: Path) -> int:
     """Draws and writes into `folder`; the exit code."""
     make_folder(folder)
-    reason = ""
-    try:
-        data = figure.collect(document)
-    except NotDrawable as error:
-        reason = str(error)
-        say(f"not drawn: {reason}")
-    else:
-        with style.applied():
-            for written in save_figure(figure.draw(data), folder, FIGURE):
-                say(written)
+    reason = save_if_drawable(lambda: figure.draw(figure.collect(document)), folder, FIGURE)
     say(write_text(folder / "summary.md", _summary(document, reason)))
     return 0
 

@@ -1,7 +1,5 @@
 """A renderer that stays and answers requests, a line of JSON each; and who takes a machine's processors."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import os

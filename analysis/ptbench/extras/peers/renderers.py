@@ -1,7 +1,5 @@
 """The peers: ptbench's own variants by `ptbench render`, all others as processes that stay and answer."""
 
-from __future__ import annotations
-
 import json
 import time
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """A file of `python3 -m ptbench peers`, as a page asks it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

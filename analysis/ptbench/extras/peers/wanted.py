@@ -1,7 +1,5 @@
 """What a call of `peers` asks for: the renderers that are held against each other, by their names."""
 
-from __future__ import annotations
-
 import shlex
 from dataclasses import dataclass
 from pathlib import Path

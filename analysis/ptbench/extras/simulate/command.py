@@ -1,7 +1,5 @@
 """`python3 -m ptbench simulate`: the exit code is 0, or 2 for bad input."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

@@ -1,9 +1,7 @@
 """Efficiency over the number of GPUs, a panel a number of samples a pixel, a line a partition."""
 
-from __future__ import annotations
-
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
+from matplotlib.ticker import FixedLocator
 
 from ptbench.extras.simulate.model import PARTITIONS
 from ptbench.extras.simulate.study import Study
@@ -36,9 +34,7 @@ def draw(study: Study) -> Figure:
         axes.set_xscale("log", base=2)
         axes.set_xlim(ranks[0], ranks[-1])
         axes.set_ylim(0, 1.02)
-        axes.xaxis.set_major_locator(FixedLocator(ranks[::2]))
-        axes.xaxis.set_minor_locator(NullLocator())
-        axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        style.ticks(axes.xaxis, FixedLocator(ranks[::2]))
         axes.set_xlabel("GPUs")
         axes.grid(axis="y")
         ends = []

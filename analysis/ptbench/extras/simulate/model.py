@@ -13,8 +13,6 @@ parts are gathered in ceil(log2 P) alpha + (P - 1) / P n / beta. (Thakur, Rabens
 Collective Communication Operations in MPICH, IJHPCA 19(1), 2005. The time of the additions counts as the network's.)
 """
 
-from __future__ import annotations
-
 import heapq
 import math
 from collections.abc import Sequence

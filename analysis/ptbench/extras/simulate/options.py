@@ -1,7 +1,5 @@
 """The command line of `simulate`."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 
@@ -22,11 +20,5 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--binary", type=Path, default=Path("build/ptbench"), metavar="PTBENCH", help="of --work")
 
 
-def _load():
-    from ptbench.extras.simulate.command import simulate_command
-
-    return simulate_command
-
-
 _HELP = "one render on a thousand GPUs, on paper: from parts that were measured on few"
-COMMANDS = (Command("simulate", _HELP, _add_arguments, _load),)
+COMMANDS = (Command("simulate", _HELP, _add_arguments, "simulate_command"),)

@@ -1,7 +1,5 @@
 """The measured parts of a simulation, from result files, each with how well what it is taken for fits it."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,23 +1,12 @@
 """One render on a thousand GPUs, as a page asks it: simulated from measured parts, and what of it was checked."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from ptbench.document.markdown import table_lines
-from ptbench.document.table import Table
 from ptbench.errors import FindingError
 from ptbench.extras.simulate.parts import WORK, Parts, parts_of
 from ptbench.extras.simulate.study import Study, study_of
-from ptbench.extras.simulate.text import (
-    assumptions,
-    check_table,
-    checked_lines,
-    efficiency_table,
-    even_table,
-    reduction_table,
-    straggler_table,
-)
+from ptbench.extras.simulate.text import TABLES, assumptions, checked_lines
 from ptbench.findings.quantities import Quantity, link_to
 from ptbench.findings.source import Source
 from ptbench.stats.estimates import Estimate
@@ -100,30 +89,9 @@ class SimulationSource(Source, form=WORK):
         """What was held against measurements, and what was not."""
         return checked_lines(self._study)
 
-    @property
-    def efficiency_table(self) -> str:
-        """By samples and partition."""
-        return _text(efficiency_table(self._study))
-
-    @property
-    def reduction_table(self) -> str:
-        """By image and number of GPUs."""
-        return _text(reduction_table(self._study))
-
-    @property
-    def even_table(self) -> str:
-        """When samples are as fast as tiles."""
-        return _text(even_table(self._study))
-
-    @property
-    def straggler_table(self) -> str:
-        """What imbalance and noise cost."""
-        return _text(straggler_table(self._study))
-
-    @property
-    def check_table(self) -> str:
-        """Formula against measurement."""
-        return _text(check_table(self._study))
+    def table(self, name: str) -> str:
+        """What the command tells, by the name of its table."""
+        return "\n".join(table_lines(TABLES[name](self._study)))
 
     @property
     def provenance(self) -> str:
@@ -141,7 +109,3 @@ class SimulationSource(Source, form=WORK):
 
     def _number(self, value: float) -> Quantity:
         return Quantity(Estimate(value, None, None, 1), "simulation")
-
-
-def _text(table: Table) -> str:
-    return "\n".join(table_lines(table))

@@ -1,7 +1,5 @@
 """The simulation itself: efficiencies by ranks, samples and partition, and what each assumption costs. Seeded."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path

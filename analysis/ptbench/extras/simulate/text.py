@@ -1,7 +1,5 @@
 """What a simulation found, in words and tables: what was measured, what is assumed, and what nobody has checked."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from ptbench.document.blocks import Section, section
@@ -157,3 +155,13 @@ def _spread_text(spread: Spread) -> str:
 
 def _percent(share: float) -> str:
     return f"{figures(100 * share, 2)} %"
+
+
+# As a page names them.
+TABLES = {
+    "efficiency": efficiency_table,
+    "reduction": reduction_table,
+    "even": even_table,
+    "straggler": straggler_table,
+    "check": check_table,
+}

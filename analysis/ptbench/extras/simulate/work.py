@@ -5,8 +5,6 @@ so does what lies around. Directions do not depend on colours, so each path is t
 of its rays.
 """
 
-from __future__ import annotations
-
 import json
 import tempfile
 from pathlib import Path

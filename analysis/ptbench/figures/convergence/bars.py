@@ -1,14 +1,12 @@
 """Bars with intervals, one group a scene: time to an error, efficiency, the price of checkpoints."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
+from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator
 
 from ptbench import numbers
 from ptbench.convergence.assessment import PLATEAU
@@ -64,6 +62,7 @@ class Data:
     unit: str = ""
     line_at: float | None = None
     from_line: bool = False  # a logarithmic axis on which bars begin at `line_at`
+    zero_based: bool = True  # bars begin at 0
 
 
 def _data(found: Groups, groups: Sequence[Bars], title: str, caption: str, result: Result, **fields) -> Data:
@@ -71,59 +70,45 @@ def _data(found: Groups, groups: Sequence[Bars], title: str, caption: str, resul
     return Data(title, text, found.notes, found.order, tuple(groups), **fields)
 
 
-class TimeToError:
-    """How long each variant takes to one error, which differs from scene to scene."""
-
-    def collect(self, result: Result, study: Study) -> Data:
-        """Time to the target error, a bar a cell; raises NotDrawable."""
-        found = groups_of(result, study, _EVERY)
-        groups = []
-        exact = []
-        for group in found.groups:
-            target = target_of(group.members)
-            if target is None:
-                exact.append(group.title)
-                continue
-            timed = [(group.names[one.cell.name], time_to(one, target)) for one in group.members]
-            if all(time is None for _, time in timed):
-                raise NotDrawable(f"{group.title}: no time without checkpoints that is more than a few launches")
-            bars = [Bar(label, time, _time_text(time)) for label, time in timed]
-            groups.append(Bars(f"{group.title}, to an error of {target:g}", tuple(bars)))
-        if not groups:
-            raise NotDrawable(f"{', '.join(exact)}: no cell has an error above 0")
-        caption = (
-            "Render wall time until the root mean square error (plateau included) is the one named: the smallest round "
-            f"one that every variant not yet at its plateau reached. {EFFICIENCY_RULE}"
-        )
-        if exact:
-            caption += f" Not drawn, since no error is above 0: {', '.join(exact)}."
-        title = _title(study, "time to a given error")
-        fields = {"quantity": "Render wall time to the error", "unit": "ms", "heading": "ms [95 %]"}
-        return _data(found, groups, title, caption, result, **fields)
-
-    def draw(self, data: Data) -> Figure:
-        """Draws the data of `collect` as a figure's page."""
-        return draw(data)
+def time_to_error(result: Result, study: Study) -> Data:
+    """Time to the target error, a bar a cell; raises NotDrawable."""
+    found = groups_of(result, study, _EVERY)
+    groups = []
+    exact = []
+    for group in found.groups:
+        target = target_of(group.members)
+        if target is None:
+            exact.append(group.title)
+            continue
+        timed = [(group.names[one.cell.name], time_to(one, target)) for one in group.members]
+        if all(time is None for _, time in timed):
+            raise NotDrawable(f"{group.title}: no time without checkpoints that is more than a few launches")
+        bars = [Bar(label, time, _time_text(time)) for label, time in timed]
+        groups.append(Bars(f"{group.title}, to an error of {target:g}", tuple(bars)))
+    if not groups:
+        raise NotDrawable(f"{', '.join(exact)}: no cell has an error above 0")
+    caption = (
+        "Render wall time until the root mean square error (plateau included) is the one named: the smallest round "
+        f"one that every variant not yet at its plateau reached. {EFFICIENCY_RULE}"
+    )
+    if exact:
+        caption += f" Not drawn, since no error is above 0: {', '.join(exact)}."
+    title = _title(study, "time to a given error")
+    fields = {"quantity": "Render wall time to the error", "unit": "ms", "heading": "ms [95 %]"}
+    return _data(found, groups, title, caption, result, **fields)
 
 
-class Efficiency:
-    """How much more a variant gets out of its time than the baseline."""
-
-    def collect(self, result: Result, study: Study) -> Data:
-        """Efficiency over the baseline's, a bar a cell; raises NotDrawable."""
-        found = groups_of(result, study, _EVERY)
-        groups = []
-        for group in found.groups:
-            bars = [_efficiency_bar(one, group) for one in group.members]
-            groups.append(Bars(group.title, tuple(bars)))
-        caption = f"Noise only, whatever a variant's plateau (marked where one was found). {EFFICIENCY_RULE}"
-        title = _title(study, "efficiency relative to the baseline")
-        fields = {"quantity": "Efficiency relative to the baseline", "heading": "relative [95 %]", "line_at": 1.0}
-        return _data(found, groups, title, caption, result, **fields)
-
-    def draw(self, data: Data) -> Figure:
-        """Draws the data of `collect` as a figure's page."""
-        return draw(data)
+def efficiency(result: Result, study: Study) -> Data:
+    """Efficiency over the baseline's, a bar a cell; raises NotDrawable."""
+    found = groups_of(result, study, _EVERY)
+    groups = []
+    for group in found.groups:
+        bars = [_efficiency_bar(one, group) for one in group.members]
+        groups.append(Bars(group.title, tuple(bars)))
+    caption = f"Noise only, whatever a variant's plateau (marked where one was found). {EFFICIENCY_RULE}"
+    title = _title(study, "efficiency relative to the baseline")
+    fields = {"quantity": "Efficiency relative to the baseline", "heading": "relative [95 %]", "line_at": 1.0}
+    return _data(found, groups, title, caption, result, **fields)
 
 
 def _efficiency_bar(one, group: Group) -> Bar:
@@ -142,39 +127,32 @@ def _efficiency_bar(one, group: Group) -> Bar:
     return Bar(label, efficiency, text)
 
 
-class CheckpointCost:
-    """A/A: whether checkpoints cost the timed clock anything."""
-
-    def collect(self, result: Result, study: Study) -> Data:
-        """Time with checkpoints over time without, a bar a cell; raises NotDrawable."""
-        found = groups_of(result, study, _EVERY)
-        groups = []
-        for group in found.groups:
-            costs = checkpoint_costs(group.members)
-            bars = [
-                Bar(
-                    group.names[cost.cell.name],
-                    cost.ratio,
-                    " ".join(filter(None, (f"{numbers.ratio(cost.ratio.value)}×", cost.interval, cost.word))),
-                )
-                for cost in costs
-            ]
-            if bars:
-                groups.append(Bars(group.title, tuple(bars)))
-        if not groups:
-            raise NotDrawable("no cell was also run without checkpoints")
-        caption = (
-            "The same variant, scene and spp, rendered with and without checkpoints: render wall time per spp of the "
-            f"former over that of the latter. Intervals: {INTERVAL_TEXT}, both sides resampled. Within noise: the "
-            "interval holds 1."
-        )
-        title = _title(study, "time with checkpoints against without")
-        fields = {"quantity": "Time with checkpoints over time without", "heading": "ratio [95 %]", "line_at": 1.0}
-        return _data(found, groups, title, caption, result, **fields)
-
-    def draw(self, data: Data) -> Figure:
-        """Draws the data of `collect` as a figure's page."""
-        return draw(data, zero_based=False)
+def checkpoint_cost(result: Result, study: Study) -> Data:
+    """Time with checkpoints over time without, a bar a cell; raises NotDrawable."""
+    found = groups_of(result, study, _EVERY)
+    groups = []
+    for group in found.groups:
+        costs = checkpoint_costs(group.members)
+        bars = [
+            Bar(
+                group.names[cost.cell.name],
+                cost.ratio,
+                " ".join(filter(None, (f"{numbers.ratio(cost.ratio.value)}×", cost.interval, cost.word))),
+            )
+            for cost in costs
+        ]
+        if bars:
+            groups.append(Bars(group.title, tuple(bars)))
+    if not groups:
+        raise NotDrawable("no cell was also run without checkpoints")
+    caption = (
+        "The same variant, scene and spp, rendered with and without checkpoints: render wall time per spp of the "
+        f"former over that of the latter. Intervals: {INTERVAL_TEXT}, both sides resampled. Within noise: the "
+        "interval holds 1."
+    )
+    title = _title(study, "time with checkpoints against without")
+    fields = {"quantity": "Time with checkpoints over time without", "heading": "ratio [95 %]", "line_at": 1.0}
+    return _data(found, groups, title, caption, result, **fields, zero_based=False)
 
 
 def _title(study: Study, what: str) -> str:
@@ -193,16 +171,15 @@ def _time_text(time: Estimate | None) -> str:
     return f"{numbers.figures(time.value)} {numbers.interval(time.low, time.high)}"
 
 
-def draw(data: Data, zero_based: bool = True) -> Figure:
-    """A page of bars; `zero_based`: they begin at 0."""
+def draw(data: Data) -> Figure:
+    """A page of bars."""
     looks = {label: style.look(index) for index, label in enumerate(data.order)}
 
-    def widest(texts, weight: str = "normal") -> float:
-        return max(style.text_width(text, style.LABEL_SIZE, weight) for text in texts)
-
-    label_width = widest(bar.label for group in data.groups for bar in group.bars)
-    title_width = widest((group.title for group in data.groups), "bold")
-    text_width = max(widest(bar.text for group in data.groups for bar in group.bars), widest([data.heading], "bold"))
+    label_width = style.widest(bar.label for group in data.groups for bar in group.bars)
+    title_width = style.widest((group.title for group in data.groups), "bold")
+    text_width = max(
+        style.widest(bar.text for group in data.groups for bar in group.bars), style.widest([data.heading], "bold")
+    )
     left = style.MARGIN + label_width + 0.3
     right = 0.2 + text_width + style.MARGIN
     plot_width = max(9.2 - left - right, 3.0, style.MARGIN + title_width - left + 0.2)
@@ -213,8 +190,8 @@ def draw(data: Data, zero_based: bool = True) -> Figure:
     for group, height in zip(data.groups, heights, strict=True):
         axes = page.axes(left, top - height, plot_width, height - _HEAD)
         bounds = _bounds(group, data.line_at)
-        log = data.from_line or (zero_based and max(bounds) > _LOG_FROM * min(bounds))
-        start = _scale(axes, bounds, log, zero_based)
+        log = data.from_line or (data.zero_based and max(bounds) > _LOG_FROM * min(bounds))
+        start = _scale(axes, bounds, log, data.zero_based)
         start = data.line_at if data.from_line else start
         for index, bar in enumerate(group.bars):
             y = len(group.bars) - 1 - index
@@ -222,7 +199,7 @@ def draw(data: Data, zero_based: bool = True) -> Figure:
             page.text(left - 0.12, centre, bar.label, size=style.LABEL_SIZE, va="center", ha="right")
             page.text(left + plot_width + 0.2, centre, bar.text, size=style.LABEL_SIZE, va="center")
             if bar.estimate is not None:
-                _draw_bar(axes, y, bar.estimate, start if zero_based else None, looks[bar.label])
+                _draw_bar(axes, y, bar.estimate, start if data.zero_based else None, looks[bar.label])
         head = {"size": style.LABEL_SIZE, "weight": "bold", "va": "center"}
         page.text(style.MARGIN, top - _HEAD / 2, group.title, **head)
         page.text(left + plot_width + 0.2, top - _HEAD / 2, data.heading, **head)
@@ -256,16 +233,14 @@ def _scale(axes: Axes, bounds: list[float], log: bool, zero_based: bool) -> floa
         axes.set_xscale("log")
         axes.set_xlim(low / 1.5, high * 1.4)
         fine = (1, 1.2, 1.5, 2, 3, 5, 7, 9) if high / low < 4 else (1, 2, 5)
-        axes.xaxis.set_major_locator(LogLocator(subs=fine if high / low < 100 else (1,)))
-        axes.xaxis.set_minor_locator(NullLocator())
+        style.ticks(axes.xaxis, LogLocator(subs=fine if high / low < 100 else (1,)))
     elif zero_based:
         axes.set_xlim(0, 1.06 * high)
-        axes.xaxis.set_major_locator(MaxNLocator(5))
+        style.ticks(axes.xaxis, MaxNLocator(5))
     else:
         margin = max(0.15 * (high - low), 0.01)
         axes.set_xlim(low - margin, high + margin)
-        axes.xaxis.set_major_locator(MaxNLocator(5))
-    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        style.ticks(axes.xaxis, MaxNLocator(5))
     return axes.get_xlim()[0]
 
 

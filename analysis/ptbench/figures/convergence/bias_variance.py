@@ -4,14 +4,12 @@ One point a variant, both axes logarithmic. Where no bias was found, an arrow ha
 somewhere below. A grey diagonal joins points whose bias equals their noise at one number of samples.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+from matplotlib.ticker import LogLocator
 
 from ptbench.convergence.assessment import PLATEAU, Assessment
 from ptbench.errors import NotDrawable
@@ -37,11 +35,10 @@ class Point:
 
 @dataclass(frozen=True)
 class Panel:
-    """The points of one place; `last_spp` is the last checkpoint's."""
+    """The points of one place."""
 
     title: str
     points: tuple[Point, ...]
-    last_spp: int
 
 
 @dataclass(frozen=True)
@@ -69,7 +66,7 @@ def collect(result: Result, study: Study) -> Data:
             else:
                 noiseless.append(group.names[one.cell.name])
         if points:
-            panels.append(Panel(group.title, tuple(points), max(int(one.curve.spp[-1]) for one in group.members)))
+            panels.append(Panel(group.title, tuple(points)))
     if not panels:
         raise NotDrawable("no cell has both a bias² and a σ²")
     caption = (
@@ -156,11 +153,8 @@ def _draw_panel(page: style.Page, axes, panel: Panel, looks: dict, wrapped: dict
         )
     for axis in (axes.xaxis, axes.yaxis):
         low, high = axis.get_view_interval()
-        axis.set_major_locator(
-            LogLocator(subs=(1,) if high / low > 300 else (1, 2, 5) if high / low > 5 else (1, 1.5, 2, 3, 4, 5, 7))
-        )
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axis.set_minor_locator(NullLocator())
+        steps = (1,) if high / low > 300 else (1, 2, 5) if high / low > 5 else (1, 1.5, 2, 3, 4, 5, 7)
+        style.ticks(axis, LogLocator(subs=steps))
     axes.set_xlabel("σ² a sample (log scale)")
     ends = [(point.sigma2.value, _height(point)) for point in panel.points]
     labels = [wrapped[point.label] for point in panel.points]

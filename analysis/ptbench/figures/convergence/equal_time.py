@@ -4,8 +4,6 @@ The images lie in a folder beside the result file, and a cell names its own. One
 where they miss the reference most.
 """
 
-from __future__ import annotations
-
 import math
 import os
 from collections.abc import Sequence

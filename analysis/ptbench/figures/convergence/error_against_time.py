@@ -4,8 +4,6 @@ Both axes are logarithmic, so that noise that averages out is a straight line of
 the distance between two of them is how many times longer one variant takes.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

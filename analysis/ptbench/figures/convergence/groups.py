@@ -1,7 +1,5 @@
 """What the figures of a convergence study share: which cells stand together, their names, and what to say below."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """What stands under every figure of stability."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from ptbench.io.stability import Stability

@@ -1,7 +1,5 @@
 """Cases x variants: error over allowed, blue where it is allowed, red where it is not."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """What the sweeps of a stability file show: pages of panels, of which each is a case, a quantity and some lines."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Error against the stiff parameter: a panel a case and quantity, a line a formula, and how much is allowed."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 

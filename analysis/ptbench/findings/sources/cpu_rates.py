@@ -1,7 +1,5 @@
 """A file of tools/rays/rays_cpu.cpp, as a page asks it: rates of ray batches on one thread, ours beside Embree's."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property

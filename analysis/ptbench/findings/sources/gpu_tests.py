@@ -1,7 +1,5 @@
 """A file of a package's gpu_tests, as a page asks it."""
 
-from __future__ import annotations
-
 from ptbench.errors import FindingError
 from ptbench.findings.source import Source
 

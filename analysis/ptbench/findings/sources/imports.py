@@ -1,7 +1,5 @@
 """A file of tools/imports/survey.py, as a page asks it."""
 
-from __future__ import annotations
-
 from ptbench.errors import FindingError
 from ptbench.findings.commits import commit_of
 from ptbench.findings.source import Source

@@ -1,7 +1,5 @@
 """A file of `ptbench inspect --counters`, as a page asks it: what kernels are made of."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from ptbench.errors import FindingError

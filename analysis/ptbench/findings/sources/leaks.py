@@ -1,7 +1,5 @@
 """A file of `ptbench rays --leaks`, as a page asks it: how many rays there were from within closed meshes, and left."""
 
-from __future__ import annotations
-
 from ptbench.errors import FindingError
 from ptbench.findings.commits import shown_commit
 from ptbench.findings.source import Source

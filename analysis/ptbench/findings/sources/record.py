@@ -1,7 +1,5 @@
 """Any other JSON file, such as a record made by hand, as a page asks it."""
 
-from __future__ import annotations
-
 from ptbench.errors import FindingError
 from ptbench.findings.source import OTHER, Source
 from ptbench.numbers import figures

@@ -1,7 +1,5 @@
 """A result of `ptbench run`, as a page asks it: by the words of a selection (studies/selection.py)."""
 
-from __future__ import annotations
-
 from ptbench.findings.source import SUITE
 from ptbench.findings.suite.errors import Errors
 from ptbench.findings.suite.made import Made

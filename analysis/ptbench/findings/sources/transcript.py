@@ -1,7 +1,5 @@
 """What a command printed, committed as it was."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from ptbench.findings.source import TEXT, Source

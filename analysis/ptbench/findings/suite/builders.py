@@ -1,7 +1,5 @@
 """Builders as a page asks them: what a tree costs to make, what a sample takes with it, and when the image is there."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

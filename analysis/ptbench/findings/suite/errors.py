@@ -1,7 +1,5 @@
 """Error against time in a result as a page asks it."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable
 

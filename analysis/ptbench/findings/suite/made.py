@@ -1,7 +1,5 @@
 """What cells of a result are made of, as a page asks it: trees, kernels, paths and films."""
 
-from __future__ import annotations
-
 from ptbench.errors import FindingError
 from ptbench.figures.time_to_image import Way, sibling_meshes, ways
 from ptbench.findings.quantities import Quantity

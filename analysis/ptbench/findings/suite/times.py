@@ -1,7 +1,5 @@
 """Times of a result as a page asks them: milliseconds, rates, and ratios with their verdicts."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

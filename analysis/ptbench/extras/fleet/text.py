@@ -1,7 +1,5 @@
 """What `fleet` found, in words and tables."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 import numpy as np
@@ -10,11 +8,11 @@ from ptbench.compare.text import MARKS, Labels, estimate_text, files_section, ra
 from ptbench.compare.verdicts import WORDS
 from ptbench.document.blocks import Section, section
 from ptbench.document.table import table_of
-from ptbench.fleet.evidence import NEAR
-from ptbench.fleet.fleet import BAR, NEAR_ENOUGH, Fleet, Other, Prediction
-from ptbench.fleet.gpus import Gpu
-from ptbench.fleet.model import MEMORY, USED
-from ptbench.fleet.verdicts import crossover, ran_one_program, verdict_pairs
+from ptbench.extras.fleet.evidence import NEAR
+from ptbench.extras.fleet.fleet import BAR, NEAR_ENOUGH, Fleet, Other, Prediction
+from ptbench.extras.fleet.gpus import Gpu
+from ptbench.extras.fleet.model import MEMORY, USED
+from ptbench.extras.fleet.verdicts import crossover, ran_one_program, verdict_pairs
 from ptbench.io.inspection import Inspected, KernelCounters
 from ptbench.numbers import figures, interval, ratio
 
@@ -96,13 +94,10 @@ def ratios_section(mark: str, other: Other) -> Section:
     return section(f"{mark} against {MARKS[0]}", lines, table_of(columns, rows, columns[1:]))
 
 
-def verdicts_section(mark: str, other: Other, label: Labels, turned_about: str = "") -> Section:
-    """Verdicts of the suite's studies that have another word on the other GPU.
-
-    `turned_about`: of those about one axis or tunable alone, and of them the ones that turn from gain to loss or back.
-    """
-    pairs = [pair for pair in verdict_pairs(other.comparison) if turned_about in ("", pair.axis)]
-    changed = [pair for pair in pairs if (pair.is_turned if turned_about else pair.is_changed)]
+def verdicts_section(mark: str, other: Other, label: Labels) -> Section:
+    """Verdicts of the suite's studies that have another word on the other GPU."""
+    pairs = verdict_pairs(other.comparison)
+    changed = [pair for pair in pairs if pair.is_changed]
     rows = [
         (
             f"{pair.study.name}: over {pair.axis}={pair.baseline}",

@@ -1,7 +1,5 @@
 """What models of GPU can do at most: from the result file of one that ran the suite, else from a data sheet."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from functools import cache
@@ -39,7 +37,7 @@ class Gpu:
 
 @cache
 def _sheets() -> Node:
-    return read_json(package_file("fleet", SHEETS))
+    return read_json(package_file("extras", "fleet", SHEETS))
 
 
 def known_gpus() -> list[str]:

@@ -4,8 +4,6 @@ Verdicts are those of a study's own table: a cell over its study's baseline, eac
 variant's time to be a + b / B, B the bandwidth: two GPUs that differ in their memory alone give a and b of each.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -13,7 +11,7 @@ import numpy as np
 
 from ptbench.compare.ranking import Change, Ranking
 from ptbench.compare.verdicts import Comparison
-from ptbench.fleet.gpus import Gpu
+from ptbench.extras.fleet.gpus import Gpu
 from ptbench.io.cells import Cell, Result, Study
 from ptbench.stats.estimates import CONFIDENCE, FASTER, RESAMPLES, SAME, SEED, SLOWER, Estimate
 from ptbench.studies.questions import question_of

@@ -1,7 +1,5 @@
 """Predicted and measured ratios of a fleet's GPU over its first one, a point a cell; within the band lies the aim."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -9,11 +7,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ptbench.errors import NotDrawable
+from ptbench.extras.fleet.fleet import NEAR_ENOUGH, Fleet, Other
+from ptbench.extras.fleet.model import USED
+from ptbench.extras.fleet.text import MODEL
 from ptbench.figures import style
 from ptbench.figures.saving import save_figure
-from ptbench.fleet.fleet import NEAR_ENOUGH, Fleet, Other
-from ptbench.fleet.model import USED
-from ptbench.fleet.text import MODEL
 
 _BAND = "#e4e4e4"
 

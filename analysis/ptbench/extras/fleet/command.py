@@ -1,14 +1,12 @@
 """`python3 -m ptbench fleet A.json B.json .. --inspect FILE..`: the exit code is 0, or 2 for bad input."""
 
-from __future__ import annotations
-
 import argparse
 
 from ptbench.document.markdown import markdown_page
 from ptbench.document.text import as_text
 from ptbench.errors import NotDrawable
-from ptbench.fleet.fleet import fleet_of
-from ptbench.fleet.text import sections
+from ptbench.extras.fleet.fleet import fleet_of
+from ptbench.extras.fleet.text import sections
 from ptbench.io.files import check_output_folder, make_folder, write_text
 from ptbench.terminal import say
 
@@ -26,7 +24,7 @@ def fleet_command(options: argparse.Namespace) -> int:
     print()
     try:
         # Drawing libraries take a moment to load.
-        from ptbench.fleet.figure import save_predictions
+        from ptbench.extras.fleet.figure import save_predictions
 
         figures = save_predictions(fleet, options.out)
     except NotDrawable as error:

@@ -7,14 +7,11 @@ from pathlib import Path
 
 from ptbench.compare.match import Pair as CellPair
 from ptbench.compare.text import MARKS, estimate_text
-from ptbench.document.blocks import Section
 from ptbench.document.markdown import table_lines
 from ptbench.errors import FindingError
-from ptbench.findings.quantities import Quantity, disturbed_text, link_to
-from ptbench.findings.source import SEVERAL, Source
-from ptbench.fleet.fleet import BAR, NEAR_ENOUGH, Fleet, Other, Score, fleet_of
-from ptbench.fleet.model import USED
-from ptbench.fleet.text import (
+from ptbench.extras.fleet.fleet import BAR, NEAR_ENOUGH, Fleet, Other, Score, fleet_of
+from ptbench.extras.fleet.model import USED
+from ptbench.extras.fleet.text import (
     changes_section,
     gpus_section,
     prediction_sections,
@@ -23,9 +20,11 @@ from ptbench.fleet.text import (
     unowned_section,
     verdicts_section,
 )
-from ptbench.fleet.verdicts import Pair, crossover, ran_one_program, verdict_pairs
+from ptbench.extras.fleet.verdicts import Pair, crossover, ran_one_program, verdict_pairs
+from ptbench.findings.quantities import Quantity, disturbed_text, link_to
+from ptbench.findings.source import SEVERAL, Source
 from ptbench.io.results import load_kept
-from ptbench.numbers import figures
+from ptbench.numbers import figures, percent
 from ptbench.stats.estimates import Estimate, geometric_mean_of_ratios
 from ptbench.studies.disturbed import is_contended
 from ptbench.studies.programs import why_not_one
@@ -34,8 +33,8 @@ from ptbench.studies.programs import why_not_one
 class FleetSource(Source, form=SEVERAL):
     """Result files of GPUs, the first of the one that counters are of; a page speaks of the first two."""
 
-    near_enough = f"{NEAR_ENOUGH:.0%}".replace("%", " %")
-    bar = f"{BAR:.0%}".replace("%", " %")
+    near_enough = percent(NEAR_ENOUGH)
+    bar = percent(BAR)
 
     def __init__(self, results: Path, files: Sequence[str], inspected: Sequence[str], models: Sequence[str]) -> None:
         super().__init__(results, files[0])
@@ -111,11 +110,6 @@ class FleetSource(Source, form=SEVERAL):
     def changed(self) -> int:
         """Number of verdicts that have another word on the other GPU."""
         return sum(pair.is_changed for pair in self._pairs)
-
-    @property
-    def turned(self) -> int:
-        """Number of verdicts that are FASTER on one GPU and SLOWER on the other."""
-        return sum(pair.is_turned for pair in self._pairs)
 
     def decided_about(self, axis: str) -> int:
         """Verdicts about one axis or tunable that say something on both."""
@@ -197,49 +191,21 @@ class FleetSource(Source, form=SEVERAL):
             raise FindingError(f"{self._files[0]}: {len(found)} sizes on the device: {variant} in {scene}")
         return str(found.pop())
 
-    @property
-    def gpus_table(self) -> str:
-        """The GPUs and what they can do."""
-        return _table(gpus_section(self._fleet))
-
-    @property
-    def ratios_table(self) -> str:
-        """Ratios by integrator."""
-        return _table(ratios_section(MARKS[1], self._other))
-
-    @property
-    def verdicts_table(self) -> str:
-        """Verdicts of studies that change."""
-        return _table(verdicts_section(MARKS[1], self._other, self._fleet.compared.labels))
-
-    def turned_table(self, axis: str) -> str:
-        """Verdicts about one axis or tunable that are FASTER on one and SLOWER on the other."""
-        return _table(verdicts_section(MARKS[1], self._other, self._fleet.compared.labels, axis))
-
-    @property
-    def changes_table(self) -> str:
-        """Changes of order, with the bandwidth at which they happen."""
-        return _table(changes_section(self._fleet))
-
-    @property
-    def scores_table(self) -> str:
-        """How well each rule predicts."""
-        return _table(next(iter(prediction_sections(MARKS[1], self._other, self._fleet.compared.labels))))
-
-    @property
-    def predictions_table(self) -> str:
-        """Every cell with counters."""
-        return _table(list(prediction_sections(MARKS[1], self._other, self._fleet.compared.labels))[-1])
-
-    @property
-    def unowned_table(self) -> str:
-        """GPUs of which there is a data sheet alone."""
-        return _table(unowned_section(self._fleet))
-
-    @property
-    def static_table(self) -> str:
-        """Registers and occupancy by architecture."""
-        return _table(static_section(self._fleet.static))
+    def table(self, name: str) -> str:
+        """What the command tells of the first two GPUs, by the name of its part."""
+        labels = self._fleet.compared.labels
+        parts = {
+            "gpus": lambda: gpus_section(self._fleet),
+            "ratios": lambda: ratios_section(MARKS[1], self._other),
+            "verdicts": lambda: verdicts_section(MARKS[1], self._other, labels),
+            "changes": lambda: changes_section(self._fleet),
+            "scores": lambda: next(iter(prediction_sections(MARKS[1], self._other, labels))),
+            "predictions": lambda: list(prediction_sections(MARKS[1], self._other, labels))[-1],
+            "unowned": lambda: unowned_section(self._fleet),
+            "static": lambda: static_section(self._fleet.static),
+        }
+        found = parts[name]().table
+        return "\n".join(table_lines(found)) if found is not None and found.rows else "None."
 
     @property
     def commit(self) -> str:
@@ -257,7 +223,3 @@ class FleetSource(Source, form=SEVERAL):
         ]
         lines += [f"- {link_to(self._results, file)}: `ptbench inspect`." for file in self._inspected]
         return "\n".join(lines)
-
-
-def _table(section: Section) -> str:
-    return "\n".join(table_lines(section.table)) if section.table is not None and section.table.rows else "None."

@@ -1,16 +1,14 @@
 """A suite on several models of GPU, with what was predicted of each cell and how far off that was."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from ptbench.compare.compared import Compared, compare_files
 from ptbench.compare.verdicts import Comparison, Row
-from ptbench.fleet.evidence import OWN, Evidence, check_gpu, evidence_of
-from ptbench.fleet.gpus import Gpu, gpu_of_result, gpu_of_sheet
-from ptbench.fleet.model import RULES, USED, Rule, bound_of, predicted
+from ptbench.extras.fleet.evidence import OWN, Evidence, check_gpu, evidence_of
+from ptbench.extras.fleet.gpus import Gpu, gpu_of_result, gpu_of_sheet
+from ptbench.extras.fleet.model import RULES, USED, Rule, bound_of, predicted
 from ptbench.io.cells import Cell
 from ptbench.io.inspection import Inspected, load_inspected
 

@@ -21,12 +21,10 @@ A variant's ratio is the mean of its kernels' by their time, and the host's part
 another size are not modelled: bytes of memory stay what they were.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from ptbench.fleet.gpus import Gpu
+from ptbench.extras.fleet.gpus import Gpu
 
 MEMORY = "memory"
 _CACHES = ("l1", "l2")

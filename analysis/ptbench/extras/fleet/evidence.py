@@ -4,16 +4,14 @@ Counters are of kernels. How the host launches them (the axis `launch`) is none 
 was counted was the cell's own shows in its rays a sample.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ptbench.errors import InputError
-from ptbench.fleet.gpus import Gpu
-from ptbench.fleet.model import KernelTime
+from ptbench.extras.fleet.gpus import Gpu
+from ptbench.extras.fleet.model import KernelTime
 from ptbench.io.cells import Cell
 from ptbench.io.inspection import Inspected, inspected_of
 

@@ -1,7 +1,5 @@
 """The command line of `fleet`."""
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 
@@ -23,11 +21,5 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, metavar="DIR", help="fleet.md and the figures")
 
 
-def _load():
-    from ptbench.fleet.command import fleet_command
-
-    return fleet_command
-
-
 _HELP = "a suite on several models of GPU: ratios, rankings that change, and what data sheets predict"
-COMMANDS = (Command("fleet", _HELP, _add_arguments, _load),)
+COMMANDS = (Command("fleet", _HELP, _add_arguments, "fleet_command"),)
