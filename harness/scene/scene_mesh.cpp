@@ -7,6 +7,7 @@
 #include <map>
 #include <numeric>
 #include <tuple>
+#include <unordered_map>
 
 #include <fmt/format.h>
 
@@ -142,20 +143,39 @@ std::string fault_of_normals(const Mesh& mesh, const std::string& source) {
     return "";
 }
 
-// Corners are one where their coordinates are, whatever their numbers in the file.
-bool is_closed(const std::vector<Triangle<float>>& triangles) {
-    using Edge = std::array<float, 6>;
-    std::vector<Edge> there, back;
-    const auto add = [&](const Vec3<float>& a, const Vec3<float>& b) {
-        // Adding +0 turns -0 into +0: they are one place.
-        const auto zero = [](float x) { return x + 0.0f; };
-        there.push_back({zero(a.x), zero(a.y), zero(a.z), zero(b.x), zero(b.y), zero(b.z)});
-        back.push_back({zero(b.x), zero(b.y), zero(b.z), zero(a.x), zero(a.y), zero(a.z)});
-    };
+struct CornerHash {
+    std::size_t operator()(const Corner& corner) const { return fnv1a_of_bytes(corner.data(), sizeof corner); }
+};
+
+// A number for each place that has a corner: three numbers a triangle. Corners are one where their coordinates are,
+// whatever their numbers in the file.
+std::vector<std::uint32_t> places_of_corners(const std::vector<Triangle<float>>& triangles) {
+    std::unordered_map<Corner, std::uint32_t, CornerHash> known;
+    known.reserve(triangles.size());
+    std::vector<std::uint32_t> places;
+    places.reserve(3 * triangles.size());
     for (const Triangle<float>& t : triangles) {
-        add(t.a, t.b);
-        add(t.b, t.c);
-        add(t.c, t.a);
+        for (const Vec3<float>& c : {t.a, t.b, t.c}) {
+            // Adding +0 turns -0 into +0: they are one place.
+            const Corner place{c.x + 0.0f, c.y + 0.0f, c.z + 0.0f};
+            places.push_back(known.try_emplace(place, static_cast<std::uint32_t>(known.size())).first->second);
+        }
+    }
+    return places;
+}
+
+// Whether each edge is passed as often there as back.
+bool is_closed(const std::vector<Triangle<float>>& triangles) {
+    const std::vector<std::uint32_t> places = places_of_corners(triangles);
+    std::vector<std::uint64_t> there, back;
+    for (std::size_t corner = 0; corner < places.size(); ++corner) {
+        const std::uint32_t from = places[corner], to = places[corner % 3 == 2 ? corner - 2 : corner + 1];
+        if (from != to) {
+            (from < to ? there : back).push_back(std::uint64_t{std::min(from, to)} << 32 | std::max(from, to));
+        }
+    }
+    if (there.size() != back.size()) {
+        return false;
     }
     std::sort(there.begin(), there.end());
     std::sort(back.begin(), back.end());
