@@ -54,7 +54,7 @@ bool receive(int socket, std::string& text) {
 }
 
 // Answers in a child process until its parent is gone, and leaves without running what that registered to run at exit.
-[[noreturn]] void serve(int socket, const Answer& answer, pid_t parent) {
+[[noreturn]] void serve(int socket, const Answer& answer, const std::function<void()>& prepare, pid_t parent) {
     // What a terminal sends to all of a command is for the parent to decide; a question may take longer than that
     // lives.
     std::signal(SIGINT, SIG_IGN);
@@ -62,6 +62,12 @@ bool receive(int socket, std::string& text) {
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (::getppid() != parent) {
         ::_exit(0);
+    }
+    try {
+        if (prepare) {
+            prepare();
+        }
+    } catch (const std::exception&) {  // NOLINT(bugprone-empty-catch): the first question meets it again, and tells it
     }
     std::string received;
     for (;;) {
@@ -92,7 +98,7 @@ std::string ending(int status) {
 
 }  // namespace
 
-Workers::Workers(std::size_t count, const Answer& answer) : workers_(count) {
+Workers::Workers(std::size_t count, const Answer& answer, const std::function<void()>& prepare) : workers_(count) {
     const pid_t parent = ::getpid();
     for (Worker& worker : workers_) {
         int ends[2];
@@ -111,7 +117,7 @@ Workers::Workers(std::size_t count, const Answer& answer) : workers_(count) {
                 }
             }
             ::close(ends[0]);
-            serve(ends[1], answer, parent);
+            serve(ends[1], answer, prepare, parent);
         }
         ::close(ends[1]);
         worker.socket = ends[0];

@@ -15,9 +15,10 @@ using Answer = std::function<std::string(const std::string& question)>;
 
 class Workers {
 public:
-    // Forks `count` processes that call `answer`: before anything of CUDA or OpenMP has started in this one, which
-    // neither outlives. Throws MachineError.
-    Workers(std::size_t count, const Answer& answer);
+    // Forks `count` processes that call `prepare`, if there is one, and then `answer`: before anything of CUDA or
+    // OpenMP has started in this one, which neither outlives. What `prepare` throws is passed over. Throws
+    // MachineError.
+    Workers(std::size_t count, const Answer& answer, const std::function<void()>& prepare = {});
     // Ends the workers, which end when nobody asks any more.
     ~Workers();
     Workers(const Workers&) = delete;

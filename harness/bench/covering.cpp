@@ -9,23 +9,62 @@ namespace pt {
 
 namespace {
 
-using Pair = std::pair<std::pair<std::string_view, std::string>, std::pair<std::string_view, std::string>>;
+// A choice of an axis, both by number: of the axis in axis_names, and of the choice among those to cover.
+struct NumberedChoice {
+    std::size_t axis, choice;
+};
 
-std::vector<Pair> pairs_of(const Variant& variant) {
-    std::vector<Pair> pairs;
-    for (std::size_t a = 0; a < std::size(axis_names); ++a) {
-        for (std::size_t b = a + 1; b < std::size(axis_names); ++b) {
-            pairs.push_back({{axis_names[a], variant[axis_names[a]]}, {axis_names[b], variant[axis_names[b]]}});
+// The choices to cover, and which pairs of two axes' choices have met in a variant.
+class Pairs {
+public:
+    explicit Pairs(std::vector<std::vector<std::string>> names) : names_(std::move(names)) {
+        std::size_t all = 0;
+        for (const std::vector<std::string>& of_axis : names_) {
+            first_.push_back(all);
+            all += of_axis.size();
+        }
+        met_.assign(all, std::vector<bool>(all));
+    }
+
+    const std::vector<std::string>& names(std::size_t axis) const { return names_[axis]; }
+    bool have_met(const NumberedChoice& one, const NumberedChoice& other) const {
+        return met_[place(one)][place(other)];
+    }
+    // How many pairs of the variant have not met.
+    std::size_t new_in(const Variant& variant) const {
+        const std::vector<std::size_t> places = places_of(variant);
+        std::size_t count = 0;
+        for (std::size_t a = 0; a < places.size(); ++a) {
+            for (std::size_t b = a + 1; b < places.size(); ++b) {
+                count += met_[places[a]][places[b]] ? 0u : 1u;
+            }
+        }
+        return count;
+    }
+    void add(const Variant& variant) {
+        const std::vector<std::size_t> places = places_of(variant);
+        for (std::size_t a = 0; a < places.size(); ++a) {
+            for (std::size_t b = a + 1; b < places.size(); ++b) {
+                met_[places[a]][places[b]] = true;
+            }
         }
     }
-    return pairs;
-}
 
-std::size_t uncovered(const Variant& variant, const std::set<Pair>& covered) {
-    const std::vector<Pair> pairs = pairs_of(variant);
-    return static_cast<std::size_t>(
-        std::count_if(pairs.begin(), pairs.end(), [&](const Pair& pair) { return !covered.contains(pair); }));
-}
+private:
+    std::size_t place(const NumberedChoice& one) const { return first_[one.axis] + one.choice; }
+    std::vector<std::size_t> places_of(const Variant& variant) const {
+        std::vector<std::size_t> places;
+        for (std::size_t axis = 0; axis < names_.size(); ++axis) {
+            const auto position = std::find(names_[axis].begin(), names_[axis].end(), variant[axis_names[axis]]);
+            places.push_back(place({axis, static_cast<std::size_t>(position - names_[axis].begin())}));
+        }
+        return places;
+    }
+
+    std::vector<std::vector<std::string>> names_;  // by axis
+    std::vector<std::size_t> first_;               // by axis: the place of its first choice among all
+    std::vector<std::vector<bool>> met_;           // by two places, the lower axis first
+};
 
 }  // namespace
 
@@ -33,49 +72,48 @@ std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet featu
     constexpr int completions = 60;  // tried for a pair; the baseline's is one of them
     std::mt19937 random(1);          // the set is the same every time
     const Variant baseline = expand({}, backend).front();
-    std::set<Pair> covered;
     std::vector<Variant> variants;
-    const auto choices = [&](std::string_view axis) {
-        const auto position = axes.find(std::string(axis));
-        return position != axes.end() ? position->second : std::vector<std::string>{baseline[axis]};
-    };
     Variant plainest = baseline;
+    std::vector<std::vector<std::string>> names;
     for (const std::string_view axis : axis_names) {
-        const std::vector<std::string> names = choices(axis);
-        const bool has_baseline = std::find(names.begin(), names.end(), baseline[axis]) != names.end();
-        plainest.set(axis, has_baseline ? baseline[axis] : names.front());
+        const auto position = axes.find(std::string(axis));
+        names.push_back(position != axes.end() ? position->second : std::vector<std::string>{baseline[axis]});
+        const bool has_baseline =
+            std::find(names.back().begin(), names.back().end(), baseline[axis]) != names.back().end();
+        plainest.set(axis, has_baseline ? baseline[axis] : names.back().front());
     }
-    const auto cover = [&](const Pair& pair) {
+    Pairs pairs(std::move(names));
+    const auto cover = [&](const NumberedChoice& one, const NumberedChoice& other) {
         Variant best;
         std::size_t best_gain = 0;
         const auto consider = [&](Variant variant) {
-            variant.set(pair.first.first, pair.first.second);
-            variant.set(pair.second.first, pair.second.second);
-            if (!why_not_applicable(variant, features, backend).empty()) {
-                return;
+            for (const NumberedChoice& wanted : {one, other}) {
+                variant.set(axis_names[wanted.axis], pairs.names(wanted.axis)[wanted.choice]);
             }
-            if (const std::size_t gain = uncovered(variant, covered); gain > best_gain) {
+            // What is asked in no time comes first: most completions of a late pair have nothing new.
+            if (const std::size_t gain = pairs.new_in(variant);
+                gain > best_gain && why_not_applicable(variant, features, backend).empty()) {
                 best = variant;
                 best_gain = gain;
             }
         };
         for (int completion = 0; completion < completions; ++completion) {
             Variant variant = plainest;
-            for (const std::string_view axis : axis_names) {
+            for (std::size_t axis = 0; axis < std::size(axis_names); ++axis) {
                 // Half of the axes stay where they are in the baseline: choices exclude each other too often.
                 if (completion > 0 && random() % 2 == 0) {
-                    const std::vector<std::string> names = choices(axis);
-                    variant.set(axis, names[random() % names.size()]);
+                    const std::vector<std::string>& of_axis = pairs.names(axis);
+                    variant.set(axis_names[axis], of_axis[random() % of_axis.size()]);
                 }
             }
             consider(variant);
         }
         // A choice that needs several others is rarely met by chance: one more step from the baseline, or from a
         // variant that has what it needs.
-        for (std::size_t i = 0; i < std::size(axis_names) && best_gain == 0; ++i) {
-            for (const std::string& name : choices(axis_names[i])) {
+        for (std::size_t axis = 0; axis < std::size(axis_names) && best_gain == 0; ++axis) {
+            for (const std::string& name : pairs.names(axis)) {
                 Variant variant = plainest;
-                variant.set(axis_names[i], name);
+                variant.set(axis_names[axis], name);
                 consider(variant);
             }
         }
@@ -84,18 +122,15 @@ std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet featu
         }
         if (best_gain > 0) {
             variants.push_back(best);
-            for (const Pair& done : pairs_of(best)) {
-                covered.insert(done);
-            }
+            pairs.add(best);
         }
     };
     for (std::size_t a = 0; a < std::size(axis_names); ++a) {
         for (std::size_t b = a + 1; b < std::size(axis_names); ++b) {
-            for (const std::string& first : choices(axis_names[a])) {
-                for (const std::string& second : choices(axis_names[b])) {
-                    const Pair pair{{axis_names[a], first}, {axis_names[b], second}};
-                    if (!covered.contains(pair)) {
-                        cover(pair);
+            for (std::size_t first = 0; first < pairs.names(a).size(); ++first) {
+                for (std::size_t second = 0; second < pairs.names(b).size(); ++second) {
+                    if (!pairs.have_met({a, first}, {b, second})) {
+                        cover({a, first}, {b, second});
                     }
                 }
             }
@@ -104,26 +139,43 @@ std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet featu
     return variants;
 }
 
-// Greedily: next comes the variant with the most choices that have not been seen, and of several the first.
-std::vector<Variant> each_choice_once(std::vector<Variant> left) {
-    std::set<std::pair<std::string_view, std::string>> seen;
-    const auto unseen = [&](const Variant& variant) {
-        return std::count_if(std::begin(axis_names), std::end(axis_names), [&](std::string_view axis) {
-            return !seen.contains({axis, variant[axis]});
+namespace {
+
+using SeenChoices = std::set<std::pair<std::string_view, std::string>>;
+
+std::ptrdiff_t unseen_in(const Variant& variant, const SeenChoices& seen) {
+    return std::count_if(std::begin(axis_names), std::end(axis_names), [&](std::string_view axis) {
+        return !seen.contains({axis, variant[axis]});
+    });
+}
+
+void add_choices(const Variant& variant, SeenChoices& seen) {
+    for (const std::string_view axis : axis_names) {
+        seen.insert({axis, variant[axis]});
+    }
+}
+
+}  // namespace
+
+// Greedily, the scenes in turn: next comes the scene's variant with the most choices that have not been seen, and of
+// several the first.
+std::vector<std::vector<Variant>> each_choice_once(std::vector<std::vector<Variant>> left) {
+    SeenChoices seen;
+    std::vector<std::vector<Variant>> variants(left.size());
+    for (std::size_t turn = 0, without = 0; without < left.size(); ++turn) {
+        const std::size_t scene = turn % left.size();
+        std::vector<Variant>& of_scene = left[scene];
+        const auto best = std::max_element(of_scene.begin(), of_scene.end(), [&](const Variant& a, const Variant& b) {
+            return unseen_in(a, seen) < unseen_in(b, seen);
         });
-    };
-    std::vector<Variant> variants;
-    while (!left.empty()) {
-        const auto best = std::max_element(left.begin(), left.end(),
-                                           [&](const Variant& a, const Variant& b) { return unseen(a) < unseen(b); });
-        if (unseen(*best) == 0) {
-            break;
+        if (best == of_scene.end() || unseen_in(*best, seen) == 0) {
+            without += 1;
+            continue;
         }
-        for (const std::string_view axis : axis_names) {
-            seen.insert({axis, (*best)[axis]});
-        }
-        variants.push_back(*best);
-        left.erase(best);
+        without = 0;
+        add_choices(*best, seen);
+        variants[scene].push_back(*best);
+        of_scene.erase(best);
     }
     return variants;
 }

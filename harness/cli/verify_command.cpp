@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <optional>
 #include <set>
 
 #include <fmt/format.h>
@@ -187,7 +186,7 @@ std::vector<Variant> variants_to_verify(const VerifyArguments& arguments, Backen
         for (const auto& [axis, choices] : parse_axis_arguments(arguments.axes, arguments.devices, backend)) {
             axes[axis] = choices;
         }
-        return each_choice_once(covering_variants(axes, features_of(scene), backend));
+        return covering_variants(axes, features_of(scene), backend);
     }
     if (arguments.statistical && none_named) {
         return single_steps(backend);
@@ -251,6 +250,9 @@ FilmsToVerify films_of(const VerifyArguments& arguments, Backend backend) {
     for (const Scene& scene : films.scenes) {
         films.variants.push_back(variants_to_verify(arguments, backend, scene));
     }
+    if (arguments.quick) {
+        films.variants = each_choice_once(std::move(films.variants));
+    }
     return films;
 }
 
@@ -270,12 +272,9 @@ int run(const VerifyArguments& arguments) {
         return exit_good;
     }
     // Workers are forked before the backend is looked at: a process that has started CUDA cannot be forked.
-    std::optional<Workers> workers;
-    if (const std::size_t count = processes_for_films(arguments); count > 1 && !arguments.statistical) {
-        workers.emplace(count, film_checker(arguments, [&arguments] {
-                            return films_of(arguments, parse_backend(arguments.backend));
-                        }));
-    }
+    const std::size_t processes = arguments.statistical ? 1 : processes_for_films(arguments);
+    Workers workers = film_checkers(processes > 1 ? processes : 0, arguments,
+                                    [&arguments] { return films_of(arguments, parse_backend(arguments.backend)); });
     const Backend backend = parse_backend(arguments.backend);
     require_backend(backend);
     const FilmsToVerify films = films_of(arguments, backend);
@@ -285,8 +284,8 @@ int run(const VerifyArguments& arguments) {
     if (backend == Backend::cuda) {
         compile_ahead(compilations_of(films));
     }
-    const bool uses_workers = workers && (arguments.jobs != 0 || backend == Backend::cuda);
-    const Tally tally = verify_films(films, arguments, uses_workers ? &*workers : nullptr);
+    const bool uses_workers = processes > 1 && (arguments.jobs != 0 || backend == Backend::cuda);
+    const Tally tally = verify_films(films, arguments, uses_workers ? &workers : nullptr);
     fmt::print("{} held, {} failed, {} not applicable on {}; {} at {} spp{}, scenes: {}\n", tally.held, tally.failed,
                tally.not_applicable, to_string(backend), arguments.size(), arguments.samples(),
                arguments.names_no_size() ? ", each choice once at " + size_of_large_films() : "",
@@ -334,8 +333,10 @@ Command add_verify_command(CLI::App& app) {
     command->add_option("--runs", arguments->runs, "Runs of each side, with seeds of their own (default 16)")
         ->check(CLI::Range(3u, 10000u))
         ->needs(statistical);
-    command->add_flag("--quick", arguments->quick,
-                      "Every choice of every axis once, in few variants, instead of every pair of choices");
+    command->add_flag(
+        "--quick", arguments->quick,
+        "Every choice of every axis once, in few variants that the scenes share, instead of every pair of "
+        "choices");
     command
         ->add_option("--jobs", arguments->jobs,
                      "Processes that check films at once (default: on cuda one for each processor, at most 4; one on "

@@ -222,14 +222,18 @@ std::size_t processes_for_films(const VerifyArguments& arguments) {
     return arguments.backend == "cpu" ? 1 : std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, 4);
 }
 
-Answer film_checker(const VerifyArguments& arguments, std::function<FilmsToVerify()> prepared) {
+Workers film_checkers(std::size_t count, const VerifyArguments& arguments, std::function<FilmsToVerify()> prepared) {
     auto films = std::make_shared<std::optional<WorkerFilms>>();
-    return [&arguments, prepared = std::move(prepared), films](const std::string& question) {
+    const auto prepare = [&arguments, prepared = std::move(prepared), films] {
         if (!*films) {
             films->emplace(prepared(), arguments);
         }
+    };
+    const auto answer = [prepare, films](const std::string& question) {
+        prepare();
         return (*films)->checker.answer((*films)->parts.at(question));
     };
+    return Workers(count, answer, prepare);
 }
 
 Tally verify_films(const FilmsToVerify& films, const VerifyArguments& arguments, Workers* workers) {

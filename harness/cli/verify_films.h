@@ -24,9 +24,9 @@ std::string size_of_large_films();
 // GPU its small films are mostly waiting for launches and for the host; each process takes device memory for itself.
 std::size_t processes_for_films(const VerifyArguments& arguments);
 
-// The function by which a worker process answers a question of `verify_films`. It calls `prepared` once, which must
-// give what the call itself verifies; `arguments` must outlive it.
-Answer film_checker(const VerifyArguments& arguments, std::function<FilmsToVerify()> prepared);
+// Processes that check films for `verify_films`. Each calls `prepared`, which must give what the call itself verifies,
+// while the call is at its own; `arguments` must outlive them.
+Workers film_checkers(std::size_t count, const VerifyArguments& arguments, std::function<FilmsToVerify()> prepared);
 
 // Holds all variants to their claims, by the workers or, where there are none, in this process, and prints a line for
 // each and, scene by scene, what does not apply. Lines and their order do not depend on the number of workers.

@@ -47,6 +47,18 @@ TEST(Workers, MoreWorkersThanQuestionsAndNoQuestions) {
     EXPECT_EQ(answers, 11);
 }
 
+TEST(Workers, PrepareOnceEach) {
+    static int prepared = 0;  // each process has its own
+    Workers workers(
+        2, [](const std::string&) { return std::to_string(prepared); },
+        [] {
+            prepared += 1;
+            throw InputError("a thing that the first question will meet again");
+        });
+    workers.ask(questions_up_to(5), [](std::size_t, const std::string& answer) { EXPECT_EQ(answer, "1"); });
+    EXPECT_EQ(prepared, 0);
+}
+
 TEST(Workers, OneThatEndsIsNamedWithItsQuestion) {
     Workers workers(2, [](const std::string& question) {
         if (question == "5") {
