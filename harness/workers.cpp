@@ -14,6 +14,7 @@
 
 #include "harness/failure.h"
 #include "harness/say.h"
+#include "variants/cpu/share_threads.h"
 
 namespace pt {
 
@@ -117,6 +118,7 @@ Workers::Workers(std::size_t count, const Answer& answer, const std::function<vo
                 }
             }
             ::close(ends[0]);
+            share_threads(count);
             serve(ends[1], answer, prepare, parent);
         }
         ::close(ends[1]);

@@ -4,10 +4,12 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <omp.h>
 #include <unistd.h>
 
 #include "harness/failure.h"
 #include "harness/workers.h"
+#include "variants/cpu/parallel_for.h"
 
 namespace pt {
 namespace {
@@ -57,6 +59,17 @@ TEST(Workers, PrepareOnceEach) {
         });
     workers.ask(questions_up_to(5), [](std::size_t, const std::string& answer) { EXPECT_EQ(answer, "1"); });
     EXPECT_EQ(prepared, 0);
+}
+
+TEST(Workers, ShareTheThreads) {
+    const int before = omp_get_max_threads();
+    omp_set_num_threads(7);
+    Workers workers(3, [](const std::string&) { return std::to_string(parallel_threads()); });
+    workers.ask(questions_up_to(5), [](std::size_t, const std::string& answer) { EXPECT_EQ(answer, "2"); });
+    Workers many(9, [](const std::string&) { return std::to_string(parallel_threads()); });
+    many.ask(questions_up_to(9), [](std::size_t, const std::string& answer) { EXPECT_EQ(answer, "1"); });
+    EXPECT_EQ(parallel_threads(), 7);
+    omp_set_num_threads(before);
 }
 
 TEST(Workers, OneThatEndsIsNamedWithItsQuestion) {
