@@ -139,7 +139,8 @@ AxisChoices all_choices(Backend backend = Backend::cpu);
 // A pairwise covering: variants that apply to a scene with these features, in which every compatible pair of choices of
 // two axes occurs. All combinations of choices would be too many.
 std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet features, Backend backend);
-// Of scenes' coverings as few variants as have every choice that occurs in any of them, shared evenly among the scenes.
+// As few variants of several scenes' coverings as have every choice that occurs in any of them, shared evenly among the
+// scenes.
 std::vector<std::vector<Variant>> each_choice_once(std::vector<std::vector<Variant>> coverings);
 // "NAME=c1,c2" -> adds to `axes`; throws InputError, with the allowed names, for an unknown name and for an axis that
 // `axes` has already. "NAME=all": all choices of the backend.
