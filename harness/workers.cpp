@@ -101,6 +101,7 @@ std::string ending(int status) {
 
 Workers::Workers(std::size_t count, const Answer& answer, const std::function<void()>& prepare) : workers_(count) {
     const pid_t parent = ::getpid();
+    const int threads = share_of_threads(count);  // asked here: some runtimes forget it in a child
     for (Worker& worker : workers_) {
         int ends[2];
         if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
@@ -118,7 +119,7 @@ Workers::Workers(std::size_t count, const Answer& answer, const std::function<vo
                 }
             }
             ::close(ends[0]);
-            share_threads(count);
+            use_threads(threads);
             serve(ends[1], answer, prepare, parent);
         }
         ::close(ends[1]);

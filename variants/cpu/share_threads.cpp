@@ -6,8 +6,10 @@
 
 namespace pt {
 
-void share_threads(std::size_t processes) {
-    omp_set_num_threads(std::max(1, omp_get_max_threads() / static_cast<int>(processes)));
+int share_of_threads(std::size_t processes) {
+    return processes == 0 ? omp_get_max_threads() : std::max(1, omp_get_max_threads() / static_cast<int>(processes));
 }
+
+void use_threads(int threads) { omp_set_num_threads(threads); }
 
 }  // namespace pt

@@ -5,8 +5,11 @@
 
 namespace pt {
 
-// From here on this process's parallel loops have its share of the threads that they would have had, at least one.
-// Threads of OpenMP wait for each other by spinning: more of them than processors take up to a hundred times as long.
-void share_threads(std::size_t processes);
+// Of the threads that this process's parallel loops have, the share of each of so many processes: at least one. Threads
+// of OpenMP wait for each other by spinning: more of them than processors take up to a hundred times as long.
+int share_of_threads(std::size_t processes);
+
+// From here on this process's parallel loops have so many threads.
+void use_threads(int threads);
 
 }  // namespace pt
