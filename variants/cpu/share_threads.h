@@ -5,8 +5,8 @@
 
 namespace pt {
 
-// Of the threads that this process's parallel loops have, the share of each of so many processes: at least one. Threads
-// of OpenMP wait for each other by spinning: more of them than processors take up to a hundred times as long.
+// The share that each of so many processes has of the threads of this one's parallel loops: at least one. Threads of
+// OpenMP wait for each other by spinning: more of them than processors take up to a hundred times as long.
 int share_of_threads(std::size_t processes);
 
 // From here on this process's parallel loops have so many threads.
