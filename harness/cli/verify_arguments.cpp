@@ -25,6 +25,7 @@ RenderSettings settings_of(const Scene& scene, const VerifyArguments& arguments)
 }
 
 void NotApplicableLines::add(const std::string& variant, const std::string& reason) {
+    variants_ += 1;
     const auto known = std::find_if(groups_.begin(), groups_.end(), [&](const Group& g) { return g.reason == reason; });
     if (known == groups_.end()) {
         groups_.push_back({reason, variant, 1});

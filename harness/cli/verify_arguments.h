@@ -45,6 +45,8 @@ class NotApplicableLines {
 public:
     void add(const std::string& variant, const std::string& reason);
     void print(const std::string& scene) const;
+    // How many variants were added.
+    std::size_t variants() const { return variants_; }
 
 private:
     struct Group {
@@ -52,6 +54,7 @@ private:
         std::size_t variants;
     };
     std::vector<Group> groups_;  // in the order of their first variants
+    std::size_t variants_ = 0;
 };
 
 // With --quiet, nothing is shown in the first seconds.

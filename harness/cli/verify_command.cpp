@@ -284,8 +284,7 @@ int run(const VerifyArguments& arguments) {
     if (backend == Backend::cuda) {
         compile_ahead(compilations_of(films));
     }
-    const bool uses_workers = processes > 1 && (arguments.jobs != 0 || backend == Backend::cuda);
-    const Tally tally = verify_films(films, arguments, uses_workers ? &workers : nullptr);
+    const Tally tally = verify_films(films, arguments, uses_processes(arguments, backend) ? &workers : nullptr);
     fmt::print("{} held, {} failed, {} not applicable on {}; {} at {} spp{}, scenes: {}\n", tally.held, tally.failed,
                tally.not_applicable, to_string(backend), arguments.size(), arguments.samples(),
                arguments.names_no_size() ? ", each choice once at " + size_of_large_films() : "",

@@ -121,19 +121,27 @@ std::size_t part_size(std::size_t variants, std::size_t processes) {
     return processes <= 1 ? 1 : std::clamp<std::size_t>(variants / (4 * processes), 1, 16);
 }
 
-// What applies, in parts, scene after scene.
-std::vector<Part> parts_of(const FilmsToVerify& films, std::size_t processes) {
+// What applies, in parts, scene after scene, and what does not, by scene.
+struct PartedFilms {
+    std::vector<Part> parts;
+    std::vector<NotApplicableLines> not_applicable;
+};
+
+PartedFilms in_parts(const FilmsToVerify& films, std::size_t processes) {
     std::size_t all = 0;
     for (const std::vector<Variant>& variants : films.variants) {
         all += variants.size();
     }
     const std::size_t size = part_size(all, processes);
-    std::vector<Part> parts;
+    PartedFilms parted{{}, std::vector<NotApplicableLines>(films.scenes.size())};
+    std::vector<Part>& parts = parted.parts;
     for (std::size_t scene = 0; scene < films.scenes.size(); ++scene) {
         const FeatureSet features = features_of(films.scenes[scene]);
         const std::vector<Variant>& variants = films.variants[scene];
         for (std::size_t i = 0; i < variants.size(); ++i) {
-            if (!why_not_applicable(variants[i], features, films.backend).empty()) {
+            const std::string reason = why_not_applicable(variants[i], features, films.backend);
+            if (!reason.empty()) {
+                parted.not_applicable[scene].add(shown_name(variants[i], films.backend), reason);
                 continue;
             }
             if (parts.empty() || parts.back().scene != scene || parts.back().variants.size() == size) {
@@ -142,7 +150,7 @@ std::vector<Part> parts_of(const FilmsToVerify& films, std::size_t processes) {
             parts.back().variants.push_back(i);
         }
     }
-    return parts;
+    return parted;
 }
 
 // How a part is asked for, and named where a worker ends in it.
@@ -187,7 +195,7 @@ private:
 struct WorkerFilms {
     WorkerFilms(FilmsToVerify prepared, const VerifyArguments& arguments)
         : films(std::move(prepared)), checker(films, arguments) {
-        for (Part& part : parts_of(films, processes_for_films(arguments))) {
+        for (Part& part : in_parts(films, processes_for_films(arguments)).parts) {
             parts.emplace(question_of(films, part), std::move(part));
         }
     }
@@ -195,21 +203,6 @@ struct WorkerFilms {
     PartChecker checker;
     std::map<std::string, Part> parts;
 };
-
-// Prints what does not apply in a scene once the scene is done, and counts it.
-void tell_not_applicable(const FilmsToVerify& films, std::size_t scene, bool quiet, Tally& tally) {
-    const FeatureSet features = features_of(films.scenes[scene]);
-    NotApplicableLines lines;
-    for (const Variant& variant : films.variants[scene]) {
-        if (const std::string reason = why_not_applicable(variant, features, films.backend); !reason.empty()) {
-            tally.not_applicable += 1;
-            lines.add(shown_name(variant, films.backend), reason);
-        }
-    }
-    if (!quiet) {
-        lines.print(films.scenes[scene].name);
-    }
-}
 
 }  // namespace
 
@@ -222,22 +215,31 @@ std::size_t processes_for_films(const VerifyArguments& arguments) {
     return arguments.backend == "cpu" ? 1 : std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, 4);
 }
 
+bool uses_processes(const VerifyArguments& arguments, Backend backend) {
+    return processes_for_films(arguments) > 1 && (arguments.jobs != 0 || backend == Backend::cuda);
+}
+
 Workers film_checkers(std::size_t count, const VerifyArguments& arguments, std::function<FilmsToVerify()> prepared) {
     auto films = std::make_shared<std::optional<WorkerFilms>>();
-    const auto prepare = [&arguments, prepared = std::move(prepared), films] {
+    const auto list = [&arguments, prepared = std::move(prepared), films] {
         if (!*films) {
             films->emplace(prepared(), arguments);
         }
     };
-    const auto answer = [prepare, films](const std::string& question) {
-        prepare();
+    const auto answer = [list, films](const std::string& question) {
+        list();
         return (*films)->checker.answer((*films)->parts.at(question));
     };
-    return Workers(count, answer, prepare);
+    return Workers(count, answer, [&arguments, list] {
+        if (uses_processes(arguments, parse_backend(arguments.backend))) {
+            list();
+        }
+    });
 }
 
 Tally verify_films(const FilmsToVerify& films, const VerifyArguments& arguments, Workers* workers) {
-    const std::vector<Part> parts = parts_of(films, workers != nullptr ? processes_for_films(arguments) : 1);
+    const PartedFilms parted = in_parts(films, workers != nullptr ? processes_for_films(arguments) : 1);
+    const std::vector<Part>& parts = parted.parts;
     std::size_t variants = 0;
     std::vector<std::string> questions;
     for (const Part& part : parts) {
@@ -249,7 +251,11 @@ Tally verify_films(const FilmsToVerify& films, const VerifyArguments& arguments,
     Progress progress = progress_of(variants, arguments);
     const auto finish_scenes_before = [&](std::size_t scene) {
         for (; next_scene < scene; ++next_scene) {
-            tell_not_applicable(films, next_scene, arguments.quiet, tally);
+            const NotApplicableLines& lines = parted.not_applicable[next_scene];
+            tally.not_applicable += lines.variants();
+            if (!arguments.quiet) {
+                lines.print(films.scenes[next_scene].name);
+            }
         }
     };
     const auto answered = [&](std::size_t index, const std::string& answer) {

@@ -24,8 +24,11 @@ std::string size_of_large_films();
 // GPU its small films are mostly waiting for launches and for the host; each process takes device memory for itself.
 std::size_t processes_for_films(const VerifyArguments& arguments);
 
-// Processes that check films for `verify_films`. Each calls `prepared`, which must give what the call itself verifies,
-// while the call is at its own; `arguments` must outlive them.
+// Whether films are checked by several processes. Those are forked before the backend is known, and may stay idle.
+bool uses_processes(const VerifyArguments& arguments, Backend backend);
+
+// Processes that check films for `verify_films`. Those that are used call `prepared`, which must give what the call
+// itself verifies, while the call is at its own; `arguments` must outlive them.
 Workers film_checkers(std::size_t count, const VerifyArguments& arguments, std::function<FilmsToVerify()> prepared);
 
 // Holds all variants to their claims, by the workers or, where there are none, in this process, and prints a line for

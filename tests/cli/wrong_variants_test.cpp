@@ -104,29 +104,21 @@ TEST_F(WrongVariantsTest, AloneItFailsAsWell) {
     EXPECT_TRUE(has(statuses()["wrong_loss"], " rays, not ")) << statuses()["wrong_loss"];
 }
 
+// The arguments that verify one queue on a CPU with these compactions, all else at its plainest.
+Arguments verify_queue(const std::string& compactions) {
+    Arguments arguments{"verify", "--scene", "cornell_open", "--backend", "cpu"};
+    for (const std::string& axis :
+         {"compaction=" + compactions, std::string("integrator=wavefront"), std::string("sorting=none"),
+          std::string("layout=aos"), std::string("specialisation=features"), std::string("direct_light=off"),
+          std::string("first_bounce=off"), std::string("precision=float")}) {
+        arguments.insert(arguments.end(), {"--axis", axis});
+    }
+    return arguments;
+}
+
 TEST_F(WrongVariantsTest, VerifyHasPathsAndCallsEnough) {
     for (const char* wrong : {"wrong_loss", "wrong_count"}) {
-        const CommandResult result = call({"verify",
-                                           "--scene",
-                                           "cornell_open",
-                                           "--backend",
-                                           "cpu",
-                                           "--axis",
-                                           "compaction=none," + std::string(wrong),
-                                           "--axis",
-                                           "integrator=wavefront",
-                                           "--axis",
-                                           "sorting=none",
-                                           "--axis",
-                                           "layout=aos",
-                                           "--axis",
-                                           "specialisation=features",
-                                           "--axis",
-                                           "direct_light=off",
-                                           "--axis",
-                                           "first_bounce=off",
-                                           "--axis",
-                                           "precision=float"});
+        const CommandResult result = call(verify_queue("none," + std::string(wrong)));
         EXPECT_EQ(result.exit_code, 1);
         EXPECT_TRUE(has(result.out, "compaction=" + std::string(wrong) + " on cornell_open: FAILED, ")) << result.out;
         EXPECT_TRUE(has(result.out, " wavefront on cornell_open: ok, ")) << result.out;
@@ -199,29 +191,8 @@ TEST_F(WrongVariantsTest, OverwriteStartsOverAndKeepsTheJournal) {
 }
 
 TEST_F(WrongVariantsTest, WhatWasPrintedIsThereAfterACrash) {
-    const Arguments arguments{"verify",
-                              "--scene",
-                              "cornell_open",
-                              "--backend",
-                              "cpu",
-                              "--resolution",
-                              "16x16",
-                              "--axis",
-                              "compaction=none,wrong_crash",
-                              "--axis",
-                              "integrator=wavefront",
-                              "--axis",
-                              "sorting=none",
-                              "--axis",
-                              "layout=aos",
-                              "--axis",
-                              "specialisation=features",
-                              "--axis",
-                              "direct_light=off",
-                              "--axis",
-                              "first_bounce=off",
-                              "--axis",
-                              "precision=float"};
+    Arguments arguments = verify_queue("none,wrong_crash");
+    arguments.insert(arguments.end(), {"--resolution", "16x16"});
     const CommandResult result = call(arguments, "1");
     EXPECT_EQ(result.exit_code, 3);
     EXPECT_TRUE(has(result.out, " wavefront on cornell_open: ok, ")) << result.out;
