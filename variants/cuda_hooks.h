@@ -64,8 +64,9 @@ struct IntegratorHook {
     std::vector<KernelSignature> (*single_kernels)() = nullptr;
     std::vector<KernelSignature> (*double_kernels)() = nullptr;
     std::vector<KernelConstant> (*constants)(const Variant& variant) = nullptr;  // may be null
-    const char* source = nullptr;  // embedded; null: variants/integrator/NAME.cuh
-    bool stores_hits = false;      // they lie in device memory between kernels, as the paths of a queue do
+    const char* source = nullptr;        // embedded; null: variants/integrator/NAME.cuh
+    const char* walks_source = nullptr;  // embedded: of programs that leave subsurface walks to a kernel of their own
+    bool stores_hits = false;            // they lie in device memory between kernels, as the paths of a queue do
 
     std::vector<KernelSignature> kernels(std::size_t real_bytes) const {
         return real_bytes == sizeof(float) ? single_kernels() : double_kernels();

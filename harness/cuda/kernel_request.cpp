@@ -7,6 +7,7 @@
 #include "harness/render/renderer.h"
 #include "harness/scene/scene_buffers.h"
 #include "variants/cuda/device/parameters.h"
+#include "variants/cuda/device/walkers.h"
 #include "variants/cuda/stages.h"
 
 namespace pt::cuda {
@@ -42,8 +43,12 @@ void describe_scene(const Scene& scene, bool bakes, ModuleRequest& request) {
 }
 
 template <class Real>
-std::vector<KernelSignature> kernels_of(const IntegratorHook& integrator, const KernelConfig& config) {
+std::vector<KernelSignature> kernels_of(const IntegratorHook& integrator, const KernelConfig& config,
+                                        bool walks_apart) {
     std::vector<KernelSignature> kernels = integrator.kernels(sizeof(Real));
+    if (walks_apart) {
+        kernels.push_back(kernel_of<WalkPathsParameters<Real>>());
+    }
     if (config.keeps_first_hits) {
         kernels.push_back(kernel_of<FillCacheParameters<Real>>(false));
     }
@@ -69,8 +74,14 @@ ModuleRequest module_request(const Scene& scene, const Variant& variant, const s
                       .min_blocks = tuned(variant, "min_blocks", 0) / (is_double ? 2 : 1),
                       .keeps_first_hits = kept_rays(variant) > 0,
                       .shading_fmas = tuned(variant, "shading_fmas", 0)};
-    request.kernels =
-        is_double ? kernels_of<double>(integrator, request.config) : kernels_of<float>(integrator, request.config);
+    const bool walks_apart = integrator.walks_source != nullptr &&
+                             contains(request.config.features, Feature::subsurface) &&
+                             tunable(variant, "walks_apart", Backend::cuda) != 0;
+    if (walks_apart) {
+        request.includes.emplace_back(integrator.walks_source);
+    }
+    request.kernels = is_double ? kernels_of<double>(integrator, request.config, walks_apart)
+                                : kernels_of<float>(integrator, request.config, walks_apart);
     const bool bakes = hooks(axes::specialisation, variant).bakes_scene;
     if (is_double) {
         describe_scene<double>(scene, bakes, request);

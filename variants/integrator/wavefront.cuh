@@ -6,6 +6,7 @@
 #include "variants/cuda/device/key_bounds.h"
 #include "variants/cuda/device/parameters.h"
 #include "variants/cuda/device/path_store.h"
+#include "variants/cuda/device/walkers.h"
 
 namespace pt::cuda {
 
@@ -67,6 +68,7 @@ struct ShadePathsParameters {
     const std::uint32_t* count;
     const StoredHit<Real>* hits;
     Totals* totals;
+    WalkerList walkers;
 };
 
 }  // namespace pt::cuda
@@ -77,6 +79,7 @@ struct ShadePathsParameters {
 #include "variants/cuda/device/device.cuh"
 #include "variants/cuda/device/queue_slots.cuh"
 #include "variants/cuda/device/sort_keys.cuh"
+#include "variants/cuda/device/walkers.cuh"
 #include "variants/integrator/wavefront_fetching.cuh"
 
 // Starts path i in slot i; with a cursor the first sample is read from there.
@@ -159,13 +162,15 @@ PT_KERNEL(write_ray_keys, pt::cuda::WriteRayKeysParameters,
 
 PT_KERNEL(shade_paths, pt::cuda::ShadePathsParameters<Real>,
           (const __grid_constant__ Scene parameter, FilmView film, PathStore store, const std::uint32_t* order,
-           const std::uint32_t* count, const StoredHit* hits, Totals* totals)) {
+           const std::uint32_t* count, const StoredHit* hits, Totals* totals, pt::cuda::WalkerList walkers)) {
     const SceneViews scene(parameter);
     const Paths paths(store);
     ThreadCounters counters;
+    OwnWalk walk;
+    std::uint32_t slot = 0;
     const std::uint32_t i = pt::cuda::thread_number();
     if (i < *count) {
-        const std::uint32_t slot = pt::cuda::slot_at(order, i);
+        slot = pt::cuda::slot_at(order, i);
         if (paths.alive(slot)) {
             Path path = load_path(paths, slot, scene.shade);
             // The generator of cis565 is seeded by where a path lies in the queue, not by whose it is.
@@ -174,7 +179,8 @@ PT_KERNEL(shade_paths, pt::cuda::ShadePathsParameters<Real>,
                 path.pixel = i;
             }
             const StoredHit stored = hits[slot];
-            const bool alive = shade(scene, path, Hit{stored.t, stored.side, path.primitive}, counters);
+            const bool alive =
+                shade<walks_apart>(scene, path, Hit{stored.t, stored.side, path.primitive}, counters, walk);
             path.pixel = pixel;
             if (alive) {
                 paths.update<carried_fields>(slot, path);
@@ -185,6 +191,9 @@ PT_KERNEL(shade_paths, pt::cuda::ShadePathsParameters<Real>,
             }
         }
     }
+    if constexpr (walks_apart) {
+        pt::cuda::put_walkers(walkers, walk, slot, i);
+    }
     pt::cuda::add_shade_counters(totals, counters);
 }
 
@@ -193,10 +202,14 @@ PT_KERNEL(shade_paths, pt::cuda::ShadePathsParameters<Real>,
 #if defined(PT_HOST)  // what launches them, and what the choice says of itself
 
 #include "variants/cuda/sort_stage.h"
+#include "variants/cuda/walks.h"
 #include "variants/cuda/wavefronts.h"
 
 namespace pt::cuda::integrator::wavefront {
 namespace {
+
+constexpr Tunable tunables[] = {wavefront_tunables[0], wavefront_tunables[1], wavefront_tunables[2],
+                                wavefront_tunables[3], wavefront_tunables[4], walks_tunable};
 
 constexpr Descriptor descriptor{
     .axis = "integrator",
@@ -207,7 +220,7 @@ constexpr Descriptor descriptor{
     .traits =
         IntegratorTraits{.has_queue = true, .can_loop = true, .seeds_by_position = true, .traces_in_own_kernel = true},
     .backends = on_cuda,
-    .tunables = wavefront_tunables,
+    .tunables = tunables,
     .check_counters = wavefront_work_missing,
 };
 
@@ -217,7 +230,8 @@ public:
     StagedWavefront(JobOf<Real>& job, IntegratorNeeds&& needs)
         : Wavefront(job, std::move(needs), sizeof(Real), sizeof(StoredHit<Real>)),
           job_(job),
-          sort_stage_(job, this->needs()) {
+          sort_stage_(job, this->needs()),
+          walks_(job, this->needs(), job.pixels * batches().samples_in_flight()) {
         if (this->needs().traits.traversal.needs_own_kernel) {
             const int blocks = job.module->blocks_per_multiprocessor(IntersectPathsParameters<Real>::kernel, job.block);
             most_intersecting_threads_ = static_cast<std::uint32_t>(blocks) * job.multiprocessors * job.block;
@@ -232,8 +246,10 @@ public:
 
 private:
     void fill_first_hits() override { fill_cache(job_); }
+    void reserve_counts(Arena& arena) override { walks_.reserve(arena); }
 
     void begin(std::uint32_t first_sample) override {
+        walks_.begin();
         {
             const Stage stage(job_.stages, "generate", job_.stream);
             job_.launch(queue_.bound,
@@ -277,21 +293,27 @@ private:
     StoredHit<Real>* hits() const { return static_cast<StoredHit<Real>*>(queue_.hits); }
 
     void shade(bool is_sorted) {
-        const Stage stage(job_.stages, "shade", job_.stream);
-        for (const ShadeRange& range : sort_stage_.shade_ranges(queue_, is_sorted)) {
-            job_.launch(queue_.bound, ShadePathsParameters<Real>{job_.scene, job_.film, queue_.paths, range.order,
-                                                                 range.count, hits(), job_.totals});
+        {
+            const Stage stage(job_.stages, "shade", job_.stream);
+            for (const ShadeRange& range : sort_stage_.shade_ranges(queue_, is_sorted)) {
+                job_.launch(queue_.bound, ShadePathsParameters<Real>{job_.scene, job_.film, queue_.paths, range.order,
+                                                                     range.count, hits(), job_.totals, walks_.list()});
+            }
         }
+        walks_.take_in_place(queue_.paths);
     }
 
     JobOf<Real>& job_;
     SortStage sort_stage_;
+    Walks<Real> walks_;
     std::uint32_t most_intersecting_threads_ = ~0u;
 };
 
 IntegratorHook hook() {
     IntegratorHook made = integrator_hook<StagedWavefront>();
     made.stores_hits = true;
+    made.constants = walks_constants;
+    made.walks_source = walk_paths_source;
     return made;
 }
 
