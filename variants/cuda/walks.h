@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 #include "variants/cuda/device/walkers.h"
 #include "variants/cuda/integrator.h"
@@ -18,60 +20,74 @@ inline std::vector<KernelConstant> walks_constants(const Variant& variant) {
     return {{"walks_apart", tunable(variant, "walks_apart", Backend::cuda)}};
 }
 
-template <class Real>
-class Walks {
+// Lists of walkers for a queue of at most `paths` paths; none where walks are not left to a kernel of their own.
+template <class Real, int lists>
+class WalkerLists {
 public:
-    // `paths`: as many as there may be in the queue. `parts`: of the queue, each with a counter, where kernels append.
-    Walks(JobOf<Real>& job, const IntegratorNeeds& needs, std::uint32_t paths, std::uint32_t parts = 1)
+    WalkerLists(JobOf<Real>& job, const IntegratorNeeds& needs, std::uint32_t paths, const char* kernel)
         : job_(job),
           walker_bytes_(walker_bytes<Real>(contains(needs.features, Feature::guided_walk))),
           paths_(paths),
-          parts_(parts),
           are_apart_(contains(needs.features, Feature::subsurface) && needs.tunable("walks_apart") != 0) {
         if (are_apart_) {
-            blocks_ = static_cast<std::uint32_t>(
-                          job.module->blocks_per_multiprocessor(WalkPathsParameters<Real>::kernel, job.block)) *
-                      job.multiprocessors;
+            const auto fit = static_cast<std::uint32_t>(job.module->blocks_per_multiprocessor(kernel, job.block)) *
+                             job.multiprocessors;
+            blocks_ = std::min(fit, (paths + job.block - 1) / job.block);
         }
     }
 
     bool are_apart() const { return are_apart_; }
+    // Blocks that take walks: as many as fit at once.
+    std::uint32_t blocks() const { return blocks_; }
     void reserve(Arena& arena) {
-        if (are_apart_) {
-            list_ = {arena.take_bytes(walker_bytes_ * paths_), arena.take<WalkerCounts>(1)};
+        for (int i = 0; are_apart_ && i < lists; ++i) {
+            lists_[i] = {arena.take_bytes(walker_bytes_ * paths_), arena.take<WalkerCounts>(1)};
         }
     }
     // Enqueues the start of a batch: no path is on a walk.
     void begin() {
-        if (are_apart_) {
-            clear(list_.counts, sizeof *list_.counts, job_.stream);
+        for (int i = 0; are_apart_ && i < lists; ++i) {
+            clear(lists_[i].counts, sizeof(WalkerCounts), job_.stream);
         }
     }
-    const WalkerList& list() const { return list_; }
+    const WalkerList& list(int i = 0) const { return lists_[i]; }
+    void swap_lists() { std::swap(lists_[0], lists_[lists - 1]); }
 
-    // Enqueues the walks of the list to their ends. Paths stay in their slots of `in`.
+private:
+    JobOf<Real>& job_;
+    std::size_t walker_bytes_;
+    std::uint32_t paths_;
+    bool are_apart_;
+    std::uint32_t blocks_ = 0;
+    WalkerList lists_[lists];
+};
+
+// The walks of queues whose paths all do a segment before any does the next: each is taken to its end in between.
+template <class Real>
+class Walks : public WalkerLists<Real, 1> {
+public:
+    // `parts`: of the queue, each with a counter, where kernels append.
+    Walks(JobOf<Real>& job, const IntegratorNeeds& needs, std::uint32_t paths, std::uint32_t parts = 1)
+        : WalkerLists<Real, 1>(job, needs, paths, WalkPathsParameters<Real>::kernel), job_(job), parts_(parts) {}
+
+    // Enqueues the walks of the list. Paths stay in their slots of `in`.
     void take_in_place(const PathStore& in) { take(in, {}, nullptr, {}); }
-    // Enqueues the walks of the list, whose paths lie in `in`, to their ends, after which they are appended to `out`.
+    // Enqueues the walks of the list, whose paths lie in `in`. They are appended to `out` after it.
     void take_to(const PathStore& in, const PathStore& out, std::uint32_t* out_count, const SegmentNumber& segment) {
         take(in, out, out_count, segment);
     }
 
 private:
     void take(const PathStore& in, const PathStore& out, std::uint32_t* out_count, const SegmentNumber& segment) {
-        if (are_apart_) {
+        if (this->are_apart()) {
             const Stage stage(job_.stages, "walk", job_.stream);
-            job_.launch_blocks(std::min(blocks_, (paths_ + job_.block - 1) / job_.block),
-                               WalkPathsParameters<Real>{job_.scene, job_.film, list_, in, out, out_count, parts_,
-                                                         segment, job_.totals});
+            job_.launch_blocks(this->blocks(), WalkPathsParameters<Real>{job_.scene, job_.film, this->list(), in, out,
+                                                                         out_count, parts_, segment, job_.totals});
         }
     }
 
     JobOf<Real>& job_;
-    std::size_t walker_bytes_;
-    std::uint32_t paths_, parts_;
-    bool are_apart_;
-    std::uint32_t blocks_ = 0;
-    WalkerList list_;
+    std::uint32_t parts_;
 };
 
 }  // namespace pt::cuda

@@ -69,6 +69,9 @@ __device__ inline std::uint32_t part_capacity(const PathStore& store) {
     return store.capacity / tuned::append_counters;
 }
 
+// The part of the queue to which the block's paths are appended.
+__device__ inline std::uint32_t own_part() { return blockIdx.x % tuned::append_counters; }
+
 // The number of paths in the queue and, for the position of the calling thread, its slot. Every thread of the block
 // must call locate().
 struct Located {
@@ -121,9 +124,6 @@ __device__ inline void put_path(const Path& path, bool shaded, bool alive, std::
         paths.end(slot);
     }
 }
-
-// The part of the queue to which the block's paths are appended.
-__device__ inline std::uint32_t own_part() { return blockIdx.x % tuned::append_counters; }
 
 // Puts paths that are on a walk into the list of walkers, and where the kernel appends the path itself into its slot of
 // `waiting`. Every lane of the warp must call it.
