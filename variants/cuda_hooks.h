@@ -57,6 +57,13 @@ struct KernelConstant {
     std::uint32_t value = 0;
 };
 
+// A source with one kernel, which only some of an integrator's programs have.
+struct KernelPart {
+    const char* source = nullptr;  // embedded; null: the integrator has none such
+    KernelSignature single_kernel = {};
+    KernelSignature double_kernel = {};
+};
+
 // What an integrator compiles, and how it is made for a cell.
 struct IntegratorHook {
     std::unique_ptr<Integrator> (*make_single)(JobOf<float>& job, IntegratorNeeds&& needs) = nullptr;
@@ -65,6 +72,8 @@ struct IntegratorHook {
     std::vector<KernelSignature> (*double_kernels)() = nullptr;
     std::vector<KernelConstant> (*constants)(const Variant& variant) = nullptr;  // may be null
     const char* source = nullptr;  // embedded; null: variants/integrator/NAME.cuh
+    KernelPart walks = {};         // takes subsurface walks, where the scene has some and walks_apart is not 0
+    KernelPart meshes = {};        // takes rays through meshes, where the traversal needs a kernel of its own
     bool stores_hits = false;      // they lie in device memory between kernels, as the paths of a queue do
 
     std::vector<KernelSignature> kernels(std::size_t real_bytes) const {

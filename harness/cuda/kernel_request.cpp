@@ -42,12 +42,28 @@ void describe_scene(const Scene& scene, bool bakes, ModuleRequest& request) {
 }
 
 template <class Real>
-std::vector<KernelSignature> kernels_of(const IntegratorHook& integrator, const KernelConfig& config) {
+std::vector<KernelSignature> kernels_of(const IntegratorHook& integrator, const KernelConfig& config,
+                                        const std::vector<KernelPart>& parts) {
     std::vector<KernelSignature> kernels = integrator.kernels(sizeof(Real));
+    for (const KernelPart& part : parts) {
+        kernels.push_back(sizeof(Real) == sizeof(double) ? part.double_kernel : part.single_kernel);
+    }
     if (config.keeps_first_hits) {
         kernels.push_back(kernel_of<FillCacheParameters<Real>>(false));
     }
     return kernels;
+}
+
+std::vector<KernelPart> parts_of(const IntegratorHook& integrator, const Variant& variant, FeatureSet features) {
+    std::vector<KernelPart> parts;
+    if (integrator.walks.source != nullptr && contains(features, Feature::subsurface) &&
+        tunable(variant, "walks_apart", Backend::cuda) != 0) {
+        parts.push_back(integrator.walks);
+    }
+    if (integrator.meshes.source != nullptr && traits_of(variant, Backend::cuda).traversal.needs_own_kernel) {
+        parts.push_back(integrator.meshes);
+    }
+    return parts;
 }
 
 }  // namespace
@@ -69,8 +85,12 @@ ModuleRequest module_request(const Scene& scene, const Variant& variant, const s
                       .min_blocks = tuned(variant, "min_blocks", 0) / (is_double ? 2 : 1),
                       .keeps_first_hits = kept_rays(variant) > 0,
                       .shading_fmas = tuned(variant, "shading_fmas", 0)};
-    request.kernels =
-        is_double ? kernels_of<double>(integrator, request.config) : kernels_of<float>(integrator, request.config);
+    const std::vector<KernelPart> parts = parts_of(integrator, variant, request.config.features);
+    for (const KernelPart& part : parts) {
+        request.includes.emplace_back(part.source);
+    }
+    request.kernels = is_double ? kernels_of<double>(integrator, request.config, parts)
+                                : kernels_of<float>(integrator, request.config, parts);
     const bool bakes = hooks(axes::specialisation, variant).bakes_scene;
     if (is_double) {
         describe_scene<double>(scene, bakes, request);

@@ -21,8 +21,11 @@ using std::min;
 
 using Real = float;
 inline constexpr pt::cuda::KernelConfig kernel_config{.features = pt::all_features, .block = 64};
+namespace tuned {
+inline constexpr unsigned walks_apart = 1, walk_steps = 3;
+}  // namespace tuned
 namespace host_bytes {
-inline constexpr pt::test::SameProgram fill_queue, intersect_queue, shade_and_refill, refill_queue;
+inline constexpr pt::test::SameProgram fill_queue, intersect_queue, shade_and_refill, refill_queue, walk_on;
 }  // namespace host_bytes
 using Paths = pt::layout::aos::DevicePaths<Real>;
 using Accelerator = pt::accelerator::brute_force::Traversal;
@@ -36,7 +39,7 @@ std::uint32_t rest(const Ray&, const Hit&, const Bounds&) {
 #include "variants/cuda/device/scene_in_global.cuh"
 // After it: they need no more than its names.
 #include "variants/cuda/device/pixels_all.cuh"
-#include "variants/integrator/wavefront_refill.cuh"
+#include "variants/integrator/wavefront_refill_walks.cuh"
 
 namespace pt::test {
 namespace {
@@ -55,12 +58,14 @@ public:
           blocks_((slots + kernel_config.block - 1) / kernel_config.block),
           records_(slots),
           store_{reinterpret_cast<unsigned char*>(records_.data()), slots},
-          hits_(slots),
+          hits_(slots, {-1, SurfaceId{}}),
+          walkers_{std::vector<unsigned char>(slots * sizeof(::Walker)),
+                   std::vector<unsigned char>(slots * sizeof(::Walker))},
           order_(slots),
           keys_(slots, 12345u),
           ended_(view.longest_path()) {
         std::iota(order_.begin(), order_.end(), 0u);
-        run([&] { ::fill_queue(view_, store_, &count_, slots_, supply(), ::HitCache{}); });
+        run([&] { ::fill_queue(view_, store_, &count_, slots_, supply(), ::HitCache{}, hits_.data()); });
     }
 
     // With the paths in order of their keys in between. Returns what the device reports when the round begins.
@@ -72,11 +77,18 @@ public:
         });
         sort();
         const FilmView sums = film_.view();
+        const cuda::PathSupply at_once = refill_every_ == 1 ? supply() : cuda::PathSupply{};
         run([&] {
-            ::shade_and_refill(view_, sums, store_, order_.data(), &count_, hits_.data(),
-                               refill_every_ == 1 ? supply() : cuda::PathSupply{}, ::HitCache{}, totals_.data(),
-                               ended_.data());
+            ::shade_and_refill(view_, sums, store_, order_.data(), &count_, hits_.data(), at_once, ::HitCache{},
+                               totals_.data(), ended_.data(), list(0));
         });
+        walked_on_ += walker_counts_[0].waiting;
+        run_blocks(2, kernel_config.block, [&] {
+            ::walk_on(view_, sums, store_, hits_.data(), list(0), list(1), at_once, ::HitCache{}, totals_.data(),
+                      ended_.data());
+        });
+        std::swap(walkers_[0], walkers_[1]);
+        std::swap(walker_counts_[0], walker_counts_[1]);
         return report;
     }
 
@@ -103,6 +115,8 @@ public:
         return sum;
     }
     const Film& film() const { return film_; }
+    // Walks that were taken on, one in two rounds twice.
+    std::uint64_t walked_on() const { return walked_on_; }
     std::uint32_t handed_out() const { return next_; }
     std::uint32_t count() const { return count_; }
     // Paths by their number of segments: 1 and more.
@@ -113,6 +127,7 @@ private:
     void run(const Kernel& kernel) {
         run_blocks(blocks_, kernel_config.block, kernel);
     }
+    cuda::WalkerList list(int i) { return {walkers_[i].data(), &walker_counts_[i]}; }
     cuda::PathSupply supply() { return {&next_, total, first_sample}; }
     std::uint32_t last_key() const { return view_.materials.size + 1; }
 
@@ -122,7 +137,8 @@ private:
         std::iota(positions.begin(), positions.end(), 0u);
         const ::Paths paths(store_);
         for (const std::uint32_t position : positions) {
-            EXPECT_EQ(keys_[position] == last_key(), !paths.alive(order_[position]));
+            EXPECT_EQ(keys_[position] == last_key(),
+                      !paths.alive(order_[position]) || hits_[order_[position]].t == cuda::on_a_walk);
             EXPECT_LE(keys_[position], last_key());
         }
         std::stable_sort(positions.begin(), positions.end(),
@@ -141,17 +157,20 @@ private:
     std::vector<layout::aos::Record<float>> records_;
     cuda::PathStore store_;
     std::vector<StoredHit<float>> hits_;
+    std::vector<unsigned char> walkers_[2];
+    cuda::ListCounts walker_counts_[2] = {};
+    std::uint64_t walked_on_ = 0;
     std::vector<std::uint32_t> order_, keys_;
     std::vector<std::uint64_t> ended_;
     std::vector<cuda::Totals> totals_{cuda::counter_copies};
     std::uint32_t count_ = 0, next_ = 0;
 };
 
-// Round after round, as the host's side does: it refills until it has seen that every path was handed out, and ends as
-// many rounds later as a path has segments.
-void render_all(RefilledQueue& queue, std::uint32_t slots, std::uint32_t refill_every, std::uint32_t longest_path) {
+// Round after round, as the host's side does: it refills until it has seen that every path was handed out, and ends
+// when all have ended.
+void render_all(RefilledQueue& queue, std::uint32_t slots, std::uint32_t refill_every) {
     std::uint32_t all_begun = ~0u, before = slots;
-    for (std::uint32_t round = 0; all_begun == ~0u || round < all_begun + longest_path; ++round) {
+    for (std::uint32_t round = 0; queue.counted().paths < total; ++round) {
         if (before < total && round % refill_every == 0) {
             ASSERT_EQ(queue.alive(), slots) << "before round " << round;
         }
@@ -192,7 +211,7 @@ void expect_same(const char* name, const std::function<void(RenderSettings&)>& c
             SCOPED_TRACE(testing::Message() << name << ", " << slots << " slots, refilled every " << refill_every);
             RefilledQueue queue(view, film, slots, refill_every);
             EXPECT_EQ(queue.count(), slots);
-            render_all(queue, slots, refill_every, view.longest_path());
+            render_all(queue, slots, refill_every);
             EXPECT_EQ(queue.alive(), 0u);
             EXPECT_EQ(queue.film().sums(), expected.film.sums());
             EXPECT_EQ(queue.counted().paths, total);

@@ -120,6 +120,7 @@ inline int __popc(unsigned bits) { return std::popcount(bits); }
 inline void __nanosleep(unsigned) { std::this_thread::yield(); }
 // The atomic operations beside it have its order here.
 inline void __threadfence_block() {}
+inline void __threadfence() {}
 inline std::uint32_t atomicCAS(std::uint32_t* address, std::uint32_t expected, std::uint32_t value) {
     std::atomic_ref<std::uint32_t>(*address).compare_exchange_strong(expected, value, std::memory_order_acq_rel);
     return expected;

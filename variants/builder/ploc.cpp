@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "variants/builder/morton_order.h"
-#include "variants/builder/pairing.h"
 #include "variants/builder/primitive_count.h"
 #include "variants/bvh/box.h"
 #include "variants/mesh_reasons.h"
@@ -56,7 +55,7 @@ void merge(std::vector<Cluster>& clusters, const std::vector<std::uint32_t>& nei
 
 }  // namespace
 
-BinaryTree build(const PrimitiveBoxes& boxes, std::uint32_t leaf_size, const SahCosts& costs, std::uint32_t radius) {
+Pairing pair(const PrimitiveBoxes& boxes, std::uint32_t radius) {
     require_primitive_count(boxes.size());
     const std::vector<std::uint64_t> keys = morton_keys(boxes);
     const auto leaves = static_cast<std::uint32_t>(keys.size());
@@ -76,7 +75,11 @@ BinaryTree build(const PrimitiveBoxes& boxes, std::uint32_t leaf_size, const Sah
         merge(clusters, neighbour, leaves, pairing);
     }
     pairing.root = clusters.empty() ? 0 : clusters[0].node;
-    return assemble(pairing, boxes, leaf_size, costs);
+    return pairing;
+}
+
+BinaryTree build(const PrimitiveBoxes& boxes, std::uint32_t leaf_size, const SahCosts& costs, std::uint32_t radius) {
+    return assemble(pair(boxes, radius), boxes, leaf_size, costs);
 }
 
 namespace {

@@ -3,12 +3,14 @@
 // the host.
 #pragma once
 
-#include "variants/builder/sah.h"
+#include "variants/builder/pairing.h"
 
 namespace pt::builder::ploc {
 
+// Finds the siblings of a tree by PLOC. `radius`: how many neighbours on either side are searched.
+Pairing pair(const PrimitiveBoxes& boxes, std::uint32_t radius = 16);
 // Builds a tree by PLOC. `leaf_size`: the most references of a leaf; subtrees become leaves by the surface area
-// heuristic. `radius`: how many neighbours on either side are searched.
+// heuristic.
 BinaryTree build(const PrimitiveBoxes& boxes, std::uint32_t leaf_size = 4, const SahCosts& costs = {},
                  std::uint32_t radius = 16);
 

@@ -53,6 +53,12 @@ struct IntegratorNeeds {
     std::uint32_t tunable(std::string_view name) const { return pt::tunable(variant, name, Backend::cuda); }
 };
 
+// The part of programs whose kernel has Parameters<Real> and stands in `source`.
+template <template <class Real> class Parameters>
+constexpr KernelPart kernel_part(const char* source) {
+    return {source, kernel_of<Parameters<float>>(), kernel_of<Parameters<double>>()};
+}
+
 // The hook of an integrator: Class<Real>(JobOf<Real>&, IntegratorNeeds&&), with Class<Real>::kernels().
 template <template <class Real> class Class>
 IntegratorHook integrator_hook() {

@@ -4,8 +4,10 @@
 
 #include "kernels/film.h"
 #include "variants/cuda/device/key_bounds.h"
+#include "variants/cuda/device/mesh_queue.h"
 #include "variants/cuda/device/parameters.h"
 #include "variants/cuda/device/path_store.h"
+#include "variants/cuda/device/walkers.h"
 
 namespace pt::cuda {
 
@@ -42,6 +44,7 @@ struct IntersectPathsParameters {
     std::uint32_t chunk;  // slots; read by keys by chunk only
     std::uint32_t last_key;
     KeyBounds bounds;
+    MeshQueue meshes;  // gets the paths that traversal=persistent takes through meshes in a kernel of its own
 };
 
 // Parameters of the kernel that writes the sort keys of rays that are yet to be traced: ended paths and positions
@@ -67,6 +70,7 @@ struct ShadePathsParameters {
     const std::uint32_t* count;
     const StoredHit<Real>* hits;
     Totals* totals;
+    WalkerList walkers;
 };
 
 }  // namespace pt::cuda
@@ -75,9 +79,11 @@ struct ShadePathsParameters {
 
 #include "variants/cuda/device/advance.cuh"
 #include "variants/cuda/device/device.cuh"
+#include "variants/cuda/device/hit_keys.cuh"
+#include "variants/cuda/device/mesh_queue.cuh"
 #include "variants/cuda/device/queue_slots.cuh"
 #include "variants/cuda/device/sort_keys.cuh"
-#include "variants/integrator/wavefront_fetching.cuh"
+#include "variants/cuda/device/walkers.cuh"
 
 // Starts path i in slot i; with a cursor the first sample is read from there.
 PT_KERNEL(generate_paths, pt::cuda::GeneratePathsParameters<Real>,
@@ -94,24 +100,20 @@ PT_KERNEL(generate_paths, pt::cuda::GeneratePathsParameters<Real>,
     }
 }
 
-// Traces the queue's rays, one position a thread unless traversal=persistent. With `keys`, also writes the sort key of
-// every position below `bound`: ended paths and positions beyond the count have the last one.
+// Traces the queue's rays, one position a thread. With `keys`, also writes the sort key of every position below
+// `bound`: ended paths and positions beyond the count have the last one. Paths that enter a mesh wait for another
+// kernel where the traversal has one.
 PT_KERNEL(intersect_paths, pt::cuda::IntersectPathsParameters<Real>,
           (const __grid_constant__ Scene parameter, PathStore store, const std::uint32_t* order,
            const std::uint32_t* count, std::uint32_t bound, StoredHit* hits, HitCache cache, SegmentNumber segment,
            SegmentCounts segments, std::uint32_t* keys, std::uint32_t bits, std::uint32_t chunk, std::uint32_t last_key,
-           pt::cuda::KeyBounds bounds)) {
+           pt::cuda::KeyBounds bounds, pt::cuda::MeshQueue meshes)) {
     const SceneViews scene(parameter);
     const Paths paths(store);
-    if constexpr (pt::cuda::fetches_paths<Accelerator>) {
-        const pt::cuda::IntersectStage stage{scene,   paths, order, count, bound,    hits,  cache,
-                                             segment, keys,  bits,  chunk, last_key, bounds};
-        pt::cuda::intersect_fetched<Accelerator>(stage, segments);
-        return;
-    }
     const std::uint32_t i = pt::cuda::thread_number();
     std::uint32_t key = last_key;
     bool live = false;
+    bool waits = false;
     if (i < *count) {
         const std::uint32_t slot = pt::cuda::slot_at(order, i);
         if (paths.alive(slot)) {
@@ -124,11 +126,18 @@ PT_KERNEL(intersect_paths, pt::cuda::IntersectPathsParameters<Real>,
                 if constexpr (carried_fields.primitive) {
                     ray.primitive = paths.primitive(slot);
                 }
-                hit = pt::closest_hit<Configuration>(scene.trace, ray);
+                if constexpr (pt::cuda::fetches_paths<Accelerator>) {
+                    hit = pt::closest_hit<pt::cuda::WithoutMeshes>(scene.trace, ray);
+                    waits = pt::cuda::enters_mesh<Accelerator>(scene.trace, ray, hit);
+                } else {
+                    hit = pt::closest_hit<Configuration>(scene.trace, ray);
+                }
             }
             hits[slot] = {hit.t, hit.side};
             if constexpr (carried_fields.primitive) {
-                paths.primitive(slot) = hit.primitive;
+                if (!waits) {
+                    paths.primitive(slot) = hit.primitive;
+                }
             }
             if (keys != nullptr) {
                 key = pt::cuda::key_of(scene.shade, ray, hit, slot, bits, chunk, bounds);
@@ -137,6 +146,9 @@ PT_KERNEL(intersect_paths, pt::cuda::IntersectPathsParameters<Real>,
     }
     if (keys != nullptr && i < bound) {
         keys[i] = key;
+    }
+    if constexpr (pt::cuda::fetches_paths<Accelerator>) {
+        pt::cuda::put_position(meshes, waits, i);
     }
     pt::cuda::add_segment_counts(segments, segment, live, *count);
 }
@@ -159,13 +171,15 @@ PT_KERNEL(write_ray_keys, pt::cuda::WriteRayKeysParameters,
 
 PT_KERNEL(shade_paths, pt::cuda::ShadePathsParameters<Real>,
           (const __grid_constant__ Scene parameter, FilmView film, PathStore store, const std::uint32_t* order,
-           const std::uint32_t* count, const StoredHit* hits, Totals* totals)) {
+           const std::uint32_t* count, const StoredHit* hits, Totals* totals, pt::cuda::WalkerList walkers)) {
     const SceneViews scene(parameter);
     const Paths paths(store);
     ThreadCounters counters;
+    OwnWalk walk;
+    std::uint32_t slot = 0;
     const std::uint32_t i = pt::cuda::thread_number();
     if (i < *count) {
-        const std::uint32_t slot = pt::cuda::slot_at(order, i);
+        slot = pt::cuda::slot_at(order, i);
         if (paths.alive(slot)) {
             Path path = load_path(paths, slot, scene.shade);
             // The generator of cis565 is seeded by where a path lies in the queue, not by whose it is.
@@ -174,7 +188,8 @@ PT_KERNEL(shade_paths, pt::cuda::ShadePathsParameters<Real>,
                 path.pixel = i;
             }
             const StoredHit stored = hits[slot];
-            const bool alive = shade(scene, path, Hit{stored.t, stored.side, path.primitive}, counters);
+            const bool alive =
+                shade<walks_apart>(scene, path, Hit{stored.t, stored.side, path.primitive}, counters, walk);
             path.pixel = pixel;
             if (alive) {
                 paths.update<carried_fields>(slot, path);
@@ -185,6 +200,9 @@ PT_KERNEL(shade_paths, pt::cuda::ShadePathsParameters<Real>,
             }
         }
     }
+    if constexpr (walks_apart) {
+        pt::cuda::put_walkers(walkers, walk, slot, i);
+    }
     pt::cuda::add_shade_counters(totals, counters);
 }
 
@@ -193,10 +211,14 @@ PT_KERNEL(shade_paths, pt::cuda::ShadePathsParameters<Real>,
 #if defined(PT_HOST)  // what launches them, and what the choice says of itself
 
 #include "variants/cuda/sort_stage.h"
+#include "variants/cuda/walks.h"
 #include "variants/cuda/wavefronts.h"
 
 namespace pt::cuda::integrator::wavefront {
 namespace {
+
+constexpr Tunable tunables[] = {wavefront_tunables[0], wavefront_tunables[1], wavefront_tunables[2],
+                                wavefront_tunables[3], wavefront_tunables[4], walks_tunable};
 
 constexpr Descriptor descriptor{
     .axis = "integrator",
@@ -207,7 +229,7 @@ constexpr Descriptor descriptor{
     .traits =
         IntegratorTraits{.has_queue = true, .can_loop = true, .seeds_by_position = true, .traces_in_own_kernel = true},
     .backends = on_cuda,
-    .tunables = wavefront_tunables,
+    .tunables = tunables,
     .check_counters = wavefront_work_missing,
 };
 
@@ -217,10 +239,12 @@ public:
     StagedWavefront(JobOf<Real>& job, IntegratorNeeds&& needs)
         : Wavefront(job, std::move(needs), sizeof(Real), sizeof(StoredHit<Real>)),
           job_(job),
-          sort_stage_(job, this->needs()) {
+          sort_stage_(job, this->needs()),
+          walks_(job, this->needs(), job.pixels * batches().samples_in_flight()) {
         if (this->needs().traits.traversal.needs_own_kernel) {
-            const int blocks = job.module->blocks_per_multiprocessor(IntersectPathsParameters<Real>::kernel, job.block);
-            most_intersecting_threads_ = static_cast<std::uint32_t>(blocks) * job.multiprocessors * job.block;
+            const int blocks =
+                job.module->blocks_per_multiprocessor(IntersectMeshesParameters<Real>::kernel, job.block);
+            fetching_blocks_ = static_cast<std::uint32_t>(blocks) * job.multiprocessors;
         }
     }
 
@@ -232,8 +256,19 @@ public:
 
 private:
     void fill_first_hits() override { fill_cache(job_); }
+    void reserve_counts(Arena& arena) override {
+        walks_.reserve(arena);
+        if (fetching_blocks_ != 0) {
+            meshes_ = {arena.take<std::uint32_t>(job_.pixels * batches().samples_in_flight()),
+                       arena.take<ListCounts>(1)};
+        }
+    }
 
     void begin(std::uint32_t first_sample) override {
+        walks_.begin();
+        if (fetching_blocks_ != 0) {
+            clear(meshes_.counts, sizeof(ListCounts), job_.stream);
+        }
         {
             const Stage stage(job_.stages, "generate", job_.stream);
             job_.launch(queue_.bound,
@@ -258,11 +293,15 @@ private:
         {
             const Stage stage(job_.stages, "intersect", job_.stream);
             std::uint32_t* const keys = sorts && by_hit ? queue_.keys : nullptr;
-            job_.launch(intersecting_threads(),
+            job_.launch(queue_.bound,
                         IntersectPathsParameters<Real>{job_.scene, queue_.paths, order(), queue_.count, queue_.bound,
                                                        hits(), job_.cache, batches().segment(segment), job_.segments,
                                                        keys, key.bits, sort_stage_.chunk(queue_),
-                                                       sort_stage_.last_key(queue_), needs().key_bounds});
+                                                       sort_stage_.last_key(queue_), needs().key_bounds, meshes_});
+            job_.launch_blocks(
+                std::min(fetching_blocks_, (queue_.bound + job_.block - 1) / job_.block),
+                IntersectMeshesParameters<Real>{job_.scene, queue_.paths, order(), meshes_, hits(), keys, key.bits,
+                                                sort_stage_.chunk(queue_), needs().key_bounds});
         }
         if (sorts && by_hit) {
             const Stage stage(job_.stages, "sort", job_.stream);
@@ -271,27 +310,32 @@ private:
         shade(sorts && by_hit);
     }
 
-    // Threads of the intersection kernel: one a path or, with persistent threads, as many as fit at once.
-    std::uint32_t intersecting_threads() const { return std::min(queue_.bound, most_intersecting_threads_); }
-
     StoredHit<Real>* hits() const { return static_cast<StoredHit<Real>*>(queue_.hits); }
 
     void shade(bool is_sorted) {
-        const Stage stage(job_.stages, "shade", job_.stream);
-        for (const ShadeRange& range : sort_stage_.shade_ranges(queue_, is_sorted)) {
-            job_.launch(queue_.bound, ShadePathsParameters<Real>{job_.scene, job_.film, queue_.paths, range.order,
-                                                                 range.count, hits(), job_.totals});
+        {
+            const Stage stage(job_.stages, "shade", job_.stream);
+            for (const ShadeRange& range : sort_stage_.shade_ranges(queue_, is_sorted)) {
+                job_.launch(queue_.bound, ShadePathsParameters<Real>{job_.scene, job_.film, queue_.paths, range.order,
+                                                                     range.count, hits(), job_.totals, walks_.list()});
+            }
         }
+        walks_.take_in_place(queue_.paths);
     }
 
     JobOf<Real>& job_;
     SortStage sort_stage_;
-    std::uint32_t most_intersecting_threads_ = ~0u;
+    Walks<Real> walks_;
+    MeshQueue meshes_;
+    std::uint32_t fetching_blocks_ = 0;  // of the kernel that takes rays through meshes: as many as fit at once
 };
 
 IntegratorHook hook() {
     IntegratorHook made = integrator_hook<StagedWavefront>();
     made.stores_hits = true;
+    made.constants = walks_constants;
+    made.walks = walk_paths_part;
+    made.meshes = kernel_part<IntersectMeshesParameters>("variants/integrator/wavefront_fetching.cuh");
     return made;
 }
 

@@ -1,36 +1,25 @@
-// The intersection stage of a wavefront whose warps fetch paths from the queue (traversal=persistent). A path that is
-// fetched meets the scene's other shapes at once, then its meshes one after the other; what it leaves behind is what
-// the stage with a thread a path leaves.
+// The part of a wavefront's programs with traversal=persistent that takes rays through meshes, one mesh after the
+// other, by warps that fetch paths. What it leaves behind is what a thread a path would.
 #pragma once
 
 #include "variants/cuda/device/hit_keys.cuh"
+#include "variants/cuda/device/mesh_queue.cuh"
 #include "variants/cuda/device/queue_slots.cuh"
 #include "variants/traversal/warp_queue.cuh"
 
 namespace pt::cuda {
 
-// Whether the accelerator is a choice of the axis traversal that has a kernel for itself.
-template <class Traversal>
-inline constexpr bool fetches_paths = requires {
-    Traversal::fetches_paths;
-};
-
-// The parameters of the intersection stage (IntersectPathsParameters), as views.
-struct IntersectStage {
+// The parameters of the kernel, as views.
+struct MeshStage {
     const SceneViews& scene;
     const Paths& paths;
     const std::uint32_t* order;
-    const std::uint32_t* count;
-    std::uint32_t bound;
+    const MeshQueue& queue;
     StoredHit<Real>* hits;
-    const HitCache<Real>& cache;
-    std::uint32_t segment;
     std::uint32_t* keys;
-    std::uint32_t bits, chunk, last_key;
+    std::uint32_t bits, chunk;
     const KeyBounds& bounds;
 
-    // Number of positions that a lane has to look at.
-    __device__ std::uint32_t positions() const { return keys != nullptr ? bound : *count; }
     __device__ Ray<Real> ray(std::uint32_t slot) const {
         Ray<Real> ray = paths.ray(slot);
         if constexpr (carried_fields.primitive) {
@@ -47,28 +36,22 @@ public:
     using Walk = typename Traversal::template Walk<Real>;
     using Stack = typename Traversal::template Stack<Real>;
 
-    __device__ FetchedPath(const IntersectStage& stage, Stack& stack) : stage_(stage), stack_(stack) {}
+    __device__ FetchedPath(const MeshStage& stage, Stack& stack) : stage_(stage), stack_(stack) {}
 
     __device__ bool active() const { return wants_node() || wants_triangle(); }
     __device__ bool wants_node() const { return walk_.wants_node(); }
     __device__ bool wants_triangle() const { return !triangles_.empty(); }
-    __device__ std::uint32_t live_paths() const { return live_paths_; }
 
-    __device__ void start(std::uint32_t position) {
-        position_ = position;
-        if (position < *stage_.count) {
-            slot_ = slot_at(stage_.order, position);
-            if (stage_.paths.alive(slot_)) {
-                ++live_paths_;
-                start_path();
-                return;
-            }
-        }
-        if (stage_.keys != nullptr) {
-            stage_.keys[position] = stage_.last_key;
-        }
+    __device__ void start(std::uint32_t place) {
+        position_ = stage_.queue.positions[place];
+        slot_ = slot_at(stage_.order, position_);
+        const StoredHit<Real> met = stage_.hits[slot_];
+        best_ = Hit<Real>{};
+        best_.t = met.t;
+        best_.side = met.side;
+        mesh_ = 0;
+        start_meshes();
     }
-
     // Visits the next node. Triangles that were found wait, so a lane goes on to nodes while others test theirs.
     __device__ void visit_node() {
         NoTraversalCounter counter;
@@ -82,22 +65,8 @@ public:
     }
 
 private:
-    using Others = Config<Real, Configuration::features & ~static_cast<FeatureSet>(Feature::mesh), Accelerator>;
-
-    __device__ void start_path() {
-        if (kernel_config.keeps_first_hits && stage_.segment == 0) {
-            best_ = stage_.cache.template load<Configuration>(
-                stage_.cache.index(stage_.paths.pixel(slot_), stage_.paths.sample(slot_)));
-            finish();
-            return;
-        }
-        const Ray<Real> ray = stage_.ray(slot_);
-        best_ = closest_hit<Others>(stage_.scene.trace, ray);
-        mesh_ = 0;
-        start_meshes(ray);
-    }
     // Starts on the first mesh from mesh_ on that has a tree.
-    __device__ void start_meshes(const Ray<Real>& ray) {
+    __device__ void start_meshes() {
         const Scene& scene = stage_.scene.trace;
         while (mesh_ < scene.meshes.size && scene.meshes[mesh_].geometry.tree.node_count == 0) {
             ++mesh_;
@@ -106,11 +75,10 @@ private:
             finish();
             return;
         }
-        const std::uint32_t object = first_of<ShapeKind::mesh>(scene) + mesh_;
-        const MeshInstance<Real>& mesh = scene.meshes[mesh_];
-        ray_ = MeshRay<Real>::of(mesh, object, at_rest<Configuration>(scene, object, ray.origin, ray.time), ray);
-        leaves_ = mesh.geometry.leaves;
-        walk_ = Walk(mesh.geometry.tree, ray_.origin, ray_.direction);
+        const auto start = MeshWalk<Traversal>::of(scene, mesh_, stage_.ray(slot_));
+        ray_ = start.ray;
+        walk_ = start.walk;
+        leaves_ = scene.meshes[mesh_].geometry.leaves;
         stack_.clear();
     }
     __device__ void go_on() {
@@ -120,7 +88,7 @@ private:
         }
         if (triangles_.empty() && !walk_.wants_node()) {
             ++mesh_;
-            start_meshes(stage_.ray(slot_));
+            start_meshes();
         }
     }
     __device__ void finish() {
@@ -134,7 +102,7 @@ private:
         }
     }
 
-    const IntersectStage& stage_;
+    const MeshStage& stage_;
     Stack& stack_;
     Walk walk_;
     MeshRay<Real> ray_;
@@ -142,30 +110,21 @@ private:
     Hit<Real> best_;
     typename Walk::Leaf triangles_;
     std::uint32_t position_, slot_, mesh_;
-    std::uint32_t live_paths_ = 0;
 };
 
-// Traces the paths of a queue by persistent warps. The positions fetched are counted in the module; who is last makes
-// the count ready for the next launch. Every thread of the grid must call it.
-template <class Traversal>
-__device__ inline void intersect_fetched(const IntersectStage& stage, const SegmentCounts& segments) {
-    static __device__ std::uint32_t next, finished_blocks;
-    using Stack = typename Traversal::template Stack<Real>;
+}  // namespace pt::cuda
+
+PT_KERNEL(intersect_meshes, pt::cuda::IntersectMeshesParameters<Real>,
+          (const __grid_constant__ Scene parameter, PathStore store, const std::uint32_t* order,
+           pt::cuda::MeshQueue queue, StoredHit* hits, std::uint32_t* keys, std::uint32_t bits, std::uint32_t chunk,
+           pt::cuda::KeyBounds bounds)) {
+    using Stack = Accelerator::Stack<Real>;
+    const SceneViews scene(parameter);
+    const Paths paths(store);
+    const pt::cuda::MeshStage stage{scene, paths, order, queue, hits, keys, bits, chunk, bounds};
     typename Stack::Memory memory;
     Stack stack(memory);
-    FetchedPath<Traversal> path(stage, stack);
-    traversal::work_off<typename Traversal::Policy>(path, &next, stage.positions());
-    const std::size_t copy = static_cast<std::size_t>(stage.segment) * segments.copies + blockIdx.x % segments.copies;
-    const std::uint32_t live[] = {path.live_paths()};
-    std::uint64_t* const sums[] = {&segments.live[copy]};
-    add_over_block(live, sums);
-    if (thread_number() == 0) {
-        atomic_add(&segments.in_play[copy], static_cast<std::uint64_t>(*stage.count));
-    }
-    __syncthreads();
-    if (threadIdx.x == 0 && atomicAdd(&finished_blocks, 1u) == gridDim.x - 1) {
-        next = finished_blocks = 0;
-    }
+    pt::cuda::FetchedPath<Accelerator> path(stage, stack);
+    pt::traversal::work_off<Accelerator::Policy>(path, &queue.counts->taken, queue.counts->waiting);
+    pt::cuda::finish_list(queue.counts);
 }
-
-}  // namespace pt::cuda

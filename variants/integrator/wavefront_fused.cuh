@@ -6,6 +6,7 @@
 #include "kernels/film.h"
 #include "variants/cuda/device/parameters.h"
 #include "variants/cuda/device/path_store.h"
+#include "variants/cuda/device/walkers.h"
 
 namespace pt::cuda {
 
@@ -24,6 +25,8 @@ struct FirstBounceParameters {
     HitCache<Real> cache;
     Totals* totals;
     SegmentCounts segments;
+    PathStore waiting;  // where paths lie that are on a walk: slot i for path i
+    WalkerList walkers;
 };
 
 // Parameters of the kernel for one bounce of the paths at order[0..*in_count-1] of `in` (no order: at 0..*in_count-1;
@@ -41,6 +44,7 @@ struct NextBounceParameters {
     SegmentNumber segment;
     Totals* totals;
     SegmentCounts segments;
+    WalkerList walkers;  // their paths lie in `in`
 };
 
 }  // namespace pt::cuda
@@ -51,6 +55,7 @@ struct NextBounceParameters {
 #include "variants/cuda/device/append.cuh"
 #include "variants/cuda/device/append_in_kernel.h"
 #include "variants/cuda/device/queue_slots.cuh"
+#include "variants/cuda/device/walkers.cuh"
 
 // Paths stay in their slots unless the kernel appends.
 // The queue is in tuned::append_counters parts, each with a counter of its own, since an append to one counter waits
@@ -63,6 +68,9 @@ constexpr bool appends = append_in_kernel != pt::AppendInKernel::no;
 __device__ inline std::uint32_t part_capacity(const PathStore& store) {
     return store.capacity / tuned::append_counters;
 }
+
+// The part of the queue to which the block's paths are appended.
+__device__ inline std::uint32_t own_part() { return blockIdx.x % tuned::append_counters; }
 
 // The number of paths in the queue and, for the position of the calling thread, its slot. Every thread of the block
 // must call locate().
@@ -93,7 +101,7 @@ __device__ inline void put_path(const Path& path, bool shaded, bool alive, std::
                                 std::uint32_t* out_count) {
     const Paths paths(out);
     if constexpr (appends) {
-        const std::uint32_t part = blockIdx.x % tuned::append_counters;
+        const std::uint32_t part = own_part();
         std::uint32_t* const count = out_count + part * counter_stride;
         std::uint32_t position = 0;
         if constexpr (append_in_kernel == pt::AppendInKernel::by_warp) {
@@ -117,10 +125,20 @@ __device__ inline void put_path(const Path& path, bool shaded, bool alive, std::
     }
 }
 
+// Puts paths that are on a walk into the list of walkers, and where the kernel appends the path itself into its slot of
+// `waiting`. Every lane of the warp must call it.
+__device__ inline void put_walker(const pt::cuda::WalkerList& walkers, const OwnWalk& walk, const Path& path,
+                                  const PathStore& waiting, std::uint32_t slot) {
+    if (appends && walk.is_on()) {
+        Paths(waiting).put<carried_fields>(slot, path);
+    }
+    pt::cuda::put_walkers(walkers, walk, slot, own_part());
+}
+
 // Traces and shades one segment; accumulates a path that ends. Returns whether it lives.
 __device__ inline bool bounce(const SceneViews& scene, const FilmView& film, Path& path, const Hit& hit,
-                              ThreadCounters& counters) {
-    if (shade(scene, path, hit, counters)) {
+                              ThreadCounters& counters, OwnWalk& walk) {
+    if (shade<walks_apart>(scene, path, hit, counters, walk)) {
         return true;
     }
     pt::accumulate(film, path);
@@ -132,9 +150,10 @@ __device__ inline bool bounce(const SceneViews& scene, const FilmView& film, Pat
 PT_KERNEL(first_bounce, pt::cuda::FirstBounceParameters<Real>,
           (const __grid_constant__ Scene parameter, FilmView film, PathStore out, std::uint32_t* out_count,
            std::uint32_t pool, std::uint32_t first_sample, const std::uint32_t* cursor, HitCache cache, Totals* totals,
-           SegmentCounts segments)) {
+           SegmentCounts segments, PathStore waiting, pt::cuda::WalkerList walkers)) {
     const SceneViews scene(parameter);
     ThreadCounters counters;
+    OwnWalk walk;
     const std::uint32_t i = pt::cuda::thread_number();
     const bool mine = i < pool;
     bool alive = false;
@@ -142,7 +161,11 @@ PT_KERNEL(first_bounce, pt::cuda::FirstBounceParameters<Real>,
     if (mine) {
         const std::uint32_t first = cursor != nullptr ? *cursor : first_sample;
         path = pt::cuda::path_of_number(scene.shade, i, first, cache);
-        alive = bounce(scene, film, path, first_hit(scene, path, cache), counters);
+        alive = bounce(scene, film, path, first_hit(scene, path, cache), counters, walk);
+    }
+    if constexpr (walks_apart) {
+        put_walker(walkers, walk, path, waiting, i);
+        alive = alive && !(appends && walk.is_on());
     }
     put_path<true>(path, mine, alive, i, out, out_count);
     if constexpr (!appends) {
@@ -159,9 +182,10 @@ PT_KERNEL(first_bounce, pt::cuda::FirstBounceParameters<Real>,
 PT_KERNEL(next_bounce, pt::cuda::NextBounceParameters<Real>,
           (const __grid_constant__ Scene parameter, FilmView film, PathStore in, const std::uint32_t* order,
            const std::uint32_t* in_count, PathStore out, std::uint32_t* out_count, SegmentNumber segment,
-           Totals* totals, SegmentCounts segments)) {
+           Totals* totals, SegmentCounts segments, pt::cuda::WalkerList walkers)) {
     const SceneViews scene(parameter);
     ThreadCounters counters;
+    OwnWalk walk;
     const std::uint32_t i = pt::cuda::thread_number();
     bool live = false;
     bool alive = false;
@@ -181,8 +205,12 @@ PT_KERNEL(next_bounce, pt::cuda::NextBounceParameters<Real>,
         live = Paths(in).alive(slot);
         if (live) {
             path = load_path(Paths(in), slot, scene.shade);
-            alive = bounce(scene, film, path, trace(scene, path), counters);
+            alive = bounce(scene, film, path, trace(scene, path), counters, walk);
         }
+    }
+    if constexpr (walks_apart) {
+        put_walker(walkers, walk, path, in, slot);
+        alive = alive && !(appends && walk.is_on());
     }
     put_path<false>(path, live, alive, slot, out, out_count);
     pt::cuda::add_segment_counts(segments, segment, live, in_play);
@@ -193,6 +221,7 @@ PT_KERNEL(next_bounce, pt::cuda::NextBounceParameters<Real>,
 
 #if defined(PT_HOST)  // what launches them, and what the choice says of itself
 
+#include "variants/cuda/walks.h"
 #include "variants/cuda/wavefronts.h"
 
 namespace pt::cuda::integrator::wavefront_fused {
@@ -204,6 +233,7 @@ constexpr Tunable tunables[] = {
     wavefront_tunables[2],
     wavefront_tunables[3],
     wavefront_tunables[4],
+    walks_tunable,
     {"append_counters", 16, 1, 64, 1, "parts of the queue, with a counter each, where the kernel appends"}};
 
 constexpr Descriptor descriptor{
@@ -231,7 +261,8 @@ public:
     FusedWavefront(JobOf<Real>& job, IntegratorNeeds&& needs)
         : Wavefront(job, std::move(needs), sizeof(Real), 0),
           job_(job),
-          counters_(Wavefront::needs().tunable("append_counters")) {}
+          counters_(Wavefront::needs().tunable("append_counters")),
+          walks_(job, Wavefront::needs(), job.pixels * batches().samples_in_flight(), counters_) {}
 
     static std::vector<KernelSignature> kernels() {
         return {kernel_of<FirstBounceParameters<Real>>(), kernel_of<NextBounceParameters<Real>>(),
@@ -245,6 +276,7 @@ private:
         if (appends_) {
             counts_ = arena.take<std::uint32_t>(words_per_segment() * job_.longest_path);
         }
+        walks_.reserve(arena);
     }
 
     void begin(std::uint32_t first_sample) override {
@@ -253,12 +285,16 @@ private:
             clear(counts_, words_per_segment() * job_.longest_path * sizeof(std::uint32_t), job_.stream);
             queue_.count = counts_after(0);
         }
+        walks_.begin();
+        const PathStore waiting = appends_ ? queue_.spare : queue_.paths;
         {
             const Stage stage(job_.stages, "first bounce", job_.stream);
-            job_.launch(queue_.bound, FirstBounceParameters<Real>{job_.scene, job_.film, queue_.paths, queue_.count,
-                                                                  queue_.bound, first_sample, batches().cursor(),
-                                                                  job_.cache, job_.totals, job_.segments});
+            job_.launch(queue_.bound,
+                        FirstBounceParameters<Real>{job_.scene, job_.film, queue_.paths, queue_.count, queue_.bound,
+                                                    first_sample, batches().cursor(), job_.cache, job_.totals,
+                                                    job_.segments, waiting, walks_.list()});
         }
+        take_walks(waiting, queue_.paths, queue_.count, {});
         end_segment(0);
     }
 
@@ -270,13 +306,22 @@ private:
         std::uint32_t* const out_count = appends_ ? counts_after(segment) : queue_.count;
         {
             const Stage stage(job_.stages, "bounce", job_.stream);
-            job_.launch(queue_.bound,
-                        NextBounceParameters<Real>{job_.scene, job_.film, queue_.paths, order(), queue_.count, out,
-                                                   out_count, batches().segment(segment), job_.totals, job_.segments});
+            job_.launch(queue_.bound, NextBounceParameters<Real>{
+                                          job_.scene, job_.film, queue_.paths, order(), queue_.count, out, out_count,
+                                          batches().segment(segment), job_.totals, job_.segments, walks_.list()});
         }
+        take_walks(queue_.paths, out, out_count, batches().segment(segment));
         if (appends_) {
             queue_.swap_paths();
             queue_.count = out_count;
+        }
+    }
+
+    void take_walks(const PathStore& in, const PathStore& out, std::uint32_t* out_count, const SegmentNumber& segment) {
+        if (appends_) {
+            walks_.take_to(in, out, out_count, segment);
+        } else {
+            walks_.take_in_place(in);
         }
     }
 
@@ -296,6 +341,7 @@ private:
     JobOf<Real>& job_;
     std::uint32_t counters_;           // parts of the queue where the kernel appends
     std::uint32_t* counts_ = nullptr;  // device: of every segment
+    Walks<Real> walks_;
 };
 
 IntegratorHook hook() {
@@ -303,8 +349,10 @@ IntegratorHook hook() {
     made.constants = [](const Variant& variant) -> std::vector<KernelConstant> {
         const AppendInKernel append = traits_of(variant, Backend::cuda).compaction.append_in_kernel;
         return {{"append_in_kernel", static_cast<std::uint32_t>(append)},
-                {"append_counters", tunable(variant, "append_counters", Backend::cuda)}};
+                {"append_counters", tunable(variant, "append_counters", Backend::cuda)},
+                walks_constants(variant).front()};
     };
+    made.walks = walk_paths_part;
     return made;
 }
 

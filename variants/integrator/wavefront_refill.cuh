@@ -10,6 +10,7 @@
 #include "variants/cuda/device/key_bounds.h"
 #include "variants/cuda/device/parameters.h"
 #include "variants/cuda/device/path_store.h"
+#include "variants/cuda/device/walkers.h"
 
 namespace pt::cuda {
 
@@ -37,6 +38,7 @@ struct FillQueueParameters {
     std::uint32_t slots;
     PathSupply supply;
     HitCache<Real> cache;  // none: first_path takes one
+    StoredHit<Real>* hits;
 };
 
 // Parameters of the intersection kernel. With `keys`, it also writes the sort key of every position; ended paths have
@@ -69,11 +71,29 @@ struct ShadeAndRefillParameters {
     PathStore store;
     const std::uint32_t* order;
     const std::uint32_t* count;
-    const StoredHit<Real>* hits;
+    StoredHit<Real>* hits;
     PathSupply supply;
     HitCache<Real> cache;
     Totals* totals;
     std::uint64_t* ended;  // paths by their number of segments; null: not counted
+    WalkerList walkers;
+};
+
+// Parameters of the kernel that takes walks on by some steps: a path is on its walk for several rounds, in which its
+// slot is passed over, and no round waits for a long walk.
+template <class Real>
+struct WalkOnParameters {
+    static constexpr const char* kernel = "walk_on";
+    SceneView<Real> scene;
+    FilmView film;
+    PathStore store;
+    StoredHit<Real>* hits;
+    WalkerList list;   // whose walks are taken on
+    WalkerList again;  // gets those that go on
+    PathSupply supply;
+    HitCache<Real> cache;
+    Totals* totals;
+    std::uint64_t* ended;
 };
 
 // Parameters of the kernel that starts the next path in every slot whose path has ended.
@@ -94,8 +114,21 @@ struct RefillQueueParameters {
 #include "variants/cuda/device/append.cuh"
 #include "variants/cuda/device/hit_keys.cuh"
 #include "variants/cuda/device/queue_slots.cuh"
+#include "variants/cuda/device/walkers.cuh"
 
 namespace pt::cuda {
+
+// A slot whose path is on a walk has a hit at this distance, which nothing else has.
+inline constexpr ::Real on_a_walk = -1;
+
+// Whether the path in a slot is on a walk, so that it is neither traced nor shaded.
+__device__ inline bool is_on_a_walk(const ::StoredHit* hits, std::uint32_t slot) {
+    if constexpr (walks_apart) {
+        return hits[slot].t == on_a_walk;
+    } else {
+        return false;
+    }
+}
 
 // Replaces the paths in `slot` of the threads whose path has `ended`, or marks them as ended where none is left. Every
 // thread of the block must call it.
@@ -117,7 +150,7 @@ __device__ inline void refill(const ::Scene& scene, const ::Paths& paths, const 
 
 PT_KERNEL(fill_queue, pt::cuda::FillQueueParameters<Real>,
           (const __grid_constant__ Scene parameter, PathStore store, std::uint32_t* count, std::uint32_t slots,
-           pt::cuda::PathSupply supply, HitCache cache)) {
+           pt::cuda::PathSupply supply, HitCache cache, StoredHit* hits)) {
     const SceneViews scene(parameter);
     const std::uint32_t i = pt::cuda::thread_number();
     if (i == 0) {
@@ -125,6 +158,9 @@ PT_KERNEL(fill_queue, pt::cuda::FillQueueParameters<Real>,
         *supply.next = slots;
     }
     if (i < slots) {
+        if constexpr (walks_apart) {
+            hits[i] = {};
+        }
         Paths(store).put<carried_fields>(i, pt::cuda::path_of_number(scene.shade, i, supply.first_sample, cache));
     }
 }
@@ -143,7 +179,7 @@ PT_KERNEL(intersect_queue, pt::cuda::IntersectQueueParameters<Real>,
     if (i < slots) {
         const std::uint32_t slot = pt::cuda::slot_at(order, i);
         std::uint32_t key = last_key;
-        alive = paths.alive(slot);
+        alive = paths.alive(slot) && !pt::cuda::is_on_a_walk(hits, slot);
         if (alive) {
             pt::Ray<Real> ray = paths.ray(slot);
             if constexpr (carried_fields.primitive) {
@@ -167,21 +203,25 @@ PT_KERNEL(intersect_queue, pt::cuda::IntersectQueueParameters<Real>,
 
 PT_KERNEL(shade_and_refill, pt::cuda::ShadeAndRefillParameters<Real>,
           (const __grid_constant__ Scene parameter, FilmView film, PathStore store, const std::uint32_t* order,
-           const std::uint32_t* count, const StoredHit* hits, pt::cuda::PathSupply supply, HitCache cache,
-           Totals* totals, std::uint64_t* ended)) {
+           const std::uint32_t* count, StoredHit* hits, pt::cuda::PathSupply supply, HitCache cache, Totals* totals,
+           std::uint64_t* ended, pt::cuda::WalkerList walkers)) {
     const SceneViews scene(parameter);
     const Paths paths(store);
     ThreadCounters counters;
     const std::uint32_t i = pt::cuda::thread_number();
     std::uint32_t slot = 0;
     bool has_ended = false;
+    OwnWalk walk;
     if (i < *count) {
         slot = pt::cuda::slot_at(order, i);
-        if (paths.alive(slot)) {
+        if (paths.alive(slot) && !pt::cuda::is_on_a_walk(hits, slot)) {
             Path path = load_path(paths, slot, scene.shade);
             const StoredHit stored = hits[slot];
-            if (shade(scene, path, Hit{stored.t, stored.side, path.primitive}, counters)) {
+            if (shade<walks_apart>(scene, path, Hit{stored.t, stored.side, path.primitive}, counters, walk)) {
                 paths.update<carried_fields>(slot, path);
+                if (walks_apart && walk.is_on()) {
+                    hits[slot].t = pt::cuda::on_a_walk;
+                }
             } else {
                 pt::accumulate(film, path);
                 counters.paths += 1;
@@ -196,6 +236,9 @@ PT_KERNEL(shade_and_refill, pt::cuda::ShadeAndRefillParameters<Real>,
         pt::cuda::refill(scene.shade, paths, supply, has_ended, slot, cache);
     } else if (has_ended) {
         paths.end(slot);
+    }
+    if constexpr (walks_apart) {
+        pt::cuda::put_walkers(walkers, walk, slot, 0);
     }
     pt::cuda::add_shade_counters(totals, counters);
 }
@@ -217,18 +260,22 @@ PT_KERNEL(refill_queue, pt::cuda::RefillQueueParameters<Real>,
 #include <atomic>
 #include <thread>
 #include "variants/cuda/sort_stage.h"
+#include "variants/cuda/walks.h"
 #include "variants/cuda/wavefronts.h"
 
 namespace pt::cuda::integrator::wavefront_refill {
 namespace {
 
-constexpr Tunable tunables[] = {wavefront_tunables[0],
-                                wavefront_tunables[1],
-                                wavefront_tunables[2],
-                                {"spp_in_flight", 1, 1, 256, 1, "slots of the queue, times the number of pixels"},
-                                {"refill_every", 1, 1, 64, 1,
-                                 "rounds between two refills: 1: shading refills, in its own kernel; more: a kernel "
-                                 "of its own does, and until then the slots of paths that end stay empty"}};
+constexpr Tunable tunables[] = {
+    wavefront_tunables[0],
+    wavefront_tunables[1],
+    wavefront_tunables[2],
+    {"spp_in_flight", 1, 1, 256, 1, "slots of the queue, times the number of pixels"},
+    walks_tunable,
+    {"walk_steps", 8, 1, 1024, 1, "steps that a walk takes in a round, where walks have a kernel of their own"},
+    {"refill_every", 1, 1, 64, 1,
+     "rounds between two refills: 1: shading refills, in its own kernel; more: a kernel "
+     "of its own does, and until then the slots of paths that end stay empty"}};
 
 Reason unsupported_reason(FeatureSet, const VariantTraits& variant) {
     if (variant.compaction.compacts) {
@@ -291,6 +338,7 @@ public:
           job_(job),
           sort_stage_(job, this->needs()),
           refill_every_(this->needs().tunable("refill_every")),
+          walkers_(job, this->needs(), job.pixels * batches().samples_in_flight(), WalkOnParameters<Real>::kernel),
           ended_(make_pinned_words(counter_copies * sizeof(Totals) / sizeof(std::uint32_t))) {}
 
     static std::vector<KernelSignature> kernels() {
@@ -315,17 +363,26 @@ private:
     static constexpr std::uint32_t rounds_ahead = 4;
     // Rounds between two looks at how many paths have ended, once all have begun. A look waits for the device.
     static constexpr std::uint32_t rounds_between_looks = 64;
+    // The same where walks take rounds of their own: how many there are left is not known then.
+    static constexpr std::uint32_t rounds_between_looks_at_walks = 8;
+    // Rounds that few walks reach between two segments.
+    static constexpr std::uint32_t rounds_of_long_walks = 1024;
 
-    // A path has its slot for at most longest_path rounds and leaves it empty for fewer than refill_every_. The rounds
-    // of the last paths have room in the other half of the 32 bits.
+    // A path has its slot for at most longest_path rounds, walks aside, and leaves it empty for fewer than
+    // refill_every_. The rounds of the last paths have room in the other half of the 32 bits.
     std::uint32_t samples_within(std::uint32_t rounds) const {
-        const std::uint64_t paths_a_slot = rounds / (std::uint64_t{job_.longest_path} + refill_every_);
+        const std::uint64_t longest =
+            std::uint64_t{job_.longest_path} * (walkers_.are_apart() ? rounds_of_long_walks : 1);
+        const std::uint64_t paths_a_slot = rounds / (longest + refill_every_);
         return static_cast<std::uint32_t>(
             std::min<std::uint64_t>(paths_a_slot * batches().samples_in_flight(), most_paths));
     }
 
     void fill_first_hits() override {}
-    void reserve_counts(Arena& arena) override { next_ = arena.take<std::uint32_t>(1); }
+    void reserve_counts(Arena& arena) override {
+        next_ = arena.take<std::uint32_t>(1);
+        walkers_.reserve(arena);
+    }
 
     void run(std::uint32_t first_sample, std::uint32_t samples) {
         const std::uint32_t total = job_.pixels * samples;
@@ -346,15 +403,17 @@ private:
             }
             wait_for(round);
             if (rounds == ~0u && progress_.handed_out() >= total) {
-                rounds = std::max(round + 1, progress_.rounds() + job_.longest_path);
+                rounds =
+                    walkers_.are_apart() ? most_rounds : std::max(round + 1, progress_.rounds() + job_.longest_path);
             }
         }
     }
 
     void begin(std::uint32_t) override {
         const Stage stage(job_.stages, "generate", job_.stream);
+        walkers_.begin();
         job_.launch(queue_.bound, FillQueueParameters<Real>{job_.scene, queue_.paths, queue_.count, queue_.bound,
-                                                            supply_, job_.cache});
+                                                            supply_, job_.cache, hits()});
     }
 
     void trace(std::uint32_t round) override {
@@ -371,12 +430,21 @@ private:
             sort_stage_.sort(queue_);
         }
         const PathSupply none = {};
-        const Stage stage(job_.stages, "shade", job_.stream);
-        for (const ShadeRange& range : sort_stage_.shade_ranges(queue_, sort_stage_.exists())) {
-            job_.launch(queue_.bound,
-                        ShadeAndRefillParameters<Real>{job_.scene, job_.film, queue_.paths, range.order, range.count,
-                                                       hits(), refill_every_ == 1 ? supply_ : none, job_.cache,
-                                                       job_.totals, job_.lengths()});
+        const PathSupply at_once = refill_every_ == 1 ? supply_ : none;
+        {
+            const Stage stage(job_.stages, "shade", job_.stream);
+            for (const ShadeRange& range : sort_stage_.shade_ranges(queue_, sort_stage_.exists())) {
+                job_.launch(queue_.bound, ShadeAndRefillParameters<Real>{
+                                              job_.scene, job_.film, queue_.paths, range.order, range.count, hits(),
+                                              at_once, job_.cache, job_.totals, job_.lengths(), walkers_.list()});
+            }
+        }
+        if (walkers_.are_apart()) {
+            const Stage stage(job_.stages, "walk", job_.stream);
+            job_.launch_blocks(walkers_.blocks(), WalkOnParameters<Real>{job_.scene, job_.film, queue_.paths, hits(),
+                                                                         walkers_.list(0), walkers_.list(1), at_once,
+                                                                         job_.cache, job_.totals, job_.lengths()});
+            walkers_.swap_lists();
         }
     }
 
@@ -406,7 +474,8 @@ private:
 
     // Whether all paths have ended, which may be long before the longest path that there could be.
     bool is_over(std::uint32_t round, std::uint32_t rounds) {
-        if (rounds == ~0u || (rounds - round) % rounds_between_looks != 0) {
+        const std::uint32_t between = walkers_.are_apart() ? rounds_between_looks_at_walks : rounds_between_looks;
+        if (rounds == ~0u || (rounds - round) % between != 0) {
             return false;
         }
         PT_CUDA_CHECK(cudaMemcpyAsync(ended_.get(), job_.totals, counter_copies * sizeof(Totals),
@@ -425,6 +494,7 @@ private:
     SortStage sort_stage_;
     Progress progress_;
     std::uint32_t refill_every_;
+    WalkerLists<Real, 2> walkers_;   // those to be walked, and those that walk on in the next round
     PinnedWords ended_;              // Totals, copied
     std::uint32_t* next_ = nullptr;  // device: PathSupply::next
     PathSupply supply_ = {};
@@ -434,6 +504,10 @@ private:
 IntegratorHook hook() {
     IntegratorHook made = integrator_hook<RefilledWavefront>();
     made.stores_hits = true;
+    made.walks = kernel_part<WalkOnParameters>("variants/integrator/wavefront_refill_walks.cuh");
+    made.constants = [](const Variant& variant) -> std::vector<KernelConstant> {
+        return {walks_constants(variant).front(), {"walk_steps", tunable(variant, "walk_steps", Backend::cuda)}};
+    };
     return made;
 }
 

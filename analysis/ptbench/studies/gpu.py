@@ -14,6 +14,7 @@ _STAGE_KERNELS = {
     "shade": ("shade_paths",),
     "first bounce": ("first_bounce",),
     "bounce": ("next_bounce",),
+    "walk": ("walk_paths", "walk_on"),
     "trace": ("megakernel", "megakernel_regen", "persistent", "regroup"),
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "variants/cuda/device/device.cuh"
+#include "variants/cuda/device/list_counts.h"
 
 namespace pt::cuda {
 
@@ -50,6 +51,17 @@ __device__ inline std::uint32_t append_by_block(std::uint32_t* count, bool keep)
     const std::uint32_t position = before[warp] + static_cast<std::uint32_t>(__popc(kept & ((1u << lane()) - 1u)));
     __syncthreads();  // `before` may be used again
     return position;
+}
+
+// Empties a list once all blocks have called it. Every thread of a block must call it, as the last thing.
+__device__ inline void finish_list(ListCounts* counts) {
+    __syncthreads();
+    if (threadIdx.x == 0) {
+        __threadfence();
+        if (atomicAdd(&counts->finished, 1u) == gridDim.x - 1) {
+            *counts = {};
+        }
+    }
 }
 
 // What a block has gathered: element i below count has place first + i among all that the kernel's blocks gather.

@@ -289,6 +289,18 @@ __device__ inline bool shade(const SceneViews& scene, Path& path, const Hit& hit
     return pt::shade<Configuration>(scene.shade, scene.trace, path, hit, counters);
 }
 
+// Shades the hit; a subsurface walk that begins there is left to the caller, or taken to its end.
+template <bool leaves_walks>
+__device__ inline bool shade(const SceneViews& scene, Path& path, const Hit& hit, ThreadCounters& counters,
+                             pt::WalkOf<Configuration>& walk) {
+    if constexpr (leaves_walks) {
+        injected_cost(scene.shade, hit, path);
+        return pt::shade<Configuration>(scene.shade, scene.trace, path, hit, counters, walk);
+    } else {
+        return shade(scene, path, hit, counters);
+    }
+}
+
 // One step of a path: of its walk, if it is on one, else its segment traced and shaded. A warp whose lanes take their
 // walks step by step does not wait for the longest of them. Returns whether the path lives.
 __device__ inline bool take_step(const SceneViews& scene, Path& path, pt::WalkOf<Configuration>& walk,

@@ -20,7 +20,7 @@ from ptbench.stats.estimates import Estimate, median_estimate
 
 ADD_UP_WITHIN = limit("stages_add_up_within")  # of the wall time, as the harness asks of an instrumented pass
 # What traces and shades, however an integrator divides it; every other stage keeps the queue or a cache.
-TRACING = ("generate", "intersect", "shade", "first bounce", "bounce", "trace")
+TRACING = ("generate", "intersect", "shade", "first bounce", "bounce", "trace", "walk")
 WHOLE = "trace and shade"  # their name together
 OUTSIDE = "outside the stages"
 PASSES = "timed less instrumented"

@@ -1,0 +1,48 @@
+// How kernels put paths into a list of walkers and take them from it.
+#pragma once
+
+#include "variants/cuda/device/append.cuh"
+#include "variants/cuda/device/walkers.h"
+
+// Whether kernels of this program leave walks to a kernel of their own.
+inline constexpr bool walks_apart = pt::has<Configuration>(pt::Feature::subsurface) && tuned::walks_apart != 0;
+using OwnWalk = pt::WalkOf<Configuration>;
+using Walker = pt::cuda::Walker<OwnWalk>;
+
+namespace pt::cuda {
+
+// Puts the walks that have begun into the list. Every lane of the warp must call it.
+__device__ inline void put_walkers(const WalkerList& list, const OwnWalk& walk, std::uint32_t slot,
+                                   std::uint32_t place) {
+    const std::uint32_t position = append_by_warp(&list.counts->waiting, walk.is_on());
+    if (walk.is_on()) {
+        static_cast<::Walker*>(list.walkers)[position] = {slot, place, walk};
+    }
+}
+
+// Hands out the walkers of a list to lanes.
+class WalkersToTake {
+public:
+    __device__ explicit WalkersToTake(const WalkerList& list) : list_(list), waiting_(list.counts->waiting) {}
+
+    // Whether some may be left. The same in all lanes of a warp.
+    __device__ bool some_left() const { return some_left_; }
+    // Takes a walker for every lane that `wants` one, as far as there are some; says whether the lane has got one.
+    // Every lane of the warp must call it.
+    __device__ bool take(bool wants, ::Walker& walker) {
+        const std::uint32_t position = append_by_warp(&list_.counts->taken, wants);
+        const bool has_one = wants && position < waiting_;
+        some_left_ = __ballot_sync(all_lanes, wants && !has_one) == 0;
+        if (has_one) {
+            walker = static_cast<const ::Walker*>(list_.walkers)[position];
+        }
+        return has_one;
+    }
+
+private:
+    WalkerList list_;
+    std::uint32_t waiting_;
+    bool some_left_ = true;
+};
+
+}  // namespace pt::cuda
