@@ -303,36 +303,52 @@ template <class Real>
 struct MeshRay {
     Vec3<Real> origin, direction;
     ShearedDirection<Real> sheared;
+    Vec3<Real> along;  // the origin along kx, ky and kz
     std::uint32_t object;
-    bool starts_here;  // on `primitive`, which it does not meet
-    std::uint32_t primitive;
+    std::uint32_t passed_over;  // the triangle that it starts on and does not meet, or `nothing`
+
+    static constexpr std::uint32_t nothing = ~0u;
 
     PT_HD static MeshRay of(const MeshInstance<Real>& mesh, std::uint32_t object, const Vec3<Real>& origin,
                             const Ray<Real>& ray) {
-        const Vec3<Real> direction = mesh.direction_in(ray.direction);
-        return {mesh.point_in(origin),
-                direction,
-                ShearedDirection<Real>::of(direction),
-                object,
-                ray.origin_surface.is_of(object),
-                ray.primitive};
+        const Vec3<Real> from = mesh.point_in(origin), direction = mesh.direction_in(ray.direction);
+        const auto sheared = ShearedDirection<Real>::of(direction);
+        return {
+            from,    direction,
+            sheared, {component_of(from, sheared.kx), component_of(from, sheared.ky), component_of(from, sheared.kz)},
+            object,  ray.origin_surface.is_of(object) ? ray.primitive : nothing};
     }
 };
 
-// Keeps in `best` the lesser of itself and a triangle's hit, in the order of (t, object, primitive).
+// Keeps in `best` the lesser of itself and the hit of a triangle, in the order of (t, object, primitive).
 template <class Real>
-PT_HD inline void meet_triangle(Hit<Real>& best, const LeafTriangle& leaf, const MeshRay<Real>& ray) {
-    const Triangle<Real> triangle{vector_of<Real>(leaf.a), vector_of<Real>(leaf.b), vector_of<Real>(leaf.c)};
-    const TriangleHit<Real> hit = intersect(triangle, ray.origin, ray.sheared);
-    if (!hit.hits || (ray.starts_here && leaf.primitive == ray.primitive)) {
+PT_HD inline void keep_nearer(Hit<Real>& best, const TriangleHit<Real>& hit, std::uint32_t primitive,
+                              const MeshRay<Real>& ray) {
+    if (!hit.hits || primitive == ray.passed_over) {
         return;
     }
-    const bool same = best.side.is_of(ray.object) && leaf.primitive < best.primitive;
+    const bool same = best.side.is_of(ray.object) && primitive < best.primitive;
     if (hit.t < best.t || (hit.t == best.t && best.side.exists() && (ray.object < best.side.object() || same))) {
         best.t = hit.t;
         best.side = SurfaceId::of(ray.object, hit.from_behind);
-        best.primitive = leaf.primitive;
+        best.primitive = primitive;
     }
+}
+
+// The corners of a leaf's triangle along one axis, relative to the ray's origin there.
+template <class Real>
+PT_HD inline Vec3<Real> corners_along(const LeafTriangle::Row& row, const Real& origin) {
+    return Vec3<Real>(Real(row.a) - origin, Real(row.b) - origin, Real(row.c) - origin);
+}
+
+// Keeps in `best` the lesser of itself and a triangle's hit. The leaf lies in memory, where rows are chosen by address.
+template <class Real>
+PT_HD inline void meet_triangle(Hit<Real>& best, const LeafTriangle& leaf, const MeshRay<Real>& ray) {
+    // Whole rows, in one access each.
+    const LeafTriangle::Row z = leaf.row[ray.sheared.kz], x = leaf.row[ray.sheared.kx], y = leaf.row[ray.sheared.ky];
+    const TriangleHit<Real> hit = intersect_along(corners_along(x, ray.along.x), corners_along(y, ray.along.y),
+                                                  corners_along(z, ray.along.z), ray.sheared.shear);
+    keep_nearer(best, hit, z.primitive, ray);
 }
 
 // The end of a search through meshes for the closest hit: nothing ends it early.
@@ -372,8 +388,7 @@ PT_HD inline void closest_in_mesh(Hit<Real>& best, const MeshInstance<Real>& mes
         mesh.geometry.tree, in_mesh.origin, in_mesh.direction, best.t,
         [&](std::uint32_t first, std::uint32_t count) {
             for (std::uint32_t slot = first; slot < first + count; ++slot) {
-                const LeafTriangle leaf = mesh.geometry.leaves[slot];
-                meet_triangle(best, leaf, in_mesh);
+                meet_triangle(best, mesh.geometry.leaves[slot], in_mesh);
                 if (end.end_if_met(best)) {
                     return;
                 }
@@ -429,9 +444,8 @@ PT_HD inline void closest_by_flat_tree(Hit<typename Config::Real>& best, const S
                         MeshRay<Real>::of(mesh, object, at_rest<Config>(scene, object, ray.origin, ray.time), ray);
                 }
                 const Triangle<float>& t = mesh.geometry.triangles[slot.primitive];
-                const LeafTriangle leaf{
-                    {t.a.x, t.a.y, t.a.z}, slot.primitive, {t.b.x, t.b.y, t.b.z}, 0, {t.c.x, t.c.y, t.c.z}, 0};
-                meet_triangle(best, leaf, in_mesh);
+                const Triangle<Real> triangle{Vec3<Real>(t.a), Vec3<Real>(t.b), Vec3<Real>(t.c)};
+                keep_nearer(best, intersect(triangle, in_mesh.origin, in_mesh.sheared), slot.primitive, in_mesh);
                 if (end.end_if_met(best)) {
                     return;
                 }

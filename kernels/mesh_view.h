@@ -61,15 +61,25 @@ struct CornerNormals {
     float of[3][3];
 };
 
-// A triangle where a leaf finds it, with its number in the mesh: 48 bytes, three accesses.
+// A triangle where a leaf finds it, with its number in the mesh: 48 bytes, three accesses. Row k holds coordinate k of
+// the corners, so that a ray's permutation of the axes chooses rows and no components.
 struct alignas(16) LeafTriangle {
-    float a[3];
-    std::uint32_t primitive;
-    float b[3];
-    std::uint32_t unused_b;
-    float c[3];
-    std::uint32_t unused_c;
+    struct alignas(16) Row {
+        float a, b, c;
+        std::uint32_t primitive;
+    };
+    Row row[3];
+
+    PT_HD static LeafTriangle of(const Triangle<float>& t, std::uint32_t primitive) {
+        return {{{t.a.x, t.b.x, t.c.x, primitive}, {t.a.y, t.b.y, t.c.y, primitive}, {t.a.z, t.b.z, t.c.z, primitive}}};
+    }
+    PT_HD std::uint32_t primitive() const { return row[0].primitive; }
+    template <class Real>
+    PT_HD Triangle<Real> triangle() const {
+        return {{row[0].a, row[1].a, row[2].a}, {row[0].b, row[1].b, row[2].b}, {row[0].c, row[1].c, row[2].c}};
+    }
 };
+static_assert(sizeof(LeafTriangle) == 48);
 
 // Coordinates are single precision numbers in both precisions: the mesh is the same one, met more exactly in double.
 struct MeshView {

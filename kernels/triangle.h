@@ -56,18 +56,15 @@ PT_HD inline double edge_function_in_double(Real ax, Real ay, Real bx, Real by) 
 }
 
 // Hits where t > 0 and, on an edge, both triangles that share it: a closed mesh has no gap, and of equal distances the
-// least primitive wins. A triangle seen edge-on (det = 0) is not hit.
+// least primitive wins. A triangle seen edge-on (det = 0) is not hit. x, y, z: the corners relative to the ray's
+// origin, a, b and c along the axes kx, ky and kz.
 template <class Real>
-PT_HD inline TriangleHit<Real> intersect(const Triangle<Real>& triangle, const Vec3<Real>& origin,
-                                         const ShearedDirection<Real>& s) {
-    const Vec3<Real> a = triangle.a - origin, b = triangle.b - origin, c = triangle.c - origin;
-    const Real az = component_of(a, s.kz), bz = component_of(b, s.kz), cz = component_of(c, s.kz);
-    const Real ax = component_of(a, s.kx) - rounded_product(s.shear.x, az);
-    const Real ay = component_of(a, s.ky) - rounded_product(s.shear.y, az);
-    const Real bx = component_of(b, s.kx) - rounded_product(s.shear.x, bz);
-    const Real by = component_of(b, s.ky) - rounded_product(s.shear.y, bz);
-    const Real cx = component_of(c, s.kx) - rounded_product(s.shear.x, cz);
-    const Real cy = component_of(c, s.ky) - rounded_product(s.shear.y, cz);
+PT_HD inline TriangleHit<Real> intersect_along(const Vec3<Real>& x, const Vec3<Real>& y, const Vec3<Real>& z,
+                                               const Vec3<Real>& shear) {
+    const Real az = z.x, bz = z.y, cz = z.z;
+    const Real ax = x.x - rounded_product(shear.x, az), ay = y.x - rounded_product(shear.y, az);
+    const Real bx = x.y - rounded_product(shear.x, bz), by = y.y - rounded_product(shear.y, bz);
+    const Real cx = x.z - rounded_product(shear.x, cz), cy = y.z - rounded_product(shear.y, cz);
     TriangleHit<Real> hit{
         Real(0), Real(0), edge_function(cx, cy, bx, by), edge_function(ax, ay, cx, cy), edge_function(bx, by, ax, ay),
         false,   false};
@@ -91,10 +88,24 @@ PT_HD inline TriangleHit<Real> intersect(const Triangle<Real>& triangle, const V
         return hit;
     }
     hit.t = static_cast<Real>(rounded_product(rounded_dot(Vec3<double>(u, v, w), Vec3<double>(az, bz, cz)) / det,
-                                              static_cast<double>(s.shear.z)));
+                                              static_cast<double>(shear.z)));
     hit.hits = hit.t > Real(0);
-    hit.from_behind = (hit.det < Real(0)) == (s.shear.z > Real(0));
+    hit.from_behind = (hit.det < Real(0)) == (shear.z > Real(0));
     return hit;
+}
+
+// Along an axis: what `origin` has there taken from each corner.
+template <class Real>
+PT_HD inline Vec3<Real> corners_along(const Triangle<Real>& triangle, const Vec3<Real>& origin, std::uint32_t axis) {
+    return {component_of(triangle.a - origin, axis), component_of(triangle.b - origin, axis),
+            component_of(triangle.c - origin, axis)};
+}
+
+template <class Real>
+PT_HD inline TriangleHit<Real> intersect(const Triangle<Real>& triangle, const Vec3<Real>& origin,
+                                         const ShearedDirection<Real>& s) {
+    return intersect_along(corners_along(triangle, origin, s.kx), corners_along(triangle, origin, s.ky),
+                           corners_along(triangle, origin, s.kz), s.shear);
 }
 
 }  // namespace pt

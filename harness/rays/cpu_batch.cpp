@@ -24,9 +24,7 @@ Hit trace_generic(const MeshView& mesh, const Ray& ray, bool any, Counter& count
         [&](std::uint32_t first, std::uint32_t count) {
             for (std::uint32_t slot = first; slot < first + count; ++slot) {
                 const LeafTriangle& leaf = mesh.leaves[slot];
-                const Triangle<float> triangle{vector_of<float>(leaf.a), vector_of<float>(leaf.b),
-                                               vector_of<float>(leaf.c)};
-                keep_nearer(intersect(triangle, origin, sheared), leaf.primitive, best);
+                keep_nearer(intersect(leaf.triangle<float>(), origin, sheared), leaf.primitive(), best);
                 if (any && best.primitive != no_primitive) {
                     best = {-1.0f, 0};
                     return;

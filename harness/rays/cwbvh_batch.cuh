@@ -38,7 +38,7 @@ struct PermutedRay {
     }
 };
 
-__device__ inline void intersect_slot(const SlotTriangle* triangle, const PermutedRay& ray, Hit& best) {
+__device__ inline void intersect_slot(const LeafTriangle* triangle, const PermutedRay& ray, Hit& best) {
     const float4* rows = reinterpret_cast<const float4*>(triangle);
     const float4 z = __ldg(rows + ray.shear.kz), x = __ldg(rows + ray.shear.kx), y = __ldg(rows + ray.shear.ky);
     const Vec3<float>& shear = ray.shear.shear;
@@ -65,7 +65,7 @@ __device__ inline void intersect_slot(const SlotTriangle* triangle, const Permut
 
 struct BatchView {
     TreeView tree;
-    const SlotTriangle* triangles;
+    const LeafTriangle* triangles;
     const Ray* rays;
     Hit* hits;
     std::uint32_t count;

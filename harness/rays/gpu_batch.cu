@@ -82,13 +82,6 @@ public:
             cudaMemcpy(leaves_.data(), mesh.leaves, leaves_.size() * sizeof(LeafTriangle), cudaMemcpyHostToDevice));
         tree_.nodes = nodes_.data();
         if (plain.has_persistent) {
-            std::vector<SlotTriangle> slots;
-            slots.reserve(mesh.tree.slot_count);
-            for (std::uint32_t slot = 0; slot < mesh.tree.slot_count; ++slot) {
-                const std::uint32_t primitive = mesh.leaves[slot].primitive;
-                slots.push_back(slot_triangle(mesh.triangles[primitive], primitive));
-            }
-            slots_ = DeviceArray<SlotTriangle>(slots);
             for (const PersistentKernel& kernel : persistent_kernels) {
                 kernel.prepare();
             }
@@ -97,7 +90,7 @@ public:
 
     std::vector<std::string> kernels(const RaySet&) const override {
         std::vector<std::string> names;
-        if (slots_.size() != 0) {
+        if (plain_.has_persistent) {
             for (const PersistentKernel& kernel : persistent_kernels) {
                 names.emplace_back(kernel.name);
             }
@@ -121,7 +114,7 @@ public:
             const auto kernel = std::find_if(std::begin(persistent_kernels), std::end(persistent_kernels),
                                              [&](const PersistentKernel& candidate) { return candidate.name == name; });
             next_.clear();
-            const BatchView view{tree_, slots_.data(), rays_.data(), hits_.data(), size(), next_.data()};
+            const BatchView view{tree_, leaves_.data(), rays_.data(), hits_.data(), size(), next_.data()};
             const auto function = any_ ? kernel->any : kernel->closest;
             function<<<processors_ * kernel->blocks_per_sm, kernel->threads, kernel->shared_bytes>>>(view);
         }
@@ -182,7 +175,6 @@ private:
     TreeView tree_;
     DeviceArray<unsigned char> nodes_;
     DeviceArray<LeafTriangle> leaves_;
-    DeviceArray<SlotTriangle> slots_;
     DeviceArray<Ray> rays_;
     DeviceArray<Hit> hits_;
     DeviceArray<std::uint32_t> next_;

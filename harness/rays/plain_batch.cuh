@@ -27,9 +27,7 @@ __device__ inline Hit trace_plain(const PlainView& batch, std::uint32_t index, C
         [&](std::uint32_t first, std::uint32_t count) {
             for (std::uint32_t slot = first; slot < first + count; ++slot) {
                 const LeafTriangle leaf = batch.leaves[slot];
-                const Triangle<float> triangle{vector_of<float>(leaf.a), vector_of<float>(leaf.b),
-                                               vector_of<float>(leaf.c)};
-                keep_nearer(intersect(triangle, origin, sheared), leaf.primitive, best);
+                keep_nearer(intersect(leaf.triangle<float>(), origin, sheared), leaf.primitive(), best);
                 if (batch.any && best.primitive != no_primitive) {
                     best = {-1.0f, 0};
                     return;

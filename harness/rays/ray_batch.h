@@ -65,24 +65,6 @@ public:
     virtual LeakCounts leaks() = 0;  // of the last trace
 };
 
-// A triangle in its slot, by axis: row k holds coordinate k of a, b and c, so that a ray's permutation of the axes
-// chooses rows and no components. Each row ends with the primitive's number.
-struct alignas(16) SlotTriangle {
-    struct Row {
-        float a, b, c;
-        std::uint32_t primitive;
-    } row[3];
-};
-static_assert(sizeof(SlotTriangle) == 48);
-
-inline SlotTriangle slot_triangle(const Triangle<float>& triangle, std::uint32_t primitive) {
-    SlotTriangle slot;
-    for (int k = 0; k < 3; ++k) {
-        slot.row[k] = {triangle.a[k], triangle.b[k], triangle.c[k], primitive};
-    }
-    return slot;
-}
-
 // Keeps a hit that comes before the one in hand.
 PT_HD inline void keep_nearer(const TriangleHit<float>& hit, std::uint32_t primitive, Hit& best) {
     if (hit.hits && (hit.t < best.t || (hit.t == best.t && primitive < best.primitive))) {

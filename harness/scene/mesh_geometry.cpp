@@ -36,16 +36,12 @@ PlacedMesh place(const SceneMesh& mesh, const Placement* placement) {
     return placed;
 }
 
-LeafTriangle leaf_of(const Triangle<float>& t, std::uint32_t primitive) {
-    return {{t.a.x, t.a.y, t.a.z}, primitive, {t.b.x, t.b.y, t.b.z}, 0, {t.c.x, t.c.y, t.c.z}, 0};
-}
-
 MeshTree plant(const PlacedMesh& placed, const Acceleration& acceleration) {
     MeshTree tree;
     const std::vector<Triangle<float>>& triangles = placed.triangles;
     if (acceleration.accelerator_hook.encode == nullptr) {
         for (std::uint32_t i = 0; i < triangles.size(); ++i) {
-            tree.leaves.push_back(leaf_of(triangles[i], i));
+            tree.leaves.push_back(LeafTriangle::of(triangles[i], i));
         }
     } else {
         PrimitiveBoxes boxes(triangles.size());
@@ -59,7 +55,7 @@ MeshTree plant(const PlacedMesh& placed, const Acceleration& acceleration) {
         tree.encoded = acceleration.accelerator_hook.encode(binary);
         tree.encode_ms = milliseconds_since(start);
         for (const std::uint32_t primitive : tree.encoded.references) {
-            tree.leaves.push_back(leaf_of(triangles[primitive], primitive));
+            tree.leaves.push_back(LeafTriangle::of(triangles[primitive], primitive));
         }
     }
     if (acceleration.accelerator_hook.prepare != nullptr) {

@@ -11,10 +11,6 @@
 namespace pt::test {
 namespace {
 
-LeafTriangle leaf_of(const Triangle<float>& t, std::uint32_t primitive) {
-    return {{t.a.x, t.a.y, t.a.z}, primitive, {t.b.x, t.b.y, t.b.z}, 0, {t.c.x, t.c.y, t.c.z}, 0};
-}
-
 // One mesh under one accelerator.
 class Planted {
 public:
@@ -22,11 +18,11 @@ public:
         if (hook.encode != nullptr) {
             tree_ = hook.encode(builders()[0].build(triangles, 4));
             for (const std::uint32_t primitive : tree_.references) {
-                leaves_.push_back(leaf_of(triangles[primitive], primitive));
+                leaves_.push_back(LeafTriangle::of(triangles[primitive], primitive));
             }
         } else {
             for (std::uint32_t i = 0; i < triangles.size(); ++i) {
-                leaves_.push_back(leaf_of(triangles[i], i));
+                leaves_.push_back(LeafTriangle::of(triangles[i], i));
             }
         }
         if (hook.prepare != nullptr) {

@@ -78,8 +78,7 @@ void expect_nothing_met_by(const AcceleratorHook& hook, const Triangles& triangl
     const EncodedTree tree = hook.encode(builder::sah_binned::build(boxes_of(triangles), 1));
     std::vector<LeafTriangle> leaves;
     for (const std::uint32_t primitive : tree.references) {
-        const Triangle<float>& t = triangles[primitive];
-        leaves.push_back({{t.a.x, t.a.y, t.a.z}, primitive, {t.b.x, t.b.y, t.b.z}, 0, {t.c.x, t.c.y, t.c.z}, 0});
+        leaves.push_back(LeafTriangle::of(triangles[primitive], primitive));
     }
     const NativeMesh native = hook.prepare != nullptr ? hook.prepare(tree, leaves) : NativeMesh{};
     MeshInstance<float> mesh{};

@@ -49,8 +49,9 @@ void bounds(const RTCBoundsFunctionArguments* arguments) {
     const LeafTriangle& t = mesh.leaves[arguments->primID];
     float low[3], high[3];
     for (int axis = 0; axis < 3; ++axis) {
-        low[axis] = min(t.a[axis], min(t.b[axis], t.c[axis])) - mesh.margin;
-        high[axis] = max(t.a[axis], max(t.b[axis], t.c[axis])) + mesh.margin;
+        const LeafTriangle::Row& row = t.row[axis];
+        low[axis] = min(row.a, min(row.b, row.c)) - mesh.margin;
+        high[axis] = max(row.a, max(row.b, row.c)) + mesh.margin;
     }
     *arguments->bounds_o = {low[0], low[1], low[2], 0, high[0], high[1], high[2], 0};
 }
@@ -61,8 +62,9 @@ public:
     explicit Mesh(std::span<const LeafTriangle> leaves) : leaves_(leaves) {
         for (const LeafTriangle& leaf : leaves) {
             for (int axis = 0; axis < 3; ++axis) {
-                low_[axis] = min(low_[axis], min(leaf.a[axis], min(leaf.b[axis], leaf.c[axis])));
-                high_[axis] = max(high_[axis], max(leaf.a[axis], max(leaf.b[axis], leaf.c[axis])));
+                const LeafTriangle::Row& row = leaf.row[axis];
+                low_[axis] = min(low_[axis], min(row.a, min(row.b, row.c)));
+                high_[axis] = max(high_[axis], max(row.a, max(row.b, row.c)));
             }
         }
         for (int axis = 0; axis < 3; ++axis) {
@@ -129,7 +131,8 @@ private:
 
 NativeMesh prepare(const EncodedTree&, std::span<const LeafTriangle> leaves) {
     auto mesh = std::make_shared<Mesh>(leaves);
-    const MeshRay<float> near{{leaves.empty() ? 0 : leaves[0].a[0], 0, 0}, {1, 0, 0}, {}, 0, false, 0};
+    const MeshRay<float> near{
+        {leaves.empty() ? 0 : leaves[0].row[0].a, 0, 0}, {1, 0, 0}, {}, {}, 0, MeshRay<float>::nothing};
     mesh->scene_for(near);
     const std::uint64_t bytes = mesh->bytes();
     return {std::move(mesh), bytes};

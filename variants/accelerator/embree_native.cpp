@@ -34,9 +34,8 @@ NativeMesh prepare(const EncodedTree&, std::span<const LeafTriangle> leaves) {
         geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), leaves.size()));
     embree::require_no_error("take triangles over");
     for (std::uint32_t i = 0; i < leaves.size(); ++i) {
-        std::memcpy(corners + 9 * i, leaves[i].a, sizeof leaves[i].a);
-        std::memcpy(corners + 9 * i + 3, leaves[i].b, sizeof leaves[i].b);
-        std::memcpy(corners + 9 * i + 6, leaves[i].c, sizeof leaves[i].c);
+        const auto triangle = leaves[i].triangle<float>();
+        std::memcpy(corners + 9 * i, &triangle, 9 * sizeof(float));
         for (std::uint32_t k = 0; k < 3; ++k) {
             indices[3 * i + k] = 3 * i + k;
         }
@@ -50,9 +49,9 @@ NativeMesh prepare(const EncodedTree&, std::span<const LeafTriangle> leaves) {
 void meet_mesh(Hit<float>& best, const MeshInstance<float>& instance, std::uint32_t object, const Vec3<float>& origin,
                const Ray<float>& ray, float enough) {
     const MeshRay<float> in_mesh = MeshRay<float>::of(instance, object, origin, ray);
-    Query query{{}, in_mesh.primitive};
+    Query query{{}, in_mesh.passed_over};
     rtcInitIntersectContext(&query.context);
-    query.context.filter = in_mesh.starts_here ? &pass_over_origin : nullptr;
+    query.context.filter = in_mesh.passed_over != MeshRay<float>::nothing ? &pass_over_origin : nullptr;
     const Vec3<float>&o = in_mesh.origin, &d = in_mesh.direction;
     const auto scene = static_cast<RTCScene>(const_cast<void*>(instance.geometry.native));
     if (enough > 0) {
@@ -73,15 +72,14 @@ void meet_mesh(Hit<float>& best, const MeshInstance<float>& instance, std::uint3
         return;
     }
     const LeafTriangle& leaf = instance.geometry.leaves[met.hit.primID];
-    const Triangle<float> triangle{vector_of<float>(leaf.a), vector_of<float>(leaf.b), vector_of<float>(leaf.c)};
-    const TriangleHit<float> hit = intersect(triangle, in_mesh.origin, in_mesh.sheared);
+    const TriangleHit<float> hit = intersect(leaf.triangle<float>(), in_mesh.origin, in_mesh.sheared);
     if (!hit.hits) {  // at an edge the two tests may round to different sides: a few rays in a million
         pt::meet_mesh<BruteForce>(best, instance, object, origin, ray, enough);
         return;
     }
     best.t = met.ray.tfar;
     best.side = SurfaceId::of(object, hit.from_behind);
-    best.primitive = leaf.primitive;
+    best.primitive = leaf.primitive();
 }
 
 const Registration registration(

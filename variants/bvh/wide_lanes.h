@@ -73,17 +73,18 @@ struct Mesh {
 
 inline void set_lane(TriangleBlock& block, std::uint32_t lane, const LeafTriangle& leaf) {
     for (int axis = 0; axis < 3; ++axis) {
-        block.row[axis][0][lane] = leaf.a[axis];
-        block.row[axis][1][lane] = leaf.b[axis];
-        block.row[axis][2][lane] = leaf.c[axis];
+        block.row[axis][0][lane] = leaf.row[axis].a;
+        block.row[axis][1][lane] = leaf.row[axis].b;
+        block.row[axis][2][lane] = leaf.row[axis].c;
     }
-    block.primitive[lane] = leaf.primitive;
+    block.primitive[lane] = leaf.primitive();
 }
 inline LeafTriangle triangle_in(const TriangleBlock& block, std::uint32_t lane) {
-    const auto corner = [&](int k, int axis) { return block.row[axis][k][lane]; };
-    return {{corner(0, 0), corner(0, 1), corner(0, 2)}, block.primitive[lane],
-            {corner(1, 0), corner(1, 1), corner(1, 2)}, 0,
-            {corner(2, 0), corner(2, 1), corner(2, 2)}, 0};
+    const auto row = [&](int axis) {
+        return LeafTriangle::Row{block.row[axis][0][lane], block.row[axis][1][lane], block.row[axis][2][lane],
+                                 block.primitive[lane]};
+    };
+    return {{row(0), row(1), row(2)}};
 }
 
 // The slots of triangles that one block takes: a leaf's, or a whole subtree's if it has no more than a block holds.
