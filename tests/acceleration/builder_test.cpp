@@ -6,6 +6,7 @@
 
 #include "tests/acceleration/builders.h"
 #include "variants/builder/pairing.h"
+#include "variants/builder/reinsertion.h"
 #include "variants/builder/spatial_split.h"
 #include "variants/bvh/box.h"
 #include "variants/bvh/collapse.h"
@@ -87,6 +88,33 @@ TEST(TreeQualityTest, SweepIsNoWorseThanBinsAndBothBetterThanMortonOrder) {
     EXPECT_LE(cost_of("sah_sweep", triangles), 1.02 * cost_of("sah_binned", triangles));
     EXPECT_LT(cost_of("sah_binned", triangles), cost_of("lbvh", triangles));
     EXPECT_LT(cost_of("ploc", triangles), cost_of("lbvh", triangles));
+}
+
+TEST(TreeQualityTest, ReinsertionBettersATree) {
+    for (const Triangles& triangles : {grid_sphere(60, 90, {0, 0, 0}, 1), random_soup(3000, 0.05f, 3)}) {
+        EXPECT_LT(cost_of("ploc_reinserted", triangles), 0.98 * cost_of("ploc", triangles));
+    }
+}
+
+// Four unit cubes in a row, paired crosswise: one move and the fitting of boxes leave neighbours as siblings.
+TEST(ReinsertionTest, PutsNeighboursSideBySide) {
+    PrimitiveBoxes boxes(4);
+    for (int i = 0; i < 4; ++i) {
+        const float x = i < 2 ? static_cast<float>(i) : static_cast<float>(i + 98);
+        boxes[i].low[0] = x;
+        boxes[i].high[0] = x + 1;
+        for (int axis : {1, 2}) {
+            boxes[i].low[axis] = 0;
+            boxes[i].high[axis] = 1;
+        }
+    }
+    // Nodes 4 and 5 are (0, 2) and (1, 3), the root has them.
+    builder::Pairing pairing{{0, 1, 2, 3}, {0, 1, 4}, {2, 3, 5}, 6};
+    builder::reinsert(pairing, boxes, 4);
+    const BinaryTree tree = builder::assemble(pairing, boxes, 1, {});
+    builder::check(tree, boxes, true);
+    // Half areas: 205 of the root, 5 of each pair, 3 of each cube.
+    EXPECT_DOUBLE_EQ(builder::tree_cost(tree, {.traversal = 205, .intersection = 205}), 205 + 2 * 5 + 4 * 3);
 }
 
 TEST(TreeQualityTest, SpatialSplitsPayOnLongTriangles) {

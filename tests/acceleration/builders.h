@@ -9,6 +9,7 @@
 #include "tests/acceleration/triangle_scenes.h"
 #include "variants/builder/lbvh.h"
 #include "variants/builder/ploc.h"
+#include "variants/builder/reinsertion.h"
 #include "variants/builder/sah_binned.h"
 #include "variants/builder/sah_sweep.h"
 #include "variants/builder/sbvh.h"
@@ -40,6 +41,12 @@ inline std::vector<BuilderChoice> builders() {
         of_boxes("lbvh", &builder::lbvh::build),
         of_boxes("ploc", [](const PrimitiveBoxes& boxes, std::uint32_t leaf_size,
                             const builder::SahCosts& costs) { return builder::ploc::build(boxes, leaf_size, costs); }),
+        of_boxes("ploc_reinserted",
+                 [](const PrimitiveBoxes& boxes, std::uint32_t leaf_size, const builder::SahCosts& costs) {
+                     builder::Pairing pairing = builder::ploc::pair(boxes);
+                     builder::reinsert(pairing, boxes, 6);
+                     return builder::assemble(pairing, boxes, leaf_size, costs);
+                 }),
         {"sbvh",
          [](const Triangles& triangles, std::uint32_t leaf_size) {
              return builder::sbvh::build(triangles, {.leaf_size = leaf_size});
