@@ -106,7 +106,7 @@ private:
     cuda::PathStore store() {
         return {reinterpret_cast<unsigned char*>(records_.data()), static_cast<std::uint32_t>(records_.size())};
     }
-    cuda::MeshQueue<float> list() { return {waiting_.data(), &list_counts_}; }
+    cuda::MeshQueue list() { return {waiting_.data(), &list_counts_}; }
     cuda::SegmentCounts segments() { return {live_.data(), in_play_.data(), 1}; }
     std::uint32_t last_key() const { return view_.materials.size + 1; }
     void expect_keys_of_hits() {
@@ -124,7 +124,7 @@ private:
     std::vector<layout::aos::Record<float>> records_;
     std::vector<StoredHit<float>> hits_;
     std::vector<std::uint32_t> keys_;
-    std::vector<cuda::WaitingPath<float>> waiting_;
+    std::vector<std::uint32_t> waiting_;
     cuda::ListCounts list_counts_ = {};
     std::vector<std::uint64_t> live_, in_play_;
     std::vector<cuda::Totals> totals_{cuda::counter_copies};

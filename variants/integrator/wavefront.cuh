@@ -44,7 +44,7 @@ struct IntersectPathsParameters {
     std::uint32_t chunk;  // slots; read by keys by chunk only
     std::uint32_t last_key;
     KeyBounds bounds;
-    MeshQueue<Real> meshes;  // gets the paths that traversal=persistent takes through meshes in a kernel of its own
+    MeshQueue meshes;  // gets the paths that traversal=persistent takes through meshes in a kernel of its own
 };
 
 // Parameters of the kernel that writes the sort keys of rays that are yet to be traced: ended paths and positions
@@ -107,20 +107,19 @@ PT_KERNEL(intersect_paths, pt::cuda::IntersectPathsParameters<Real>,
           (const __grid_constant__ Scene parameter, PathStore store, const std::uint32_t* order,
            const std::uint32_t* count, std::uint32_t bound, StoredHit* hits, HitCache cache, SegmentNumber segment,
            SegmentCounts segments, std::uint32_t* keys, std::uint32_t bits, std::uint32_t chunk, std::uint32_t last_key,
-           pt::cuda::KeyBounds bounds, pt::cuda::MeshQueue<Real> meshes)) {
+           pt::cuda::KeyBounds bounds, pt::cuda::MeshQueue meshes)) {
     const SceneViews scene(parameter);
     const Paths paths(store);
     const std::uint32_t i = pt::cuda::thread_number();
     std::uint32_t key = last_key;
     bool live = false;
     bool waits = false;
-    pt::Ray<Real> ray;
-    Hit hit;
     if (i < *count) {
         const std::uint32_t slot = pt::cuda::slot_at(order, i);
         if (paths.alive(slot)) {
             live = true;
-            ray = paths.ray(slot);
+            pt::Ray<Real> ray = paths.ray(slot);
+            Hit hit;
             if (kernel_config.keeps_first_hits && segment == 0) {
                 hit = cache.load<Configuration>(cache.index(paths.pixel(slot), paths.sample(slot)));
             } else {
@@ -149,7 +148,7 @@ PT_KERNEL(intersect_paths, pt::cuda::IntersectPathsParameters<Real>,
         keys[i] = key;
     }
     if constexpr (pt::cuda::fetches_paths<Accelerator>) {
-        pt::cuda::put_path(meshes, waits, ray, hit, i);
+        pt::cuda::put_position(meshes, waits, i);
     }
     pt::cuda::add_segment_counts(segments, segment, live, *count);
 }
@@ -260,7 +259,7 @@ private:
     void reserve_counts(Arena& arena) override {
         walks_.reserve(arena);
         if (fetching_blocks_ != 0) {
-            meshes_ = {arena.take<WaitingPath<Real>>(job_.pixels * batches().samples_in_flight()),
+            meshes_ = {arena.take<std::uint32_t>(job_.pixels * batches().samples_in_flight()),
                        arena.take<ListCounts>(1)};
         }
     }
@@ -327,7 +326,7 @@ private:
     JobOf<Real>& job_;
     SortStage sort_stage_;
     Walks<Real> walks_;
-    MeshQueue<Real> meshes_;
+    MeshQueue meshes_;
     std::uint32_t fetching_blocks_ = 0;  // of the kernel that takes rays through meshes: as many as fit at once
 };
 

@@ -14,11 +14,41 @@ struct MeshStage {
     const SceneViews& scene;
     const Paths& paths;
     const std::uint32_t* order;
-    const MeshQueue<Real>& queue;
+    const MeshQueue& queue;
     StoredHit<Real>* hits;
     std::uint32_t* keys;
     std::uint32_t bits, chunk;
     const KeyBounds& bounds;
+
+    __device__ Ray<Real> ray(std::uint32_t slot) const {
+        Ray<Real> ray = paths.ray(slot);
+        if constexpr (carried_fields.primitive) {
+            ray.primitive = paths.primitive(slot);
+        }
+        return ray;
+    }
+};
+
+// What of a ray its triangles' tests need, in few registers: the axes follow from one.
+class CompactRay {
+public:
+    CompactRay() = default;
+    __device__ explicit CompactRay(const MeshRay<Real>& ray)
+        : shear_(ray.sheared.shear), along_(ray.along), kz_(ray.sheared.kz), passed_over_(ray.passed_over) {}
+
+    __device__ MeshRay<Real> whole(std::uint32_t object) const {
+        MeshRay<Real> ray;
+        const std::uint32_t kx = kz_ == 2u ? 0u : kz_ + 1u;
+        ray.sheared = {kx, kx == 2u ? 0u : kx + 1u, kz_, shear_};
+        ray.along = along_;
+        ray.object = object;
+        ray.passed_over = passed_over_;
+        return ray;
+    }
+
+private:
+    Vec3<Real> shear_, along_;
+    std::uint32_t kz_, passed_over_;
 };
 
 // The path that one lane traces at the moment; a State of traversal::work_off.
@@ -35,15 +65,15 @@ public:
     __device__ bool wants_triangle() const { return !triangles_.empty(); }
 
     __device__ void start(std::uint32_t place) {
-        place_ = place;
-        const WaitingPath<Real> path = stage_.queue.paths[place];
+        position_ = stage_.queue.positions[place];
+        slot_ = slot_at(stage_.order, position_);
+        const StoredHit<Real> met = stage_.hits[slot_];
         best_ = Hit<Real>{};
-        best_.t = path.t;
-        best_.side = path.side;
+        best_.t = met.t;
+        best_.side = met.side;
         mesh_ = 0;
-        start_meshes(path.ray);
+        start_meshes();
     }
-
     // Visits the next node. Triangles that were found wait, so a lane goes on to nodes while others test theirs.
     __device__ void visit_node() {
         NoTraversalCounter counter;
@@ -51,14 +81,15 @@ public:
         go_on();
     }
     __device__ void test_triangle() {
-        meet_triangle(best_, stage_.scene.trace.meshes[mesh_].geometry.leaves[triangles_.take()], ray_);
+        meet_triangle(best_, leaves_[triangles_.take()],
+                      ray_.whole(first_of<ShapeKind::mesh>(stage_.scene.trace) + mesh_));
         go_on();
     }
 
 private:
     // Starts on the first mesh from mesh_ on that has a tree.
-    __device__ void start_meshes(const Ray<Real>& ray) {
-        const Scene& scene = stage_.scene.trace;
+    __device__ void start_meshes() {
+        const ::Scene& scene = stage_.scene.trace;
         while (mesh_ < scene.meshes.size && scene.meshes[mesh_].geometry.tree.node_count == 0) {
             ++mesh_;
         }
@@ -66,10 +97,10 @@ private:
             finish();
             return;
         }
-        const auto start = MeshWalk<Traversal>::of(scene, mesh_, ray);
-        ray_ = start.ray;
+        const auto start = MeshWalk<Traversal>::of(scene, mesh_, stage_.ray(slot_));
+        ray_ = CompactRay(start.ray);
         walk_ = start.walk;
-
+        leaves_ = scene.meshes[mesh_].geometry.leaves;
         stack_.clear();
     }
     __device__ void go_on() {
@@ -79,37 +110,36 @@ private:
         }
         if (triangles_.empty() && !walk_.wants_node()) {
             ++mesh_;
-            start_meshes(stage_.queue.paths[place_].ray);
+            start_meshes();
         }
     }
     __device__ void finish() {
-        const WaitingPath<Real>& path = stage_.queue.paths[place_];
-        const std::uint32_t slot = slot_at(stage_.order, path.position);
-        stage_.hits[slot] = {best_.t, best_.side};
+        stage_.hits[slot_] = {best_.t, best_.side};
         if (stage_.keys != nullptr) {
-            stage_.keys[path.position] =
-                key_of(stage_.scene.shade, path.ray, best_, slot, stage_.bits, stage_.chunk, stage_.bounds);
+            stage_.keys[position_] = key_of(stage_.scene.shade, stage_.paths.ray(slot_), best_, slot_, stage_.bits,
+                                            stage_.chunk, stage_.bounds);
         }
         if constexpr (carried_fields.primitive) {
-            stage_.paths.primitive(slot) = best_.primitive;
+            stage_.paths.primitive(slot_) = best_.primitive;
         }
     }
 
     const MeshStage& stage_;
     Stack& stack_;
     Walk walk_;
-    MeshRay<Real> ray_;
+    CompactRay ray_;
+    const LeafTriangle* leaves_;
     Hit<Real> best_;
     typename Walk::Leaf triangles_;
-    std::uint32_t place_, mesh_;
+    std::uint32_t position_, slot_, mesh_;
 };
 
 }  // namespace pt::cuda
 
 PT_KERNEL(intersect_meshes, pt::cuda::IntersectMeshesParameters<Real>,
           (const __grid_constant__ Scene parameter, PathStore store, const std::uint32_t* order,
-           pt::cuda::MeshQueue<Real> queue, StoredHit* hits, std::uint32_t* keys, std::uint32_t bits,
-           std::uint32_t chunk, pt::cuda::KeyBounds bounds)) {
+           pt::cuda::MeshQueue queue, StoredHit* hits, std::uint32_t* keys, std::uint32_t bits, std::uint32_t chunk,
+           pt::cuda::KeyBounds bounds)) {
     using Stack = Accelerator::Stack<Real>;
     const SceneViews scene(parameter);
     const Paths paths(store);

@@ -74,12 +74,11 @@ __device__ inline bool enters_mesh(const ::Scene& scene, const Ray<Real>& ray, c
     return false;
 }
 
-// Lists the threads' paths that `waits`. Every thread of the block must call it.
-__device__ inline void put_path(const MeshQueue<Real>& queue, bool waits, const Ray<Real>& ray, const Hit<Real>& hit,
-                                std::uint32_t position) {
+// Lists the positions of the threads whose path `waits`. Every thread of the block must call it.
+__device__ inline void put_position(const MeshQueue& queue, bool waits, std::uint32_t position) {
     const std::uint32_t place = append_by_block(&queue.counts->waiting, waits);
     if (waits) {
-        queue.paths[place] = {ray, hit.t, hit.side, position};
+        queue.positions[place] = position;
     }
 }
 
