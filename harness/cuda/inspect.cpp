@@ -112,7 +112,11 @@ CompilerReport report_of(const Program& program) {
 }
 
 Json kernel_json(const KernelReport& reported, const Program& program) {
-    const int threads = static_cast<int>(program.threads);
+    std::uint32_t most_threads = program.threads;
+    for (const KernelSignature& kernel : program.request.kernels) {
+        most_threads = kernel.name == reported.name ? std::min(most_threads, kernel.most_threads) : most_threads;
+    }
+    const int threads = static_cast<int>(most_threads);
     const Occupancy held = occupancy(program.request.architecture, reported.registers, reported.shared_bytes, threads);
     Json entry{{"name", reported.name},
                {"of", program.of},

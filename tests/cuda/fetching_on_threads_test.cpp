@@ -20,7 +20,8 @@ using std::max;
 using std::min;
 
 using Real = float;
-inline constexpr pt::cuda::KernelConfig kernel_config{.features = pt::all_features, .block = 64};
+inline constexpr pt::cuda::KernelConfig kernel_config{
+    .features = pt::all_features | static_cast<pt::FeatureSet>(pt::Feature::mesh), .block = 64};
 namespace tuned {
 inline constexpr unsigned walks_apart = 0, fetch_at = 8, node_vote = 2;
 }  // namespace tuned
@@ -68,6 +69,7 @@ public:
     }
 
     void trace(std::uint32_t segment) {
+        const std::vector<Ray<float>> rays = live_rays();
         std::fill(keys_.begin(), keys_.end(), unwritten);
         run(blocks, [&] {
             ::intersect_paths(view_, store(), nullptr, &count_, total, hits_.data(), ::HitCache{}, {segment, nullptr},
@@ -79,6 +81,7 @@ public:
         EXPECT_EQ(list_counts_.waiting, 0u);
         EXPECT_EQ(list_counts_.taken, 0u);
         EXPECT_EQ(list_counts_.finished, 0u);
+        expect_hits(rays);
         expect_keys_of_hits();
         const FilmView sums = film_.view();
         run(blocks, [&] { ::shade_paths(view_, sums, store(), nullptr, &count_, hits_.data(), totals_.data(), {}); });
@@ -109,6 +112,31 @@ private:
     cuda::MeshQueue list() { return {waiting_.data(), &list_counts_}; }
     cuda::SegmentCounts segments() { return {live_.data(), in_play_.data(), 1}; }
     std::uint32_t last_key() const { return view_.materials.size + 1; }
+    // By slot; of a path that has ended some ray.
+    std::vector<Ray<float>> live_rays() {
+        const ::Paths paths(store());
+        std::vector<Ray<float>> rays;
+        for (std::uint32_t i = 0; i < total; ++i) {
+            rays.push_back(paths.ray(i));
+            rays.back().primitive = paths.primitive(i);
+        }
+        return rays;
+    }
+    void expect_hits(const std::vector<Ray<float>>& rays) {
+        const ::Paths paths(store());
+        for (std::uint32_t i = 0; i < total; ++i) {
+            if (paths.alive(i)) {
+                const Hit<float> hit = closest_hit<::Configuration>(view_, rays[i]);
+                ASSERT_EQ(hits_[i].t, hit.t) << i;
+                ASSERT_EQ(hits_[i].side.exists(), hit.side.exists()) << i;
+                if (hit.side.exists()) {
+                    ASSERT_EQ(hits_[i].side.object(), hit.side.object()) << i;
+                    ASSERT_EQ(hits_[i].side.inside(), hit.side.inside()) << i;
+                }
+                ASSERT_EQ(paths.primitive(i), hit.primitive) << i;
+            }
+        }
+    }
     void expect_keys_of_hits() {
         const ::Paths paths(store());
         for (std::uint32_t i = 0; i < total; ++i) {

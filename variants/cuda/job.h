@@ -45,8 +45,12 @@ struct Job {
     }
     template <class Parameters>
     void launch_blocks(std::uint32_t blocks, const Parameters& parameters) {
+        launch_blocks(blocks, block, parameters);
+    }
+    template <class Parameters>
+    void launch_blocks(std::uint32_t blocks, std::uint32_t threads_a_block, const Parameters& parameters) {
         if (blocks != 0) {
-            module->launch(blocks, block, stream, parameters);
+            module->launch(blocks, threads_a_block, stream, parameters);
             work.launches += 1;
         }
     }

@@ -242,8 +242,8 @@ public:
           sort_stage_(job, this->needs()),
           walks_(job, this->needs(), job.pixels * batches().samples_in_flight()) {
         if (this->needs().traits.traversal.needs_own_kernel) {
-            const int blocks =
-                job.module->blocks_per_multiprocessor(IntersectMeshesParameters<Real>::kernel, job.block);
+            const int blocks = job.module->blocks_per_multiprocessor(IntersectMeshesParameters<Real>::kernel,
+                                                                     fetching_block(job.block));
             fetching_blocks_ = static_cast<std::uint32_t>(blocks) * job.multiprocessors;
         }
     }
@@ -298,8 +298,9 @@ private:
                                                        hits(), job_.cache, batches().segment(segment), job_.segments,
                                                        keys, key.bits, sort_stage_.chunk(queue_),
                                                        sort_stage_.last_key(queue_), needs().key_bounds, meshes_});
+            const std::uint32_t fetching = fetching_block(job_.block);
             job_.launch_blocks(
-                std::min(fetching_blocks_, (queue_.bound + job_.block - 1) / job_.block),
+                std::min(fetching_blocks_, (queue_.bound + fetching - 1) / fetching), fetching,
                 IntersectMeshesParameters<Real>{job_.scene, queue_.paths, order(), meshes_, hits(), keys, key.bits,
                                                 sort_stage_.chunk(queue_), needs().key_bounds});
         }

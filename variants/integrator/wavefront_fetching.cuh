@@ -136,10 +136,12 @@ private:
 
 }  // namespace pt::cuda
 
-PT_KERNEL(intersect_meshes, pt::cuda::IntersectMeshesParameters<Real>,
-          (const __grid_constant__ Scene parameter, PathStore store, const std::uint32_t* order,
-           pt::cuda::MeshQueue queue, StoredHit* hits, std::uint32_t* keys, std::uint32_t bits, std::uint32_t chunk,
-           pt::cuda::KeyBounds bounds)) {
+PT_KERNEL_WITH(__launch_bounds__(pt::cuda::fetching_block(kernel_config.block),
+                                 pt::cuda::fetching_blocks_at_once(kernel_config.block, sizeof(Real))),
+               intersect_meshes, pt::cuda::IntersectMeshesParameters<Real>,
+               (const __grid_constant__ Scene parameter, PathStore store, const std::uint32_t* order,
+                pt::cuda::MeshQueue queue, StoredHit* hits, std::uint32_t* keys, std::uint32_t bits,
+                std::uint32_t chunk, pt::cuda::KeyBounds bounds)) {
     using Stack = Accelerator::Stack<Real>;
     const SceneViews scene(parameter);
     const Paths paths(store);

@@ -116,13 +116,18 @@ constexpr bool is_kernel_of(const char* name) {
 struct KernelSignature {
     const char* name = nullptr;
     std::size_t parameter_bytes = 0;
-    bool is_reported = true;  // does the work: its registers are in results
+    bool is_reported = true;           // does the work: its registers are in results
+    std::uint32_t most_threads = ~0u;  // of a block, where that is fewer than the program's
 };
 
 template <class Parameters>
 constexpr KernelSignature kernel_of(bool is_reported = true) {
     static_assert(std::is_trivially_copyable_v<Parameters>);
-    return {Parameters::kernel, sizeof(Parameters), is_reported};
+    if constexpr (requires { Parameters::most_threads; }) {
+        return {Parameters::kernel, sizeof(Parameters), is_reported, Parameters::most_threads};
+    } else {
+        return {Parameters::kernel, sizeof(Parameters), is_reported};
+    }
 }
 
 }  // namespace pt::cuda
