@@ -363,7 +363,7 @@ private:
     static constexpr std::uint32_t rounds_ahead = 4;
     // Rounds between two looks at how many paths have ended, once all have begun. A look waits for the device.
     static constexpr std::uint32_t rounds_between_looks = 64;
-    // The same where walks take rounds of their own: how many there are left is not known then.
+    // Rounds between two such looks where walks take rounds of their own: how many are left is not known then.
     static constexpr std::uint32_t rounds_between_looks_at_walks = 8;
     // Rounds that few walks reach between two segments.
     static constexpr std::uint32_t rounds_of_long_walks = 1024;
