@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::uint32_t image = 800 * 800;  // paths
 
-// The key of a path, as the kernel has it (variants/integrator/wavefront_fetching.cuh).
+// The key of a path, as the kernel has it (variants/cuda/device/hit_keys.cuh).
 std::uint32_t key_of(std::uint32_t slot, std::uint32_t material, std::uint32_t materials, std::uint32_t chunk) {
     return slot / chunk * (materials + 1) + material;
 }
