@@ -165,3 +165,21 @@ if(PTBENCH_EMBREE_INCLUDE AND PTBENCH_EMBREE_LIBRARY)
   target_include_directories(rays_cpu SYSTEM PRIVATE ${PTBENCH_EMBREE_INCLUDE})
 endif()
 set_target_properties(rays_cpu PROPERTIES LINKER_LANGUAGE CXX)
+
+# Rates of ray batches through OptiX alone, by hand: `cmake --build build --target rays_optix`. Its headers are
+# https://github.com/NVIDIA/optix-dev; -DPTBENCH_OPTIX_INCLUDE=DIR says where they are.
+find_path(PTBENCH_OPTIX_INCLUDE optix.h HINTS $ENV{OPTIX_ROOT}/include)
+if(PTBENCH_CUDA AND PTBENCH_OPTIX_INCLUDE)
+  set(optix_device ${PROJECT_BINARY_DIR}/rays_optix.optixir)
+  add_custom_command(OUTPUT ${optix_device}
+    COMMAND ${CMAKE_CUDA_COMPILER} -std=c++20 -optix-ir -diag-suppress 20012 -I${PROJECT_SOURCE_DIR} -I${PTBENCH_OPTIX_INCLUDE}
+            ${PROJECT_SOURCE_DIR}/tools/rays/rays_optix_device.cu -o ${optix_device}
+    DEPENDS tools/rays/rays_optix_device.cu tools/rays/rays_optix.h harness/rays/ray_batch.h VERBATIM)
+  add_executable(rays_optix EXCLUDE_FROM_ALL tools/rays/rays_optix.cpp ${optix_device})
+  target_compile_definitions(rays_optix PRIVATE PTBENCH_RAYS_OPTIX_DEVICE="${optix_device}")
+  target_include_directories(rays_optix SYSTEM PRIVATE ${PTBENCH_OPTIX_INCLUDE})
+  target_link_libraries(rays_optix PRIVATE ${PTBENCH_PARTS})
+  set_target_properties(rays_optix PROPERTIES LINKER_LANGUAGE CXX)
+elseif(PTBENCH_CUDA)
+  message(STATUS "OptiX headers: not found, so there is no target rays_optix (-DPTBENCH_OPTIX_INCLUDE=DIR)")
+endif()

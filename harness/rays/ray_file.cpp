@@ -72,7 +72,7 @@ void write_rays(const std::string& file, const std::vector<RaySet>& sets, const 
     write_file(file, content);
 }
 
-std::vector<RaySet> read_rays(const std::string& file) {
+std::vector<RaySet> read_rays(const std::string& file, std::vector<std::uint64_t>* hits) {
     const std::string content = read_file(file, largest_ray_file);
     Reader reader(content, file);
     char found[8];
@@ -106,6 +106,9 @@ std::vector<RaySet> read_rays(const std::string& file) {
             }
         }
         sets.push_back(std::move(set));
+        if (hits != nullptr) {
+            hits->push_back(header.hits);
+        }
     }
     if (reader.left() != 0) {
         throw InputError(file, "end", fmt::format("{} bytes after the last set", reader.left()), "none");

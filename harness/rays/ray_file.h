@@ -12,7 +12,8 @@ namespace pt::rays {
 
 // Writes sets of rays to a file. `hits`: for each set, how many rays hit.
 void write_rays(const std::string& file, const std::vector<RaySet>& sets, const std::vector<std::uint64_t>& hits);
-// Reads sets of rays. Throws InputError for a file that is none, is broken, or has a ray that is none.
-std::vector<RaySet> read_rays(const std::string& file);
+// Reads sets of rays and, where asked for, how many of each set the file says to hit. Throws InputError for a file that
+// is none, is broken, or has a ray that is none.
+std::vector<RaySet> read_rays(const std::string& file, std::vector<std::uint64_t>* hits = nullptr);
 
 }  // namespace pt::rays

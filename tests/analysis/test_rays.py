@@ -99,6 +99,17 @@ def test_what_is_wrong_is_told(tmp_path, fault):
         rays_of(read_json(written(tmp_path, "rays.json", value)))
 
 
+def test_optix_alone_is_a_peer_beside_optix_through_mitsuba(tmp_path):
+    value = theirs()
+    version = value.pop("mitsuba")
+    assert not is_peer(read_json(written(tmp_path, "nobody_tori_4M.json", value)))
+    value["optix"] = "9.0.0"
+    alone = read_json(written(tmp_path, "optix-alone_tori_4M.json", value))
+    assert is_peer(alone)
+    assert (peer_of(alone).name, peer_of(alone).by) == ("optix-alone", "9.0.0")
+    assert peer_of(read_json(FOLDER / "optix_tori_4M.json")).by == f"through Mitsuba {version}"
+
+
 def test_a_peers_file_under_another_name_is_refused(tmp_path):
     with pytest.raises(InputError, match="the mesh of the file's name"):
         peer_of(read_json(written(tmp_path, "optix_sphere_2M.json", theirs())))

@@ -14,7 +14,7 @@ from ptbench.stats.estimates import INTERVAL_TEXT, median_estimate
 # Fewer rays do not fill a GPU: such a file is a check, not a measurement of rates.
 LEAST_RAYS = 1 << 20
 _BUILDER = "sah_binned"
-_NAMES = {"optix": "OptiX"}
+_NAMES = {"optix": "OptiX", "optix-alone": "OptiX alone"}
 
 
 def measured_meshes(files: Sequence[Rays]) -> list[RayMesh]:
@@ -116,7 +116,7 @@ def _caption(files: Sequence[Rays], peers: Sequence[Peer], meshes: Sequence[RayM
         f"ptbench {commits}.",
     ]
     if peers:
-        versions = ", ".join(dict.fromkeys(f"{peer_name(peer)} through Mitsuba {peer.version}" for peer in peers))
+        versions = ", ".join(dict.fromkeys(f"{peer_name(peer)} {peer.by}" for peer in peers))
         parts.append(f"{versions}: the same rays and triangles in the same session on the same GPU.")
     return " ".join(parts)
 

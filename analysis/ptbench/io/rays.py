@@ -17,7 +17,9 @@ from ptbench.io.run import OfARun
 
 SCHEMA = "ptbench-rays-1"
 QUERIES = ("closest", "any")
-_PEER_KEYS = {"mesh", "mitsuba", "batches"}
+_PEER_KEYS = {"mesh", "batches"}
+# By what a peer was asked: the key of the version in a file, and how that is said.
+_PEER_PROGRAMS = {"mitsuba": "through Mitsuba ", "optix": ""}
 
 
 @dataclass(frozen=True)
@@ -94,7 +96,7 @@ class Peer:
     path: Path
     name: str
     mesh: str
-    version: str
+    by: str  # "through Mitsuba 3.9.1", or its own version
     hits_differ: int  # by how many the numbers of hits differ, over all batches
     batches: tuple[Batch, ...]
 
@@ -106,7 +108,8 @@ def is_rays(root: Node) -> bool:
 
 def is_peer(root: Node) -> bool:
     """Whether a parsed file is a peer's."""
-    return isinstance(root.value, dict) and root.value.keys() >= _PEER_KEYS
+    keys = root.value.keys() if isinstance(root.value, dict) else set()
+    return keys >= _PEER_KEYS and not keys.isdisjoint(_PEER_PROGRAMS)
 
 
 def rays_of(root: Node) -> Rays:
@@ -132,11 +135,12 @@ def peer_of(root: Node) -> Peer:
     if not mesh or mesh != written:
         raise bad_value(root.file, "$.mesh", shown(written), "the mesh of the file's name, PEER_MESH.json")
     nodes = list(root.need("batches").items())
+    program = next(key for key in _PEER_PROGRAMS if key in root.value)
     return Peer(
         path=root.file,
         name=name,
         mesh=mesh,
-        version=root.need("mitsuba").name(),
+        by=f"{_PEER_PROGRAMS[program]}{root.need(program).name()}",
         hits_differ=sum(node.need("hits_differ").integer() for node in nodes),
         batches=tuple(
             Batch(

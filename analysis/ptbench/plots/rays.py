@@ -46,7 +46,7 @@ def summary(files: Sequence[Rays], peers: Sequence[Peer], not_drawn: str = "") -
             f"- {file.path.name}: {device}, {file.repetitions} repetitions; ptbench {file.about('version')}, "
             f"git {file.about('git_sha')}, {file.context.get('date', 'no date')}; `{file.about('command_line')}`"
         )
-    lines += [f"- {peer.path.name}: Mitsuba {peer.version}, {peer.hits_differ} hits differ" for peer in peers]
+    lines += [f"- {peer.path.name}: {peer.by}, {peer.hits_differ} hits differ" for peer in peers]
     how = (
         f"Rates are rays over the median time of a batch. Intervals: {INTERVAL_TEXT}. Builds and encodings by the host "
         "were timed once; those on the GPU are medians."

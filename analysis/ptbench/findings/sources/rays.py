@@ -214,7 +214,7 @@ class RaysFolder(Source, form=FOLDER):
     @property
     def peer(self) -> str:
         """The peer's name and version."""
-        return ", ".join(dict.fromkeys(f"{peer_name(peer)} (through Mitsuba {peer.version})" for peer in self.peers))
+        return ", ".join(dict.fromkeys(f"{peer_name(peer)} ({peer.by})" for peer in self.peers))
 
     @property
     def hits_apart(self) -> int:
