@@ -18,7 +18,7 @@ from ptbench.io.run import OfARun
 SCHEMA = "ptbench-rays-1"
 QUERIES = ("closest", "any")
 _PEER_KEYS = {"mesh", "batches"}
-# By what a peer was asked: the key of the version in a file, and how that is said.
+# The key of the version in a file says what traced the rays; a reader is told so before the version.
 _PEER_PROGRAMS = {"mitsuba": "through Mitsuba ", "optix": ""}
 
 
