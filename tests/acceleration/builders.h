@@ -9,7 +9,7 @@
 #include "tests/acceleration/triangle_scenes.h"
 #include "variants/builder/lbvh.h"
 #include "variants/builder/ploc.h"
-#include "variants/builder/reinsertion.h"
+#include "variants/builder/ploc_reinserted.h"
 #include "variants/builder/sah_binned.h"
 #include "variants/builder/sah_sweep.h"
 #include "variants/builder/sbvh.h"
@@ -43,9 +43,7 @@ inline std::vector<BuilderChoice> builders() {
                             const builder::SahCosts& costs) { return builder::ploc::build(boxes, leaf_size, costs); }),
         of_boxes("ploc_reinserted",
                  [](const PrimitiveBoxes& boxes, std::uint32_t leaf_size, const builder::SahCosts& costs) {
-                     builder::Pairing pairing = builder::ploc::pair(boxes);
-                     builder::reinsert(pairing, boxes, 6);
-                     return builder::assemble(pairing, boxes, leaf_size, costs);
+                     return builder::ploc_reinserted::build(boxes, leaf_size, costs);
                  }),
         {"sbvh",
          [](const Triangles& triangles, std::uint32_t leaf_size) {

@@ -10,6 +10,7 @@
 
 #include "harness/scene/places.h"
 #include "harness/scene/scene_buffers.h"
+#include "tests/support/key_of_material.h"
 #include "tests/support/one_by_one.h"
 #include "variants/accelerator/cwbvh.h"
 #include "variants/cuda/device/kernel_config.h"
@@ -34,13 +35,6 @@ using Paths = pt::layout::aos::DevicePaths<Real>;
 #include "variants/traversal_stack/local.cuh"
 using Accelerator =
     pt::traversal::persistent::Traversal<pt::accelerator::cwbvh::Traversal, pt::traversal_stack::local::Stack>;
-namespace sort_key {
-inline constexpr bool by_chunk = false;
-template <class Ray, class Hit, class Bounds>
-std::uint32_t rest(const Ray&, const Hit&, const Bounds&) {
-    return 0;
-}
-}  // namespace sort_key
 #include "variants/cuda/device/scene_in_global.cuh"
 // After it: they need no more than its names.
 #include "variants/cuda/device/pixels_all.cuh"

@@ -11,6 +11,7 @@
 
 #include "harness/scene/places.h"
 #include "harness/scene/scene_buffers.h"
+#include "tests/support/key_of_material.h"
 #include "tests/support/one_by_one.h"
 #include "variants/accelerator/brute_force.h"
 #include "variants/cuda/device/kernel_config.h"
@@ -29,13 +30,6 @@ inline constexpr pt::test::SameProgram fill_queue, intersect_queue, shade_and_re
 }  // namespace host_bytes
 using Paths = pt::layout::aos::DevicePaths<Real>;
 using Accelerator = pt::accelerator::brute_force::Traversal;
-namespace sort_key {
-inline constexpr bool by_chunk = false;
-template <class Ray, class Hit, class Bounds>
-std::uint32_t rest(const Ray&, const Hit&, const Bounds&) {
-    return 0;
-}
-}  // namespace sort_key
 #include "variants/cuda/device/scene_in_global.cuh"
 // After it: they need no more than its names.
 #include "variants/cuda/device/pixels_all.cuh"

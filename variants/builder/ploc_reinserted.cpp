@@ -1,3 +1,5 @@
+#include "variants/builder/ploc_reinserted.h"
+
 #include "variants/builder/ploc.h"
 #include "variants/builder/reinsertion.h"
 #include "variants/mesh_reasons.h"
@@ -6,8 +8,18 @@
 namespace pt::builder::ploc_reinserted {
 namespace {
 
-// What more rounds bring is lost in what one mesh differs from another.
+// Four more change the nodes that a ray visits over a million tori triangles by less than 1 %.
 constexpr std::uint32_t rounds = 6;
+
+}  // namespace
+
+BinaryTree build(const PrimitiveBoxes& boxes, std::uint32_t leaf_size, const SahCosts& costs) {
+    Pairing pairing = ploc::pair(boxes);
+    reinsert(pairing, boxes, rounds);
+    return assemble(pairing, boxes, leaf_size, costs);
+}
+
+namespace {
 
 const Registration registration(
     {
@@ -18,11 +30,7 @@ const Registration registration(
         .backends = on_every_backend,
         .unsupported_reason = needs_tree,
     },
-    {.builder = {[](const PrimitiveBoxes& boxes, std::span<const Triangle<float>>) {
-         Pairing pairing = ploc::pair(boxes);
-         reinsert(pairing, boxes, rounds);
-         return assemble(pairing, boxes, 4, {});
-     }}});
+    {.builder = {[](const PrimitiveBoxes& boxes, std::span<const Triangle<float>>) { return build(boxes); }}});
 
 }  // namespace
 }  // namespace pt::builder::ploc_reinserted
