@@ -154,12 +154,14 @@ private:
     std::uint32_t count_ = 0;
 };
 
-// Two meshes, one within the bounds of the other, and a third that no ray meets.
+// A mesh, one that overlaps it, one that rays enter which enter no other, and one that no ray meets.
 ::pt::Scene scene_of_meshes() {
     ::pt::Scene scene = find_scene("scenes/meshes/icosphere_room.json");
     SceneObject mesh = scene.objects.back();
     mesh.scale *= 0.5;
     mesh.translate += Vec3d(1.5, -1.0, 1.0);
+    scene.objects.push_back(mesh);
+    mesh.translate += Vec3d(1.8, -1.0, 1.5);
     scene.objects.push_back(mesh);
     mesh.translate = Vec3d(0, 500, 0);
     scene.objects.push_back(mesh);
