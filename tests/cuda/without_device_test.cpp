@@ -190,7 +190,9 @@ TEST(ModuleRequestTest, HoldsWhatTheVariantAsksFor) {
     variant.tuning["block"] = 128;
     variant.tuning["shading_fmas"] = 64;
     const cuda::ModuleRequest request = cuda::module_request(scene, variant, "sm_89");
-    EXPECT_EQ(request.includes, std::vector<std::string>{"variants/integrator/wavefront.cuh"});
+    // The scene has a subsurface body, so its walks' kernel is part of the program.
+    EXPECT_EQ(request.includes,
+              (std::vector<std::string>{"variants/integrator/wavefront.cuh", "variants/cuda/device/walk_paths.cuh"}));
     EXPECT_EQ(request.config.features, features_of(scene) | shortcuts_of(scene));
     EXPECT_EQ(request.real, "float");
     EXPECT_EQ(request.layout, "soa");
@@ -206,6 +208,24 @@ TEST(ModuleRequestTest, HoldsWhatTheVariantAsksFor) {
     variant.set("sorting", "none");
     variant.set("sort_key", "material");
     EXPECT_EQ(cuda::module_request(scene, variant, "sm_89").config.min_blocks, 3u);  // registers of twice the size
+}
+
+TEST(ModuleRequestTest, HasAPartOnlyWhereItsKernelHasSomethingToDo) {
+    using Sources = std::vector<std::string>;
+    const Sources alone{"variants/integrator/wavefront.cuh"};
+    const Scene walks = find_scene("cornell_open_five"), mesh = find_scene("scenes/meshes/icosphere_room.json");
+    const auto sources = [](const Scene& scene, const Variant& variant) {
+        return cuda::module_request(scene, variant, "sm_90").includes;
+    };
+    Variant variant = baseline();
+    EXPECT_EQ(sources(find_scene("cornell_open"), variant), alone);
+    variant.tuning["walks_apart"] = 0;
+    EXPECT_EQ(sources(walks, variant), alone);
+    variant.tuning.clear();
+    variant.set("accelerator", "cwbvh");
+    EXPECT_EQ(sources(mesh, variant), alone);
+    variant.set("traversal", "persistent");
+    EXPECT_EQ(sources(mesh, variant), (Sources{alone.front(), "variants/integrator/wavefront_fetching.cuh"}));
 }
 
 TEST(ModuleRequestTest, CountsAreConstantsWhereTheKernelIsTheScenes) {
