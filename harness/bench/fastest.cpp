@@ -19,6 +19,9 @@ std::vector<std::string> accelerators_by_speed(Backend backend) {
                                    : std::vector<std::string>{"cwbvh", "bvh2"};
 }
 
+// Its weights are bounded near a lamp too, and nowhere is another much better.
+constexpr const char* best_light_sampling = "auto";
+
 bool any_applies(const AxisChoices& axes, const TunableValues& tunables, const Scene& scene, Backend backend) {
     const std::vector<Variant> variants = expand(axes, backend, tunables);
     return std::any_of(variants.begin(), variants.end(), [&](const Variant& variant) {
@@ -55,6 +58,22 @@ std::string tree_in_words(const AxisChoices& axes, const TunableValues& tunables
         }
     }
     return added.empty() ? "" : fmt::format("{} for its {} triangles", fmt::join(added, " and "), triangles_of(scene));
+}
+
+Variant with_light_sampling(Variant variant, const AxisChoices& axes, FeatureSet scene, Backend backend) {
+    if (axes.contains(axes::light_sampling)) {
+        return variant;
+    }
+    Variant tried = variant;
+    tried.set(axes::light_sampling, best_light_sampling);
+    return why_not_applicable(tried, scene, backend).empty() ? tried : variant;
+}
+
+std::string light_sampling_in_words(const Variant& variant, const AxisChoices& axes) {
+    const std::string& choice = variant[axes::light_sampling];
+    return axes.contains(axes::light_sampling) || choice != best_light_sampling
+               ? ""
+               : fmt::format("{}={} for its connections", axes::light_sampling, choice);
 }
 
 Variant fastest_variant(const AxisChoices& axes, const TunableValues& tunables, FeatureSet scene, Backend backend) {

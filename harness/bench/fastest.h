@@ -17,6 +17,15 @@ AxisChoices with_tree(const AxisChoices& axes, const TunableValues& tunables, co
 // What with_tree added, for people: "accelerator=bvh8 for its 81920 triangles"; empty: nothing.
 std::string tree_in_words(const AxisChoices& axes, const TunableValues& tunables, const Scene& scene, Backend backend);
 
+// `variant` with points on lights drawn by the choice that was found to leave the least error in a time
+// (docs/findings/error_against_time.md), if it connects vertices to lights, `axes` names no light_sampling, and that
+// choice applies to the scene. Else `variant`.
+Variant with_light_sampling(Variant variant, const AxisChoices& axes, FeatureSet scene, Backend backend);
+
+// What with_light_sampling added to this variant, for people: "light_sampling=auto for its connections"; empty:
+// nothing.
+std::string light_sampling_in_words(const Variant& variant, const AxisChoices& axes);
+
 // Integrators by speed, as docs/findings/cpu.md and docs/findings/schedulers.md found them. Of these the first that
 // applies to the scene together with the choices and tunables of `axes` and `tunables`, all else at its baseline; where
 // none does, the baseline. Precondition: one choice an axis, one value a tunable, and no integrator among them.

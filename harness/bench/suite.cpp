@@ -386,8 +386,7 @@ public:
             const std::vector<Variant> variants = variants_of(study, backend_);
             for (const std::string& name : study.scenes) {
                 const std::shared_ptr<const Scene>& scene = scenes_.at(name);
-                for (const Variant& asked :
-                     study.has_tree_by_default ? variants_of(with_default_tree(study, *scene), backend_) : variants) {
+                for (const Variant& asked : study.is_of_a_call ? best_known(study, *scene) : variants) {
                     add_variant(study, scene, tuning_.applied(asked, named));
                 }
             }
@@ -396,13 +395,25 @@ public:
     }
 
 private:
-    Study with_default_tree(Study study, const Scene& scene) {
+    // The study's variants with the best that is known for what the call left open, of which plan_.chosen tells.
+    std::vector<Variant> best_known(Study study, const Scene& scene) {
         const std::string tree = tree_in_words(study.axes, study.tunables, scene, backend_);
         if (!tree.empty()) {
             plan_.chosen.push_back(fmt::format("{}: {}", scene.name, tree));
         }
         study.axes = with_tree(study.axes, study.tunables, scene, backend_);
-        return study;
+        std::vector<Variant> variants = variants_of(study, backend_);
+        std::set<std::string> added;
+        for (Variant& variant : variants) {
+            variant = with_light_sampling(variant, study.axes, features_of(scene), backend_);
+            added.insert(light_sampling_in_words(variant, study.axes));
+        }
+        for (const std::string& words : added) {
+            if (!words.empty()) {
+                plan_.chosen.push_back(fmt::format("{}: {}", scene.name, words));
+            }
+        }
+        return variants;
     }
 
     // Adds a variant's cells at every size, depth and number of samples.

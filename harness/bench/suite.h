@@ -54,9 +54,9 @@ struct Study {
     std::vector<std::string> scenes;
     AxisChoices axes;
     TunableValues tunables;
-    // Whether scenes of many triangles get a tree (with_tree in fastest.h) where `axes` names no accelerator: so a call
-    // does that describes its study itself. What a suite leaves out is at its baseline.
-    bool has_tree_by_default = false;
+    // Whether a call describes the study itself: what its axes leave open gets the best that is known (fastest.h). What
+    // a suite leaves out is at its baseline.
+    bool is_of_a_call = false;
     std::vector<VariantSet> variants = {};                // each is added to axes and tunables; empty: those
     std::optional<ConvergenceSettings> convergence = {};  // of a study of error against run time
     std::uint32_t width = 0, height = 0;                  // 0: the scene's own

@@ -119,7 +119,7 @@ int run(const AutotuneArguments& arguments) {
         throw InputError("--axis", "argument", fmt::format("{} variants", variants.size()),
                          "one choice an axis for autotune");
     }
-    const Variant& standard = variants[0];
+    const Variant standard = with_light_sampling(variants[0], axes, features_of(scene), backend);
     if (const std::string reason = why_not_applicable(standard, features_of(scene), backend); !reason.empty()) {
         throw InputError(fmt::format("n/a: {} on {}: {}", shown_name(standard, backend), scene.name, reason));
     }

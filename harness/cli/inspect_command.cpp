@@ -105,7 +105,11 @@ std::vector<Variant> asked_variants(const InspectArguments& arguments, const Sce
     if (const std::string tree = tree_in_words(axes, tunables, scene, Backend::cuda); !tree.empty()) {
         say("{}: {}\n", scene.name, tree);
     }
-    return expand(with_tree(axes, tunables, scene, Backend::cuda), Backend::cuda, tunables);
+    std::vector<Variant> variants = expand(with_tree(axes, tunables, scene, Backend::cuda), Backend::cuda, tunables);
+    for (Variant& variant : variants) {
+        variant = with_light_sampling(variant, axes, features_of(scene), Backend::cuda);
+    }
+    return variants;
 }
 
 int run(const InspectArguments& arguments) {

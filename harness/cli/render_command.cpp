@@ -184,8 +184,7 @@ struct Chosen {
     std::string by;  // whom
 };
 
-// The variant that the call names; where it names none, it has the fastest integrator and accelerator that go with the
-// rest.
+// The variant that the call names; what it leaves open is the best known that goes with the rest (fastest.h).
 Chosen choose_variant(const RenderArguments& arguments, const Scene& scene, Backend backend) {
     const AxisChoices asked = parse_axis_arguments(arguments.axes, arguments.devices, backend);
     const TunableValues tunables = parse_tunable_arguments(arguments.tunables);
@@ -197,16 +196,19 @@ Chosen choose_variant(const RenderArguments& arguments, const Scene& scene, Back
     }
     const FeatureSet features = features_of(scene);
     const bool is_named = axes.contains(axes::integrator);
-    Variant variant = is_named ? named[0] : fastest_variant(axes, tunables, features, backend);
+    const Variant variant = with_light_sampling(
+        is_named ? named[0] : fastest_variant(axes, tunables, features, backend), axes, features, backend);
     const std::string reason = why_not_applicable(variant, features, backend);
     if (!reason.empty()) {
         throw InputError(fmt::format("n/a: {} on {}: {}", shown_name(variant, backend), scene.name, reason));
     }
     require_backend(backend);
-    const std::string tree = tree_in_words(asked, tunables, scene, backend);
+    std::vector<std::string> added{tree_in_words(asked, tunables, scene, backend),
+                                   light_sampling_in_words(variant, asked)};
+    std::erase(added, "");
     const std::string by = fmt::format(
         "{}{}", is_named ? "the call" : "ptbench: the fastest integrator known that goes with the scene and the call",
-        tree.empty() ? "" : fmt::format(";{} {}", is_named ? " ptbench:" : "", tree));
+        added.empty() ? "" : fmt::format(";{} {}", is_named ? " ptbench:" : "", fmt::join(added, ", ")));
     if (arguments.untuned) {
         return {variant, by};
     }
@@ -356,8 +358,10 @@ Command add_render_command(CLI::App& app) {
     CLI::App* command = app.add_subcommand("render", "Render one image; a JSON summary goes to stdout");
     command->add_option("--scene", arguments->scene, "Scene by name or .json file")->required();
     command
-        ->add_option("--axis", arguments->axes,
-                     "AXIS=CHOICE, repeatable (default: the fastest integrator known, all else at its baseline)")
+        ->add_option(
+            "--axis", arguments->axes,
+            "AXIS=CHOICE, repeatable (default: the fastest integrator known, and over many triangles a tree; lights "
+            "that are connected are drawn by light_sampling=auto; all else at its baseline)")
         ->allow_extra_args(false);
     command
         ->add_option("--devices", arguments->devices, "GPUs of this host that render it together: a number (default 1)")

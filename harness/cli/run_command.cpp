@@ -66,7 +66,7 @@ Suite suite_from_arguments(const RunArguments& arguments) {
     study.title = "From the command line";
     study.scenes = scenes_asked_for(arguments.scenes);
     study.spp = 4;
-    study.has_tree_by_default = true;
+    study.is_of_a_call = true;
     if (arguments.error_against_time) {
         ask_for_errors(study);
     }

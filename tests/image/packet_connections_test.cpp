@@ -22,6 +22,7 @@ constexpr FeatureSet boxes_and_balls = connections | Feature::sphere | Feature::
 constexpr FeatureSet every_kind = boxes_and_balls | Feature::quad | Feature::ellipsoid | Feature::oriented_box |
                                   Feature::mix | Feature::dielectric | Feature::rough_conductor;
 constexpr FeatureSet in_motion = every_kind | Feature::motion;
+constexpr FeatureSet with_meshes = every_kind | Feature::mesh;
 
 struct Outcome {
     std::string film;
@@ -153,6 +154,42 @@ TEST(PacketConnections, OfWhatMoves) {
     });
     scene.camera.shutter_close = 1;
     expect_one_film<in_motion>(scene, "moving");
+}
+
+// A ray that starts on a triangle passes over that one alone; the icosahedra touch the lamp's plane and each other.
+TEST(PacketConnections, OverMeshes) {
+    const auto balls = [](SceneBuilder& b) {
+        b.mesh(b.diffuse(Vec3d(0.7)), "icosphere", 1, {-0.6, 1, -0.5}, 0.6);
+        b.mesh(b.mirror({0.9, 0.8, 0.7}), "icosphere", 0, {0.6, 0.8, 0}, 0.6);
+        b.mesh(b.dielectric(1.5), "icosphere", 2, {0, 1.8, 0.3}, 0.5);
+    };
+    const std::function<void(SceneBuilder&)> lights[] = {
+        lamp,
+        [](auto& b) {
+            b.mesh(b.emitter({4, 5, 6}), "icosphere", 1, {0.5, 2.8, -1}, 0.7);
+        },
+        [](auto& b) {
+            lamp(b);
+            b.mesh(b.emitter({4, 5, 6}), "icosphere", 0, {-1.2, 2.2, -1}, 0.4);
+        },
+    };
+    for (std::size_t i = 0; i < std::size(lights); ++i) {
+        const auto all = [&](SceneBuilder& b) {
+            lights[i](b);
+            balls(b);
+        };
+        expect_one_film<with_meshes>(stage(all), "meshes, light " + std::to_string(i));
+    }
+}
+
+TEST(PacketConnections, OverMeshesThatMove) {
+    Scene scene = stage([](auto& b) {
+        lamp(b);
+        b.mesh(b.diffuse(Vec3d(0.7)), "icosphere", 1, {-0.6, 1, -0.5}, 0.6).velocity = {2, 0, 1};
+        b.mesh(b.emitter({4, 5, 6}), "icosphere", 1, {0.5, 2, -1}, 0.5).velocity = {0, 1, 0};
+    });
+    scene.camera.shutter_close = 1;
+    expect_one_film<(with_meshes | Feature::motion)>(scene, "moving meshes");
 }
 
 // A kernel with connections whose variant asks for none.

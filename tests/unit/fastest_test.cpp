@@ -1,4 +1,4 @@
-// Which accelerator a call gets that names none, and that a suite's cells stay what they are.
+// Which accelerator and light sampling a call gets that names none, and that a suite's cells stay what they are.
 #include "harness/bench/fastest.h"
 
 #include <gtest/gtest.h>
@@ -56,6 +56,57 @@ TEST(WithTreeTest, WhatTheCallNamesStays) {
     EXPECT_EQ(chosen({{"builder", {"lbvh"}}}, 4), (AxisChoices{{"accelerator", {"bvh8"}}, {"builder", {"lbvh"}}}));
 }
 
+// The choice of light_sampling that a variant with this direct_light gets over a room of boxes, and over a ball alone.
+std::string drawn_by(const std::string& direct_light, const AxisChoices& named, bool has_boxes) {
+    test::SceneBuilder builder;
+    builder.sphere(builder.emitter(Vec3d(1)), {0, 3, 0}, 1);
+    builder.sphere(builder.diffuse(Vec3d(0.5)), {0, 0, 0}, 1);
+    if (has_boxes) {
+        builder.box(builder.emitter(Vec3d(1)), {0, 5, 0}, Vec3d(1));
+    }
+    Variant variant = Registry::instance().baseline();
+    variant.set("direct_light", direct_light);
+    for (const auto& [axis, choices] : named) {
+        variant.set(axis, choices.front());
+    }
+    variant = with_light_sampling(variant, named, features_of(builder.scene), Backend::cpu);
+    const bool is_told = !light_sampling_in_words(variant, named).empty();
+    EXPECT_EQ(is_told, variant["light_sampling"] == "auto" && !named.contains("light_sampling"));
+    return variant["light_sampling"];
+}
+
+TEST(WithLightSamplingTest, WhereACallConnectsLightsAndNamesNone) {
+    for (const char* const connected : {"nee", "nee_mis", "nee_one_sample"}) {
+        EXPECT_EQ(drawn_by(connected, {}, true), "auto");
+        EXPECT_EQ(drawn_by(connected, {}, false), "solid_angle") << "nothing to draw on a face";
+        EXPECT_EQ(drawn_by(connected, {{"light_sampling", {"solid_angle"}}}, true), "solid_angle");
+        EXPECT_EQ(drawn_by(connected, {{"light_sampling", {"projected"}}}, true), "projected");
+        EXPECT_EQ(drawn_by(connected, {{"light_sampling", {"auto"}}}, true), "auto");
+    }
+    EXPECT_EQ(drawn_by("off", {}, true), "solid_angle");
+}
+
+TEST(WithLightSamplingTest, NotInASuite) {
+    Study study;
+    study.name = "adhoc";
+    study.scenes = {"cornell_open"};
+    study.axes = {{"integrator", {"depth_first"}}, {"direct_light", {"off", "nee_mis"}}};
+    Suite suite{.name = "adhoc", .description = "", .studies = {study}};
+    const auto drawn = [&] {
+        std::vector<std::string> found;
+        for (const Cell& cell : make_plan(suite).cells) {
+            found.push_back(cell.variant["direct_light"] + " " + cell.variant["light_sampling"]);
+        }
+        return found;
+    };
+    EXPECT_EQ(drawn(), (std::vector<std::string>{"off solid_angle", "nee_mis solid_angle"}));
+    EXPECT_EQ(make_plan(suite).chosen, std::vector<std::string>());
+    suite.studies[0].is_of_a_call = true;
+    EXPECT_EQ(drawn(), (std::vector<std::string>{"off solid_angle", "nee_mis auto"}));
+    EXPECT_EQ(make_plan(suite).chosen,
+              std::vector<std::string>{"cornell_open: light_sampling=auto for its connections"});
+}
+
 TEST(WithTreeTest, ASuiteThatSaysNothingHasTheBaseline) {
     const test::TemporaryFolder folder;
     const auto scene = [&](const std::string& name, int size) {
@@ -82,7 +133,7 @@ TEST(WithTreeTest, ASuiteThatSaysNothingHasTheBaseline) {
     EXPECT_EQ(accelerators(), (std::vector<std::string>{"few_ wavefront brute_force", "few_ depth_first brute_force",
                                                         "many wavefront brute_force", "many depth_first brute_force"}));
     EXPECT_EQ(make_plan(suite).chosen, std::vector<std::string>());
-    suite.studies[0].has_tree_by_default = true;
+    suite.studies[0].is_of_a_call = true;
     EXPECT_EQ(accelerators(), (std::vector<std::string>{"few_ wavefront brute_force", "few_ depth_first brute_force",
                                                         "many wavefront bvh8", "many depth_first bvh8"}));
     EXPECT_EQ(make_plan(suite).chosen, std::vector<std::string>{"many: accelerator=bvh8 for its 320 triangles"});

@@ -55,15 +55,18 @@ std::uint64_t expect_the_hits_of_single_rays(const std::string& name) {
         hits.set(l, Hit<float>{});
     }
     std::uint64_t met = 0;
+    lanes::Flags asks;
     for (int round = 0; round < 2000 && !testing::Test::HasFailure(); ++round) {
         for (std::uint32_t l = 0; l < lanes::width; ++l) {
             next_ray<Kernel>(paths, l, hits, view, random);
+            asks[l] = random.uniform() < 0.9 ? 1u : 0u;
         }
-        lanes::closest_hit<Kernel>(hits, view, paths);
-        for (std::uint32_t l = 0; l < lanes::width; ++l) {
+        lanes::closest_hit<Kernel>(hits, view, paths, asks);
+        for (const std::uint32_t l : lanes::LaneList(asks)) {
             const Hit<float> alone = closest_hit<Kernel>(view, paths.ray(l));
             EXPECT_EQ(hits.side[l], alone.side.code);
             EXPECT_EQ(bits_of(hits.t[l]), bits_of(alone.t));
+            EXPECT_EQ(hits.primitive[l], alone.primitive);
             met += alone.side.exists() ? 1 : 0;
         }
     }

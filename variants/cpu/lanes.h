@@ -75,13 +75,13 @@ template <class Real>
 struct Paths {
     Vectors<Real> origin, direction, throughput, radiance;
     Lanes<Real> time, bsdf_pdf;
-    Lanes<std::uint32_t> pixel, sample, segment, origin_surface, medium;
+    Lanes<std::uint32_t> pixel, sample, segment, origin_surface, medium, primitive;
 
     Path<Real> load(std::uint32_t l) const {
         return {origin[l],   direction[l], throughput[l],
                 radiance[l], time[l],      pixel[l],
                 sample[l],   segment[l],   SurfaceId{origin_surface[l]},
-                medium[l],   bsdf_pdf[l],  0u};
+                medium[l],   bsdf_pdf[l],  primitive[l]};
     }
     void store(std::uint32_t l, const Path<Real>& path) {
         origin.set(l, path.origin);
@@ -95,19 +95,23 @@ struct Paths {
         segment[l] = path.segment;
         origin_surface[l] = path.origin_surface.code;
         medium[l] = path.medium;
+        primitive[l] = path.primitive;
     }
-    Ray<Real> ray(std::uint32_t l) const { return {origin[l], direction[l], time[l], SurfaceId{origin_surface[l]}}; }
+    Ray<Real> ray(std::uint32_t l) const {
+        return {origin[l], direction[l], time[l], SurfaceId{origin_surface[l]}, primitive[l]};
+    }
 };
 
 template <class Real>
 struct Hits {
     Lanes<Real> t;
-    Lanes<std::uint32_t> side;
+    Lanes<std::uint32_t> side, primitive;
 
-    Hit<Real> operator[](std::uint32_t lane) const { return {t[lane], SurfaceId{side[lane]}}; }
+    Hit<Real> operator[](std::uint32_t lane) const { return {t[lane], SurfaceId{side[lane]}, primitive[lane]}; }
     void set(std::uint32_t lane, const Hit<Real>& hit) {
         t[lane] = hit.t;
         side[lane] = hit.side.code;
+        primitive[lane] = hit.primitive;
     }
 };
 

@@ -35,10 +35,10 @@ inline void keep_nearer(Hits<Real>& hits, std::uint32_t l, const Interval<Real>&
     hits.side[l] = leaves ? origin_surface.code : meets ? side : hits.side[l];
 }
 
-// Intersects shapes for which there is no loop over lanes: calls find(hit, ray) for each lane.
+// Intersects shapes for which there is no loop over lanes: calls find(hit, ray) for each lane that `asks`.
 template <class Real, class Find>
-inline void closest_by_lane(Hits<Real>& hits, const Paths<Real>& paths, const Find& find) {
-    for (std::uint32_t l = 0; l < width; ++l) {
+inline void closest_by_lane(Hits<Real>& hits, const Paths<Real>& paths, const Flags& asks, const Find& find) {
+    for (const std::uint32_t l : LaneList(asks)) {
         Hit<Real> hit = hits[l];
         find(hit, paths.ray(l));
         hits.set(l, hit);
@@ -47,12 +47,12 @@ inline void closest_by_lane(Hits<Real>& hits, const Paths<Real>& paths, const Fi
 
 template <class Config>
 inline void closest_sphere(Hits<typename Config::Real>& hits, const SceneView<typename Config::Real>& scene,
-                           const Paths<typename Config::Real>& paths) {
+                           const Paths<typename Config::Real>& paths, const Flags& asks) {
     using Real = typename Config::Real;
     for (std::uint32_t object = 0; object < scene.spheres.size; ++object) {
         const Sphere<Real> sphere = scene.spheres[object];
         if (has<Config>(Feature::near_sphere) && sphere.is_near_eye != 0) {
-            closest_by_lane(hits, paths, [&](auto& hit, const auto& ray) {
+            closest_by_lane(hits, paths, asks, [&](auto& hit, const auto& ray) {
                 closest_body<Config>(hit, scene, NearSphere<Real>{sphere}, object, ray);
             });
             continue;
@@ -186,7 +186,7 @@ inline void closest_by_slabs(Hits<typename Config::Real>& hits, const SceneView<
 
 template <class Config>
 inline void closest_axis_box(Hits<typename Config::Real>& hits, const SceneView<typename Config::Real>& scene,
-                             const Paths<typename Config::Real>& paths) {
+                             const Paths<typename Config::Real>& paths, const Flags& asks) {
     using Real = typename Config::Real;
     Vectors<Real> inverses;
 #pragma GCC ivdep
@@ -213,6 +213,10 @@ inline void closest_axis_box(Hits<typename Config::Real>& hits, const SceneView<
         hits.t[l] = nothing ? before.t[l] : takes ? exits.t[l] : t;
         hits.side[l] = nothing ? before.side[l] : wins ? exit_side.code : side.code;
     }
+#pragma GCC ivdep
+    for (std::uint32_t l = 0; l < width; ++l) {
+        exits.unclear[l] &= asks[l];
+    }
     for (const std::uint32_t l : LaneList(exits.unclear)) {
         Hit<Real> hit = before[l];
         pt::closest_axis_box<Config>(hit, scene, paths.ray(l));
@@ -223,35 +227,38 @@ inline void closest_axis_box(Hits<typename Config::Real>& hits, const SceneView<
 // Intersects all objects of one kind. Spheres and axis boxes have loops of their own, which g++ makes vectors of.
 template <class Config, ShapeKind kind, class Shapes>
 inline void closest_of(Hits<typename Config::Real>& hits, const SceneView<typename Config::Real>& scene,
-                       const Shapes& shapes, const Paths<typename Config::Real>& paths) {
+                       const Shapes& shapes, const Paths<typename Config::Real>& paths, const Flags& asks) {
     if constexpr (kind == ShapeKind::sphere) {
-        closest_sphere<Config>(hits, scene, paths);
+        closest_sphere<Config>(hits, scene, paths, asks);
     } else if (shapes.size == 0) {
         return;
     } else if constexpr (kind == ShapeKind::axis_box) {
-        closest_axis_box<Config>(hits, scene, paths);
+        closest_axis_box<Config>(hits, scene, paths, asks);
     } else {
-        closest_by_lane(hits, paths,
+        closest_by_lane(hits, paths, asks,
                         [&](auto& hit, const auto& ray) { pt::closest_of<Config, kind>(hit, scene, shapes, ray); });
     }
 }
 
+// The closest hits of the lanes that `asks`; what is in the others nobody may read.
 template <class Config>
 inline void closest_hit(Hits<typename Config::Real>& hits, const SceneView<typename Config::Real>& scene,
-                        const Paths<typename Config::Real>& paths) {
+                        const Paths<typename Config::Real>& paths, const Flags& asks) {
     using Real = typename Config::Real;
 #pragma GCC ivdep
     for (std::uint32_t l = 0; l < width; ++l) {
         hits.t[l] = std::numeric_limits<Real>::infinity();
         hits.side[l] = SurfaceId::nowhere;
+        hits.primitive[l] = 0;
     }
     if constexpr (has<Config>(Feature::matrix)) {
-        closest_by_lane(hits, paths, [&](auto& hit, const auto& ray) { closest_transformed<Config>(hit, scene, ray); });
+        closest_by_lane(hits, paths, asks,
+                        [&](auto& hit, const auto& ray) { closest_transformed<Config>(hit, scene, ray); });
         return;
     }
-#define PT_CLOSEST(name, array, Type)                                         \
-    if constexpr (has<Config>(Feature::name)) {                               \
-        closest_of<Config, ShapeKind::name>(hits, scene, scene.array, paths); \
+#define PT_CLOSEST(name, array, Type)                                               \
+    if constexpr (has<Config>(Feature::name)) {                                     \
+        closest_of<Config, ShapeKind::name>(hits, scene, scene.array, paths, asks); \
     }
     PT_SHAPES(PT_CLOSEST)
 #undef PT_CLOSEST

@@ -264,7 +264,8 @@ struct LightDirections {
     Flags is_near, is_far, is_other;  // how the box is seen, if it is one
     Vectors<Real> direction;
     Lanes<Real> inverse_pdf;
-    Lanes<Real> distance;  // to the point that was drawn; 0: it is not known
+    Lanes<Real> distance;            // to the point that was drawn; 0: it is not known
+    Lanes<std::uint32_t> primitive;  // that the point is of, of a mesh
 };
 
 // Loads a number at a lane's own index. The index is signed, as a gathering load wants it.

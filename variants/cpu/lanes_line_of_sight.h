@@ -129,7 +129,12 @@ inline void note_kind(Sights<typename Config::Real>& sights, const SceneView<typ
     } else if constexpr (kind == ShapeKind::axis_box) {
         note_axis_boxes<Config>(sights, scene, shadow);
     } else if (shapes.size != 0) {
-        for (const std::uint32_t l : LaneList(sights.asks)) {
+        Flags asks;
+#pragma GCC ivdep
+        for (std::uint32_t l = 0; l < width; ++l) {
+            asks[l] = sights.asks[l] & ~(sights.blocked[l] | sights.by_lane[l]);
+        }
+        for (const std::uint32_t l : LaneList(asks)) {
             const Ray<Real> ray = shadow.ray(l);
             Segment<Real> segment(ray, sights.light[l], distance[l]);
             const bool hides = is_hidden_by_kind<Config, kind>(segment, scene, shapes, true);
@@ -140,10 +145,12 @@ inline void note_kind(Sights<typename Config::Real>& sights, const SceneView<typ
 }
 
 // hit_of_light of the lanes that `sends`: what is left in it are the lanes that see their points. `distance`: to the
-// points, 0 where a point is not known and the light is seen if it is the closest hit.
+// points, 0 where a point is not known and the light is seen if it, or its primitive of `primitives`, is the closest
+// hit.
 template <class Config>
 inline void look_along(Flags& sends, const SceneView<typename Config::Real>& scene, const Lanes<std::uint32_t>& lights,
-                       const Paths<typename Config::Real>& shadow, const Lanes<typename Config::Real>& distance) {
+                       const Lanes<std::uint32_t>& primitives, const Paths<typename Config::Real>& shadow,
+                       const Lanes<typename Config::Real>& distance) {
     using Real = typename Config::Real;
     Sights<Real> sights;
 #pragma GCC ivdep
@@ -179,7 +186,8 @@ inline void look_along(Flags& sends, const SceneView<typename Config::Real>& sce
     }
     for (const std::uint32_t l : LaneList(asks_closest)) {
         const Hit<Real> hit = pt::closest_hit<Config>(scene, shadow.ray(l));
-        const bool is_met = hit.side.exists() && hit.side.object() == lights[l];
+        const bool is_met =
+            hit.side.exists() && hit.side.object() == lights[l] && is_of_primitive<Config>(hit, primitives[l]);
         const bool sees =
             is_met || (distance[l] > Real(0) && sees_point<Config>(scene, lights[l], shadow.ray(l), distance[l], hit));
         sends[l] = sees ? 1u : 0u;

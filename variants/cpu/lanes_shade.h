@@ -125,6 +125,9 @@ inline void scatter(Paths<typename Config::Real>& paths, const Surfaces<typename
                                 is_diffuse ? spread.z : mirrored.z});
         const std::uint32_t side_alone = (SurfaceId::most_objects << 1) - 1u;  // of a hit that may name a face
         paths.origin_surface[l] = is_here ? hits.side[l] & side_alone : paths.origin_surface[l];
+        if constexpr (has<Config>(Feature::mesh)) {
+            paths.primitive[l] = is_here ? hits.primitive[l] : paths.primitive[l];
+        }
     }
 }
 

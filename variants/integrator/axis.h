@@ -23,7 +23,6 @@ struct KernelSets {
     bool in_double = false;        // its generic kernels in double precision too, and with the textbook's formulas
     bool with_path_trees = false;  // for paths that split
     bool generic_alone = false;    // not for the feature sets of scenes: it is not timed
-    bool without_meshes = false;   // not for scenes with meshes, which it cannot meet
 };
 
 namespace integrator {

@@ -14,7 +14,7 @@
 
 namespace pt::integrator::packet {
 
-inline Reason unsupported_reason(FeatureSet scene, const VariantTraits& variant) {
+inline Reason unsupported_reason(FeatureSet, const VariantTraits& variant) {
     if (Reason reason = needs_no_queue(variant, "keeps its paths in lanes"); !reason.empty()) {
         return reason;
     }
@@ -22,7 +22,7 @@ inline Reason unsupported_reason(FeatureSet scene, const VariantTraits& variant)
         return {"no_first_hits",
                 "keeps no first hits: needs first_bounce=off, not " + std::string(variant.first_bounce.name)};
     }
-    return meets_no_mesh(scene);
+    return {};
 }
 
 inline constexpr Descriptor descriptor{
@@ -32,10 +32,6 @@ inline constexpr Descriptor descriptor{
     .origin = "Wald, Slusallek, Benthin and Wagner 2001; Novak, Havran and Dachsbacher 2010",
     .unsupported_reason = unsupported_reason,
     .check_counters = depth_first::check_counters,
-};
-
-inline constexpr KernelSets kernel_sets{
-    .without_meshes = true,
 };
 
 // The paths of a range of pixels, sample by sample.
@@ -92,6 +88,7 @@ public:
         paths.segment[l] = 0;
         paths.origin_surface[l] = SurfaceId::nowhere;
         paths.medium[l] = scene_.camera.initial_medium;
+        paths.primitive[l] = 0;
     }
 
 private:
@@ -141,7 +138,7 @@ public:
         }
         for (std::uint32_t live = count_live(); live > 0; live = count_live()) {
             counters.rays += live;
-            lanes::closest_hit<Config>(hits_, scene_, paths_);
+            lanes::closest_hit<Config>(hits_, scene_, paths_, live_);
             const lanes::Flags before = live_;
             shade(counters);
             end_paths(before, counters);
