@@ -141,9 +141,11 @@ std::string in_words(const TimeVerdict& verdict, std::size_t samples) {
         case WordReason::wide:
             return fmt::format("the interval reaches both sides of a {} % limit", 100 * limits::least_difference);
         case WordReason::contended:
-            return "other processes took CPU time during more than a tenth of the samples";
+            return fmt::format("other processes took CPU time during more than {} of the samples",
+                               limits::most_disturbed_share_said);
         case WordReason::throttled:
-            return "a CPU quota or other processes took CPU time during more than a tenth of the samples";
+            return fmt::format("a CPU quota or other processes took CPU time during more than {} of the samples",
+                               limits::most_disturbed_share_said);
         case WordReason::clocks_differed:
             return fmt::format("{} in time but {} in cycles: the clocks differed", to_text(verdict.in_time),
                                to_text(verdict.in_cycles.value()));

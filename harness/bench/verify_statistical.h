@@ -8,6 +8,7 @@
 
 #include "harness/error/same_mean.h"
 #include "harness/render/renderer.h"
+#include "limits_of_judgement.h"  // generated from analysis/ptbench/io/limits.json
 
 namespace pt {
 
@@ -34,7 +35,7 @@ public:
     struct Effort {
         std::uint32_t runs = 16;
         std::uint32_t spp = 64;  // of a run, at least 2
-        double family_error = 1e-3;
+        double family_error = limits::family_error;
     };
 
     // A verifier whose runs have the seeds settings.seed, settings.seed + 1, .. and, of baselines, those after them.

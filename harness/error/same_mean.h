@@ -18,14 +18,15 @@
 #include <string>
 
 #include "harness/error/independence.h"
+#include "limits_of_judgement.h"  // generated from analysis/ptbench/io/limits.json
 
 namespace pt {
 
 struct SameMeanOptions {
-    double family_error = 1e-3;
+    double family_error = limits::family_error;
     // The variants' samples are black equally often: they are drawn in the same way, if with other numbers.
     bool same_sampling = true;
-    double confidence = 0.95;  // of the intervals, each for itself
+    double confidence = limits::confidence;  // of the intervals, each for itself
 };
 
 struct Statistic {

@@ -160,8 +160,7 @@ def test_validate_knows_comparisons(tmp_path):
     [
         ("live_paths", "", "remaining_paths"),
         ("sorting", "", "sorting"),
-        ("sorting", "depth", "sorting_by_depth"),
-        ("first_bounce", "depth", "first_bounce_by_depth"),
+        ("sorting", "depth", "scaling_by_depth"),
         ("compaction", "depth", "scaling_by_depth"),
         ("sorting", "materials", "scaling_by_materials"),
         ("block", "", "block"),

@@ -14,11 +14,13 @@ from matplotlib.text import Text
 from PIL import Image
 
 from ptbench.errors import InputError, NotDrawable
-from ptbench.figures.registry import CONVERGENCE_FIGURES, collect_study, draw, parts_of_study
+from ptbench.figures.registry import collect_study, draw, parts_of_study
 from ptbench.io.images import displayed, exposure_of, flip, read_pfm
 from ptbench.io.results import load
 
 SPPS = [1, 2, 4, 8, 16, 32, 64]
+# The figures of a study, in the order in which a page shows them.
+PARTS = ("", "equal_time", "time_to_error", "efficiency", "bias_variance", "checkpoint_cost")
 AXES = (
     {"integrator": "megakernel"},
     {"direct_light": "nee"},
@@ -77,7 +79,7 @@ def collected(builder: Builder, folder, part: str):
     return result.studies[0], collect_study(result, result.studies[0], part)
 
 
-@pytest.mark.parametrize("part", [part for part in CONVERGENCE_FIGURES if part != "equal_time"])
+@pytest.mark.parametrize("part", [part for part in PARTS if part != "equal_time"])
 @pytest.mark.parametrize(("scenes", "extra"), [(("cornell_open",), 0), (("cornell_open", "cornell_closed"), 5)])
 def test_every_figure_can_be_read(tmp_path, part, scenes, extra):
     _study, data = collected(study_of_all(scenes, extra), tmp_path, part)
@@ -192,7 +194,7 @@ def test_checkpoint_cost_needs_companions(tmp_path):
 def test_a_study_without_a_curve_is_not_drawn_and_says_why(tmp_path):
     builder = convergence_study(on_gpu())
     convergence_cell(builder, Law(noisy=False), seeds=1)
-    for part in CONVERGENCE_FIGURES:
+    for part in PARTS:
         with pytest.raises(NotDrawable, match=r"no cell has a curve: .*1 complete seeds"):
             collected(builder, tmp_path, part)
 
@@ -306,7 +308,7 @@ def test_plots_writes_all_figures_and_the_tables(tmp_path, analysis):
     code, out, err = analysis("plots", builder.write(tmp_path / "result.json"), "--out", tmp_path / "figures")
     assert (code, err) == (0, "")
     names = sorted(path.name for path in (tmp_path / "figures").iterdir())
-    drawn = [f"cornell_{part}" if part else "cornell" for part in CONVERGENCE_FIGURES]
+    drawn = [f"cornell_{part}" if part else "cornell" for part in PARTS]
     assert names == sorted(
         [f"{name}.png" for name in drawn]
         + [f"{name}.svg" for name in drawn if name != "cornell_equal_time"]
@@ -344,7 +346,7 @@ def test_one_figure_that_cannot_be_drawn_does_not_stop_the_others(tmp_path, anal
 
 def test_other_studies_have_one_figure():
     assert parts_of_study(load_study("compaction")) == ("",)
-    assert parts_of_study(load_study("convergence")) == tuple(CONVERGENCE_FIGURES)
+    assert parts_of_study(load_study("convergence")) == PARTS
 
 
 def load_study(figure: str):

@@ -19,7 +19,7 @@ from ptbench.crosscheck import command, renders
 from ptbench.crosscheck.command import _wanted
 from ptbench.crosscheck.document import AGREES, DIFFERS, REFUSED, WEAK, Checked, as_json, as_scene, as_text, spp_of
 from ptbench.crosscheck.renders import WHEEL, CannotExport, Images, Settings, export, render_here, shipped_scenes
-from ptbench.crosscheck.statistics import FAMILY, POWER, block_means, compare, family_of
+from ptbench.crosscheck.statistics import LEVEL_OF_A_CALL, POWER, block_means, compare, family_of
 from ptbench.errors import InputError
 from ptbench.io.validate import complaints
 from ptbench.program import Program
@@ -54,7 +54,7 @@ def test_equal_renderers_are_told_apart_as_seldom_as_stated():
     told = sum(compare(rendered(random, mean), rendered(random, mean, 1.0)).differs for _ in range(200))
     # 200 at 1 %: more than 7 has a probability of 0.1 %.
     assert told <= 7
-    assert FAMILY == 0.01
+    assert LEVEL_OF_A_CALL == 0.01
 
 
 def test_scenes_of_one_call_share_the_probability():
@@ -62,9 +62,9 @@ def test_scenes_of_one_call_share_the_probability():
     mean = picture(random)
     images = rendered(random, mean), rendered(random, mean)
     alone, of_fifty = compare(*images), compare(*images, family=family_of(50))
-    # Sidak: 1 - (1 - p)^50 is FAMILY.
-    assert 1 - (1 - family_of(50)) ** 50 == pytest.approx(FAMILY)
-    assert family_of(1) == pytest.approx(FAMILY)
+    # Sidak: 1 - (1 - p)^50 is LEVEL_OF_A_CALL.
+    assert 1 - (1 - family_of(50)) ** 50 == pytest.approx(LEVEL_OF_A_CALL)
+    assert family_of(1) == pytest.approx(LEVEL_OF_A_CALL)
     for test in ("image", "blocks", "pixels"):
         limits = [getattr(one, test).limit_p for one in (of_fifty, alone)]
         assert limits[0] == pytest.approx(limits[1] / 50, rel=0.01)
@@ -361,7 +361,7 @@ def test_an_unfinished_file_is_gone_on_with(stand_ins, tmp_path):
     assert main(["crosscheck", "a", "b", *stand_ins]) == 0
     whole = json.loads(found.read_text())
     assert list(complaints(whole, "crosscheck")) == []
-    assert (whole["settings"]["family"], whole["settings"]["family_scenes"]) == (FAMILY, 2)
+    assert (whole["settings"]["family"], whole["settings"]["family_scenes"]) == (LEVEL_OF_A_CALL, 2)
     found.write_text(json.dumps(whole | {"scenes": whole["scenes"][:1]}))
     calls.unlink()
     assert main(["crosscheck", "a", "b", *stand_ins, "--resume"]) == 0

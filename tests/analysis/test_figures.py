@@ -32,6 +32,33 @@ def test_remaining_paths_are_the_files_counts(tmp_path):
     assert data.lines[0].fractions == pytest.approx([count / 40000 for count in OPEN])
 
 
+def along_depth(tmp_path, axis: str, **asked: str):
+    """A file whose one study has two choices of the axis at two depths."""
+    builder = Builder().study("asked")
+    for depth in (4, 8):
+        builder.cell("asked", depth=depth)
+        builder.cell("asked", depth=depth, axes={axis: "other"})
+    builder.studies = [{"name": "asked", "title": "", **asked}]
+    result = load(builder.write(tmp_path / "result.json"))
+    return result, result.studies[0]
+
+
+@pytest.mark.parametrize(
+    ("axis", "title"), [("sorting", "Material sorting: time by depth"), ("layout", "Time by path depth")]
+)
+def test_an_axis_may_have_a_figure_of_its_own_along_something(tmp_path, axis, title):
+    result, study = along_depth(tmp_path, axis, compares=axis, along="depth", type="time")
+    assert collect_study(result, study).title == title
+
+
+def test_an_older_file_that_names_that_figure_compares_the_axis_along_the_depth(tmp_path):
+    result, study = along_depth(tmp_path, "sorting", figure="sorting_by_depth")
+    assert (study.compares, study.along) == ("sorting", "depth")
+    assert collect_study(result, study).title == "Material sorting: time by depth"
+    with pytest.raises(NotDrawable, match='no figure is called "layout_by_depth"'):
+        collect_study(*along_depth(tmp_path, "layout", figure="layout_by_depth"))
+
+
 def test_counts_are_per_spp_and_shares_are_of_all_paths(tmp_path):
     builder = Builder().study("remaining_paths")
     cell = builder.cell("remaining_paths", live_paths=[800, 200])

@@ -14,8 +14,9 @@ from importlib import import_module
 from pathlib import Path
 
 import pytest
-from builder import small
+from builder import Builder, small
 from conftest import PACKAGE, RESULTS, ROOT, run_analysis
+from stability_builder import FLOAT, StabilityBuilder
 
 from ptbench.cli.main import FOLDERS, commands
 
@@ -183,6 +184,23 @@ def test_axes_and_baselines_are_kept_in_one_place():
     assert found == {"io/older.py"}
 
 
+# ---- What is found where it lies ----
+
+
+def package_copy(folder: Path) -> Path:
+    """The package in a folder, where a test may add to it."""
+    copied = shutil.copytree(PACKAGE, folder / "ptbench", ignore=shutil.ignore_patterns("__pycache__"))
+    return Path(copied)
+
+
+def run_copy(folder: Path, *words: str) -> tuple[int, str, str]:
+    """Exit code, stdout and stderr of `python3 -m ptbench` as the copy in that folder has it."""
+    command = [sys.executable, "-W", "error", "-m", "ptbench", *words]
+    environment = {**os.environ, "PYTHONPATH": str(folder)}
+    done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment, cwd=folder)
+    return done.returncode, done.stdout, done.stderr
+
+
 # ---- Commands ----
 
 
@@ -204,8 +222,7 @@ def test_the_command_line_names_no_command():
 
 
 def test_a_command_is_added_by_its_folder_and_a_line(tmp_path):
-    copy = tmp_path / "ptbench"
-    shutil.copytree(PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    copy = package_copy(tmp_path)
     (copy / "greet").mkdir()
     (copy / "greet" / "__init__.py").write_text("")
     (copy / "greet" / "options.py").write_text(
@@ -220,15 +237,77 @@ def test_a_command_is_added_by_its_folder_and_a_line(tmp_path):
     main = copy / "cli" / "main.py"
     main.write_text(main.read_text(encoding="utf-8").replace("FOLDERS = (", 'FOLDERS = ("greet",', 1), encoding="utf-8")
 
-    def run(*words: str) -> tuple[int, str, str]:
-        command = [sys.executable, "-W", "error", "-m", "ptbench", *words]
-        environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
-        done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment, cwd=tmp_path)
-        return done.returncode, done.stdout, done.stderr
+    assert run_copy(tmp_path, "greet", "you") == (1, "python3 -m ptbench: hello, you\n", "")
+    assert run_copy(tmp_path, "greet", "me") == (2, "", "python3 -m ptbench greet: found yourself; see --help\n")
+    assert "says hello" in run_copy(tmp_path, "--help")[1]
 
-    assert run("greet", "you") == (1, "python3 -m ptbench: hello, you\n", "")
-    assert run("greet", "me") == (2, "", "python3 -m ptbench greet: found yourself; see --help\n")
-    assert "says hello" in run("--help")[1]
+
+# ---- Figures ----
+
+SLOWEST = """
+from dataclasses import dataclass
+from ptbench.figures import style
+from ptbench.figures.declaration import StabilityFigure, StudyFigure
+
+@dataclass(frozen=True)
+class Data:
+    title: str
+    caption: str
+    notes: tuple = ()
+    name: str = "slowest"
+
+def collect(result, study):
+    return Data("The slowest of " + study.name, max(result.cells_of(study), key=lambda cell: cell.ms_per_spp[0]).name)
+
+def draw(data):
+    return style.Page(6.0, 1.0, data.title, data.caption).figure
+
+FIGURES = (
+    StudyFigure("slowest", collect),
+    StudyFigure("compaction", collect, part="slowest"),
+    StabilityFigure("slowest", lambda stability: [Data("Stability", "all of it")], draw),
+)
+"""
+
+
+def test_a_figure_is_added_by_its_module(tmp_path):
+    builder = Builder("added").on_gpu().study("slowest").study("compaction").study("mystery", "pie_chart")
+    for depth, study in enumerate(("slowest", "compaction", "mystery"), 1):
+        builder.cell(study, depth=depth)
+        builder.cell(study, depth=depth, ms_per_spp=9.0, axes={"compaction": "slow"})
+    builder.write(tmp_path / "added.json")
+    StabilityBuilder().case().row(FLOAT, 0).write(tmp_path / "stability.json")
+    copy = package_copy(tmp_path)
+
+    def drawn(file: str) -> tuple[list[str], str]:
+        code, out, err = run_copy(tmp_path, "plots", file, "--out", "drawn")
+        assert (code, err) == (0, "")
+        names = sorted(path.name for path in (tmp_path / "drawn").glob("*slowest.svg"))
+        shutil.rmtree(tmp_path / "drawn")
+        return names, out
+
+    names, out = drawn("added.json")
+    assert names == []
+    assert 'not drawn: slowest: no figure is called "slowest"; there are remaining_paths, ' in out
+    assert drawn("stability.json")[0] == []
+
+    (copy / "figures" / "slowest.py").write_text(SLOWEST, encoding="utf-8")
+    names, out = drawn("added.json")
+    assert names == ["compaction_slowest.svg", "slowest.svg"]
+    listed = out.partition('not drawn: mystery: no figure is called "pie_chart"; there are ')[2].partition("\n")[0]
+    assert listed.startswith("remaining_paths, sorting_by_depth, ")
+    assert "scaling_by_shading_fmas, slowest, integrator, " in listed
+    assert drawn("stability.json")[0] == ["slowest.svg"]
+
+
+def test_two_figures_of_one_name_are_refused(tmp_path):
+    copy = package_copy(tmp_path)
+    for name in ("one", "two"):
+        (copy / "figures" / f"{name}.py").write_text(SLOWEST, encoding="utf-8")
+    small().write(tmp_path / "small.json")
+    code, _, err = run_copy(tmp_path, "plots", "small.json")
+    assert code != 0
+    assert 'two figures are called "slowest" with the part ""' in err
 
 
 # ---- The older name ----

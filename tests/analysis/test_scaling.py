@@ -17,10 +17,10 @@ from ptbench.figures.scaling import SWEEPS, Place, numbered_scenes
 from ptbench.io.results import load
 from ptbench.stats.estimates import Estimate, Verdict, verdict_of_ratio
 from ptbench.studies.crossover import crossover_of
-from ptbench.studies.questions import SWEPT, Question, question_of
+from ptbench.studies.questions import Question, question_of
 from ptbench.studies.rows import Row
 
-RESOLUTION, DEPTH, MATERIALS, FMAS = SWEPT
+RESOLUTION, DEPTH, MATERIALS, FMAS = SWEEPS
 
 
 def drawn(builder: Builder, tmp_path, name: str):

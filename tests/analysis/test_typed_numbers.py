@@ -12,7 +12,7 @@ import pytest
 from conftest import ROOT
 
 from ptbench.compare.noise import MOST_PLAUSIBLE
-from ptbench.convergence.assessment import FAMILY_LEVEL, MOST_HIDDEN
+from ptbench.convergence.assessment import LEVEL_OF_A_FILE, MOST_HIDDEN
 from ptbench.findings.page import measured_in
 from ptbench.io.cells import MOST_HOST_SHARE
 from ptbench.io.files import LARGEST_INPUT, LARGEST_RESULT
@@ -33,7 +33,7 @@ def constant(file: str, pattern: str) -> float:
     return float(found)
 
 
-LIMIT, FLOOR, SURE, LEVEL = percent(THRESHOLD), percent(MOST_PLAUSIBLE), percent(CONFIDENCE), percent(FAMILY_LEVEL)
+LIMIT, FLOOR, SURE, LEVEL = percent(THRESHOLD), percent(MOST_PLAUSIBLE), percent(CONFIDENCE), percent(LEVEL_OF_A_FILE)
 HOST = percent(MOST_HOST_SHARE)
 ALLOWED = percent(constant("harness/bench/error_book.h", r"allowed_reference_error = ([\d.]+)"))
 CONTENDED = f"{limit('most_foreign_ms')} ms"

@@ -12,13 +12,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from ptbench.io.cells import Cell, Result
+from ptbench.io.limits import limit
 from ptbench.io.older import before
 from ptbench.stats.intervals import welch_test
 
 # The axes that say how a variant computes, not what it does.
 _HOW_IT_COMPUTES = ("arithmetic", "precision", "robustness")
-# The chance that any of a file's pairs of equal work is refused for its rays; as `ptbench verify --statistical`.
-_FAMILY_ERROR = 1e-3
+# The chance that any of a file's pairs of equal work is refused for its rays.
+_FAMILY_ERROR = limit("family_error")
 
 MACHINE_KEYS = (
     "machine", "backend", "cpu_model", "threads", "cuda_device", "cuda_multiprocessors", "cuda_clock_mhz",

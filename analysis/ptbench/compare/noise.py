@@ -29,7 +29,7 @@ from ptbench.compare.match import Pair, is_repeated, machine_of, match
 from ptbench.errors import InputError
 from ptbench.io.cells import Result
 from ptbench.stats.estimates import CONFIDENCE, THRESHOLD, Estimate, geometric_mean_of_ratios, telling_digits
-from ptbench.studies.disturbed import MOST_DISTURBED, Disturbance, disturbance_of
+from ptbench.studies.disturbed import MOST_DISTURBED, MOST_DISTURBED_SAID, Disturbance, disturbance_of
 
 MOST_PLAUSIBLE = 0.25
 
@@ -136,8 +136,8 @@ def _refuse_disturbed(result: Result) -> None:
         raise InputError(
             f"{result.path}: --noise: found {disturbed.disturbed} of {disturbed.samples} samples disturbed (other "
             f"processes took the CPU: {disturbed.contended}, a low clock: {disturbed.low_clock}), allowed: at most "
-            f"{math.floor(MOST_DISTURBED * disturbed.samples)}, a tenth; what befell the machine is no noise of the "
-            "program's runs"
+            f"{math.floor(MOST_DISTURBED * disturbed.samples)}, {MOST_DISTURBED_SAID}; what befell the "
+            "machine is no noise of the program's runs"
         )
 
 

@@ -25,7 +25,7 @@ from ptbench.stats.estimates import (
     Estimate,
     interval_of_ratio,
 )
-from ptbench.studies.disturbed import disturbance_in
+from ptbench.studies.disturbed import MOST_DISTURBED_SAID, disturbance_in
 from ptbench.studies.withdrawn import among, between
 
 _SHOWN = 5  # reasons, or changes of a ranking, that stdout lists of one kind
@@ -303,7 +303,7 @@ def noise_section(repeats: Sequence[Repeat], floors: Sequence[Floor], comparison
         )
         if repeat.refusal:
             lines.append(
-                "Not used for a noise floor, because more than a tenth of the samples were disturbed: "
+                f"Not used for a noise floor, because more than {MOST_DISTURBED_SAID} of the samples were disturbed: "
                 f"{repeat.refusal}."
             )
     for floor in floors:

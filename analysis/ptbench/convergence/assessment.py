@@ -23,13 +23,14 @@ from ptbench.io.cells import Cell, Result
 from ptbench.io.limits import limit
 from ptbench.numbers import plural
 from ptbench.stats.estimates import Estimate, median_estimate, telling_digits
-from ptbench.stats.intervals import half_width, holm, standard_error, stands_apart
+from ptbench.stats.intervals import LEVEL_OF_OUTLIERS, half_width, holm, standard_error, stands_apart
 
 CONVERGES, PLATEAU, NOISE_LIMITED, INVALID = "converges", "plateau", "noise-limited", "invalid"
 # What the name of a cell ends with whose image was looked at after 1, 2, 4, .. samples.
 CHECKPOINTS = "/checkpoints:octaves"
 NO_VERDICT = "no verdict"
-FAMILY_LEVEL = 0.01
+# The chance that any verdict of a file on its errors is wrong.
+LEVEL_OF_A_FILE = 0.01
 LEAST_SEEDS = limit("fewest_seeds")
 # A bias that could be hidden in a converging variant makes up at most this share of its last squared error.
 MOST_HIDDEN = 0.1
@@ -42,7 +43,7 @@ RULES = (
     "seeds) need no independence of checkpoints. bias² itself: the cross product of a run's halves at the last "
     "checkpoint, mean over seeds; with samples that are not independent, what the fit of the last 4 checkpoints leaves "
     "(a lower bound).",
-    f"Verdicts hold over the whole file with probability {1 - FAMILY_LEVEL:.0%} (Bonferroni over its distinct error "
+    f"Verdicts hold over the whole file with probability {1 - LEVEL_OF_A_FILE:.0%} (Bonferroni over its distinct error "
     "curves; half of it for bias², half for the image's mean error in three channels); the uncertainty of the "
     "reference, common to all seeds, is in the intervals. **plateau at B**: the interval of bias² lies above 0, B its "
     "root; or that of the mean error excludes 0, B at least its root mean square. "
@@ -52,7 +53,7 @@ RULES = (
     "or pixels, or a better reference would tell. **invalid**: a pixel was not finite.",
     "Slope: d log MSE / d log n, jackknife over seeds of the logarithm of their mean; the reference's uncertainty, "
     "which moves all checkpoints alike, is in its interval. It is tested against -1 over all "
-    f"distinct error curves (Holm, family-wise {FAMILY_LEVEL:.0%}); samples that are not independent only against "
+    f"distinct error curves (Holm, family-wise {LEVEL_OF_A_FILE:.0%}); samples that are not independent only against "
     "being flatter.",
 )
 
@@ -141,7 +142,7 @@ def _why_not(curve: Curve) -> Verdict | None:
 
 def _verdict(curve: Curve, fit: Fit, slope: Slope | None, curves: int) -> tuple[Verdict, tuple[float, float]]:
     """The verdict, and the interval of bias² that it rests on."""
-    level = FAMILY_LEVEL / 2 / curves
+    level = LEVEL_OF_A_FILE / 2 / curves
     freedom = curve.count - 1
     offset = reference_error(curve.reference, curve.cell.pixels)
     half = half_width(standard_error(fit.bias2_of_seeds), freedom, level, offset)
@@ -214,8 +215,8 @@ def _doubts(curve: Curve, fit: Fit, slope: Slope | None) -> tuple[str, ...]:
         index = stands_apart(values)
         if index is not None:
             doubts.append(
-                f"{what} of seed {curve.seeds[index]} stands apart (Grubbs, 1 %): heavy tails, a t-interval over "
-                f"{curve.count} seeds is doubtful"
+                f"{what} of seed {curve.seeds[index]} stands apart (Grubbs, {100 * LEVEL_OF_OUTLIERS:g} %): heavy "
+                f"tails, a t-interval over {curve.count} seeds is doubtful"
             )
     if curve.count < LEAST_SEEDS:
         doubts.append(f"{plural(curve.count, 'seed')}, fewer than {LEAST_SEEDS}")
@@ -248,7 +249,7 @@ def _assess(result: Result) -> dict[str, Assessment]:
     # Cells of equal bits have one curve, which is tested once.
     own = [name for name in fits if _origin(result, name, fits) == name]
     tested = [name for name in own if fits[name].slope is not None]
-    rejected = dict(zip(tested, holm([fits[name].slope.p for name in tested], FAMILY_LEVEL), strict=True))
+    rejected = dict(zip(tested, holm([fits[name].slope.p for name in tested], LEVEL_OF_A_FILE), strict=True))
     companions = {cell.name: cell for cell in result.cells if cell.convergence is None and cell.measured}
     assessed = {}
     for curve in curves:

@@ -18,7 +18,7 @@ from ptbench.io.cells import Cell, Result
 from ptbench.numbers import figures, interval
 from ptbench.stats.estimates import SEED, THRESHOLD, Estimate, interval_of_ratio, ratio_estimate, telling_digits
 from ptbench.stats.intervals import bootstrap_interval, resampled
-from ptbench.studies.disturbed import doubt_of
+from ptbench.studies.disturbed import MOST_DISTURBED_SAID, doubt_of
 from ptbench.studies.questions import usual_baseline
 
 COMPANION = "_without_checkpoints"
@@ -37,7 +37,8 @@ EFFICIENCY_RULE = (
     "renders without checkpoints where both ran so; a plateau is not in it. "
     "Intervals: "
     "95 %, bootstrap over seeds with expanded percentiles, errors and times of a seed drawn together, seeds that both "
-    "cells ran drawn for both. An efficiency whose times other processes disturbed in more than a tenth of a cell's "
+    "cells ran drawn for both. An efficiency whose times other processes disturbed in more than "
+    f"{MOST_DISTURBED_SAID} of a cell's "
     "samples has no verdict (disturbed). Time to an error: the samples after which the fitted curve, with its plateau, "
     "meets it, times what a sample takes in the same render without checkpoints; never where the plateau lies above "
     "it, and not told without such a render or where a launch would be more than a twentieth of it. Efficiency by MSE "

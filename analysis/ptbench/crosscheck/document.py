@@ -4,7 +4,7 @@ from dataclasses import asdict, dataclass
 
 from ptbench.crosscheck.limits import SIDE
 from ptbench.crosscheck.renders import Images, Settings
-from ptbench.crosscheck.statistics import EDGES, FAMILY, POWER, Comparison
+from ptbench.crosscheck.statistics import EDGES, LEVEL_OF_A_CALL, POWER, Comparison
 from ptbench.document.table import table_of
 from ptbench.document.text import aligned
 from ptbench.io.files import picked
@@ -43,7 +43,7 @@ def as_json(scenes: list[dict], settings: Settings, context: dict, allowed: floa
         "settings": {
             **picked(settings, "seeds resolution depth scale"),
             "allowed": allowed,
-            "family": FAMILY,
+            "family": LEVEL_OF_A_CALL,
             "family_scenes": count,
             "power": POWER,
             "block": SIDE,
@@ -131,7 +131,7 @@ def as_text(scenes: list[dict], settings: Settings, aim: float) -> list[str]:
         f"{settings.size}, {settings.seeds} seeds in each renderer. sees: the bias that would"
         f" have been found with probability {POWER:g}, of the image's mean (aim: {_percent(aim)}) and of a block's, the"
         " median.",
-        f"All tests of all scenes together tell equal renderers apart with probability {FAMILY:g} at most.",
+        f"All tests of all scenes together tell equal renderers apart with probability {LEVEL_OF_A_CALL:g} at most.",
     ]
     lines += [f"{one['scene']}: {reason}" for one in scenes for reason in one["reasons"]]
     return lines

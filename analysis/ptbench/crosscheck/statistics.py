@@ -4,7 +4,7 @@ The image's mean and the means of 8x8 blocks by Welch's t test over seeds, chann
 of d_i d_j over pairs of seeds i and j (d: the difference of a pair of images), whose mean is the squared bias whatever
 the noise looks like. Each of the three has a third of `family`, the probability that any of them tells equal renderers
 apart; within one, Sidak's correction. Each says which bias it would have seen with the probability POWER. Scenes of one
-call share FAMILY.
+call share LEVEL_OF_A_CALL.
 """
 
 from dataclasses import dataclass
@@ -15,7 +15,8 @@ import numpy as np
 from ptbench.crosscheck.limits import SIDE
 from ptbench.stats import special
 
-FAMILY = 0.01
+# The chance that any test of any scene of a call tells equal renderers apart.
+LEVEL_OF_A_CALL = 0.01
 POWER = 0.9
 # What two programs may round differently where nothing is random, of a value: about 170 units of single precision.
 ROUNDING = 1e-5
@@ -136,8 +137,8 @@ def _sidak(tests: int, family: float) -> float:
 
 
 def family_of(scenes: int) -> float:
-    """The part of FAMILY that each of so many scenes has."""
-    return _sidak(scenes, FAMILY)
+    """The part of LEVEL_OF_A_CALL that each of so many scenes has."""
+    return _sidak(scenes, LEVEL_OF_A_CALL)
 
 
 def _mean_test(here: np.ndarray, there: np.ndarray, allowed: float, family: float) -> MeanTest:
@@ -239,7 +240,7 @@ def _expected(freedom: np.ndarray) -> tuple[float, ...]:
     return tuple(high - low for low, high in pairwise(below))
 
 
-def compare(here: np.ndarray, there: np.ndarray, allowed: float = 0.0, family: float = FAMILY) -> Comparison:
+def compare(here: np.ndarray, there: np.ndarray, allowed: float = 0.0, family: float = LEVEL_OF_A_CALL) -> Comparison:
     """Images of at least two seeds each: seeds, rows, columns, channels; sides are multiples of SIDE.
 
     `allowed` is a bias, as a share of each mean, that is no difference; `family` the probability that any of the tests

@@ -1,1 +1,1 @@
-"""One module a figure: what it shows of a result, and how that is drawn. `registry` knows them by name."""
+"""One module a figure: what it shows of a result, how that is drawn, and its name, by which `registry` finds it."""

@@ -7,6 +7,7 @@ from ptbench.errors import NotDrawable
 from ptbench.figures.caption import note_lines, setting
 from ptbench.figures.convergence import bars
 from ptbench.figures.convergence.bars import Bar, Bars
+from ptbench.figures.declaration import StudyFigure
 from ptbench.io.cells import Cell, NotApplicable, Result, Study
 from ptbench.stats.estimates import INTERVAL_TEXT, Estimate, median_estimate, ratio_estimate
 from ptbench.studies.notes import Note, missed, notes_of
@@ -86,3 +87,6 @@ def _bar(cell: Cell, reference: Cell | None) -> Bar:
     ratio = ratio_estimate(cell.ms_per_spp, reference.ms_per_spp)
     ends = "" if ratio.low is None else f" [{numbers.ratio(ratio.low)}, {numbers.ratio(ratio.high)}]"
     return Bar(label, ratio, f"{numbers.ratio(ratio.value)}×{ends}")
+
+
+FIGURES = (StudyFigure("robustness", collect, is_axis=True),)

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from ptbench.errors import NotDrawable
 from ptbench.figures import series
 from ptbench.figures.caption import captioned
+from ptbench.figures.declaration import StudyFigure
 from ptbench.io.cells import Result, Study
 from ptbench.stats.estimates import INTERVAL_TEXT
 from ptbench.studies.devices import PARTITION, WHOLE, Scaled, devices_of, strong, weak
@@ -52,3 +53,6 @@ def collect(result: Result, study: Study) -> series.Data:
 def _line(label: str, scaled: Sequence[Scaled], efficiencies: Sequence) -> series.Series:
     ordered = sorted(zip((float(one.one.spp) for one in scaled), efficiencies, strict=True), key=lambda pair: pair[0])
     return series.Series(label, tuple(x for x, _ in ordered), tuple(estimate for _, estimate in ordered))
+
+
+FIGURES = (StudyFigure("devices", collect, is_axis=True),)

@@ -6,6 +6,7 @@ Below 1 the one kernel is the faster. Only of a study that has both integrators 
 from ptbench.errors import NotDrawable
 from ptbench.figures import series
 from ptbench.figures.caption import captioned
+from ptbench.figures.declaration import StudyFigure
 from ptbench.io.cells import Cell, Result, Study
 from ptbench.stats.estimates import INTERVAL_TEXT
 from ptbench.studies.notes import notes_of
@@ -52,3 +53,6 @@ def _by_cost(cells: list[Cell], scene: str, integrator: str) -> dict[int, Cell]:
         for cell in cells
         if (cell.scene, cell.axes["integrator"]) == (scene, integrator)
     }
+
+
+FIGURES = (StudyFigure(COST, collect, part="by_integrator"),)

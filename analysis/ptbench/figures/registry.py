@@ -1,75 +1,74 @@
-"""Every figure by its name: a function that takes its numbers from a result and a study.
+"""Every figure by its name, found where it lies: each module of this folder declares its own in `FIGURES`.
 
-It raises NotDrawable with the reason where a study has nothing to show. Studies name figures by the keys here, or by an
-axis or a tunable whose values they compare. A study of convergence has several figures. What a function gives is drawn
-by `draw` of the module that its class is of.
+Studies name figures, or an axis or a tunable whose values they compare. A study may have several figures, its parts.
 """
 
-from functools import partial
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache, partial
 from importlib import import_module
 
 from matplotlib.figure import Figure
 
 from ptbench.errors import NotDrawable
-from ptbench.figures import (
-    cost_of_robustness,
-    devices,
-    integrator_by_cost,
-    remaining_paths,
-    rows,
-    scaling,
-    style,
-    time_to_image,
-)
-from ptbench.figures.convergence import bars, bias_variance, equal_time, error_against_time
+from ptbench.figures import rows, style
+from ptbench.figures.declaration import StabilityFigure, StudyFigure
+from ptbench.found import modules
+from ptbench.io.asked import CONVERGENCE
 from ptbench.io.cells import Result, Study
 from ptbench.studies.questions import axes_of, is_tunable
 
-FIGURES = {
-    "remaining_paths": remaining_paths.collect,
-    **{figure: partial(scaling.collect, sweep=sweep) for figure, sweep in (scaling.BY_DEPTH | scaling.SWEEPS).items()},
-}
-# The axes that have a figure of their own; any other axis has its choices as rows.
-AXIS_FIGURES = {"robustness": cost_of_robustness.collect, "devices": devices.collect}
-# What a study of the figure "convergence" is drawn as: by what follows the study's name in a file's.
-CONVERGENCE_FIGURES = {
-    "": error_against_time.collect,
-    "equal_time": equal_time.collect,
-    "time_to_error": bars.time_to_error,
-    "efficiency": bars.efficiency,
-    "bias_variance": bias_variance.collect,
-    "checkpoint_cost": bars.checkpoint_cost,
-}
-CONVERGENCE = "convergence"
-# What a study of these figures is drawn as too, where its scenes have meshes.
-MESH_FIGURES = {
-    "builder": {"time_to_image": time_to_image.collect},
-    "shading_fmas": {"by_integrator": integrator_by_cost.collect},
-}
-# Figures with photographs, which keep their colours.
-PICTURES = ("equal_time",)
+
+def _declared() -> Iterator[StudyFigure | StabilityFigure]:
+    for module in modules("figures/*.py", "figures/*/*.py"):
+        yield from getattr(module, "FIGURES", ())
+
+
+@cache
+def study_figures() -> Mapping[tuple[str, str], StudyFigure]:
+    """The figures of studies by name and part; parts by their places, all else by where it lies."""
+    found = [figure for figure in _declared() if isinstance(figure, StudyFigure)]
+    by_name: dict[tuple[str, str], StudyFigure] = {}
+    for figure in sorted(found, key=lambda figure: figure.place):
+        if by_name.setdefault((figure.name, figure.part), figure) is not figure:
+            raise ValueError(f'two figures are called "{figure.name}" with the part "{figure.part}"')
+    return by_name
+
+
+@cache
+def stability_figures() -> tuple[StabilityFigure, ...]:
+    """The figures of stability files, by where they lie."""
+    return tuple(figure for figure in _declared() if isinstance(figure, StabilityFigure))
 
 
 def parts_of_study(study: Study) -> tuple[str, ...]:
     """The figures of a study, by what each adds to the study's name."""
-    return tuple(CONVERGENCE_FIGURES) if study.figure == CONVERGENCE else ("", *MESH_FIGURES.get(study.figure, ()))
+    name = _name(study)
+    return ("", *(part for figure, part in study_figures() if part and figure == name))
+
+
+def has_photographs(study: Study, part: str) -> bool:
+    """Whether that part of the study keeps all its colours."""
+    figure = study_figures().get((_name(study), part))
+    return figure is not None and figure.has_photographs
 
 
 def collect_study(result: Result, study: Study, part: str = ""):
     """The numbers of the study's figure; raises NotDrawable."""
     if not study.figure:
         raise NotDrawable("the study asks for no figure")
-    if study.figure not in figure_names(result) and not is_tunable(result, study):
+    if _name(study) not in figure_names(result) and not is_tunable(result, study):
         raise NotDrawable(f'no figure is called "{study.figure}"; there are {", ".join(figure_names(result))}')
     if not result.cells_of(study):
         raise NotDrawable("the file has no cell of this study")
-    return _figure(study, part)(result, study)
+    return _collect(study, part)(result, study)
 
 
 def figure_names(result: Result) -> list[str]:
-    """The figures that a study of this file may ask for, but for its tunables': those here, and one an axis."""
-    axes = [axis for axis in axes_of(result) if axis not in AXIS_FIGURES]
-    return [*FIGURES, *axes, *AXIS_FIGURES, CONVERGENCE]
+    """The figures that a study of this file may ask for, but for its tunables': those declared, and one an axis."""
+    declared = [figure for (_, part), figure in study_figures().items() if not part]
+    named = [figure.name for figure in declared if not figure.is_axis and figure.name != CONVERGENCE]
+    own = [figure.name for figure in declared if figure.is_axis]
+    return [*named, *(axis for axis in axes_of(result) if axis not in own), *own, CONVERGENCE]
 
 
 def draw(data) -> Figure:
@@ -78,11 +77,15 @@ def draw(data) -> Figure:
         return import_module(type(data).__module__).draw(data)
 
 
-def _figure(study: Study, part: str):
-    """The figure of that name; any other name is an axis's or a tunable's."""
-    if study.figure == CONVERGENCE:
-        return CONVERGENCE_FIGURES[part]
-    if part:
-        return MESH_FIGURES[study.figure][part]
-    choices = partial(rows.collect, default_title=f"The choices of {study.figure} against each other")
-    return (FIGURES | AXIS_FIGURES).get(study.figure, choices)
+def _name(study: Study) -> str:
+    """The figure's name: that of the axis along something, where it has one of its own, or what the study asks for."""
+    own = f"{study.compares}_by_{study.along}"
+    return own if (own, "") in study_figures() else study.figure
+
+
+def _collect(study: Study, part: str) -> Callable[[Result, Study], object]:
+    """What collects that figure; one that nobody declares is of an axis's choices or a tunable's values."""
+    name = _name(study)
+    if part or (name, part) in study_figures():
+        return study_figures()[name, part].collect
+    return partial(rows.collect, default_title=f"The choices of {study.figure} against each other")

@@ -9,6 +9,7 @@ from ptbench import numbers
 from ptbench.errors import NotDrawable
 from ptbench.figures import style
 from ptbench.figures.caption import captioned
+from ptbench.figures.declaration import StudyFigure
 from ptbench.io.cells import Cell, Result, Study
 from ptbench.studies.notes import Note, notes_of
 from ptbench.studies.rows import measure
@@ -140,3 +141,6 @@ def draw(data: Data) -> Figure:
                 page.text(x, centre, numbers.count(line.counts[bounce]), size=8.5, va="center", ha="center")
         middle -= height
     return page.figure
+
+
+FIGURES = (StudyFigure("remaining_paths", collect),)

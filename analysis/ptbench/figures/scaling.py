@@ -7,11 +7,13 @@ slopes are equal growth, and a choice that costs a constant more comes closer as
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from ptbench.errors import NotDrawable
 from ptbench.figures import lines
 from ptbench.figures import rows as row_figure
 from ptbench.figures.caption import timing_caption
+from ptbench.figures.declaration import StudyFigure
 from ptbench.io.cells import Cell, Result, Study
 from ptbench.studies.groups import in_file_order, parts_of
 from ptbench.studies.notes import Note, notes_of
@@ -63,8 +65,8 @@ SWEEPS = {
         lambda cell: cell.tunables.get("shading_fmas"),
     ),
 }
-# Figures of two axes along the depth: what each choice costs or saves there.
-BY_DEPTH = {
+# Figures that two axes have of their own along the depth: what each choice costs or saves there.
+_BY_DEPTH = {
     f"{axis}_by_depth": Sweep(
         title, "Path depth", "ray segments", "depth {}".format, lambda cell: cell.depth, overtaking=False
     )
@@ -192,3 +194,6 @@ def _listed(labels: Sequence[str]) -> str:
 
 def _named(question: Question) -> str:
     return f"{question.axis}={question.baseline}"
+
+
+FIGURES = tuple(StudyFigure(name, partial(collect, sweep=sweep)) for name, sweep in (_BY_DEPTH | SWEEPS).items())

@@ -14,6 +14,7 @@ import numpy as np
 from ptbench.errors import NotDrawable
 from ptbench.figures import series
 from ptbench.figures.caption import captioned
+from ptbench.figures.declaration import StudyFigure
 from ptbench.io.cells import Cell, Result, Study
 from ptbench.io.rays import RayMesh, load_rays_folder
 from ptbench.numbers import plural
@@ -171,3 +172,6 @@ def _line(way: Way, base: Way, crossed: Sequence[Crossing]) -> series.Series:
     ratios = tuple(Estimate(over(spp), None, None, 1) for spp in SPPS)
     rings = tuple((item.spp, over(item.spp)) for item in crossed if item.later is way)
     return series.Series(way.label, tuple(map(float, SPPS)), ratios, rings)
+
+
+FIGURES = (StudyFigure("builder", collect, part="time_to_image"),)

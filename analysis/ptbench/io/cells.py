@@ -303,7 +303,9 @@ class Study:
     figure: str
     title: str
     type: str = "time"
-    compares: str = ""  # the axis or tunable that the file names; empty in older files, and where nothing is compared
+    # The axis or tunable that is compared; empty where nothing is, and where an older file does not say.
+    compares: str = ""
+    along: str = ""  # what else varies, so that the comparison is followed along it; empty: nothing
 
     @property
     def is_convergence(self) -> bool:

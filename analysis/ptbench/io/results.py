@@ -11,7 +11,7 @@ from hashlib import blake2b
 from pathlib import Path
 
 from ptbench.errors import bad_value
-from ptbench.io.asked import LIVE_PATHS, figure_of
+from ptbench.io.asked import LIVE_PATHS, asked_by_older, figure_of
 from ptbench.io.cells import (
     CELL_STATUSES,
     CLAIMS,
@@ -167,13 +167,17 @@ def _refuse_twins(array: Node, names: list[str], key: str) -> None:
 def _study(node: Node) -> Study:
     kind = "time" if node.maybe("type") is None else node.need("type").one_of(STUDY_TYPES)
     compares, along = node.optional_text("compares"), node.optional_text("along")
-    asked = figure_of(compares, along, is_convergence=kind == "convergence")
+    figure = figure_of(compares, along, is_convergence=kind == "convergence")
+    if node.maybe("figure") is not None:
+        figure = node.optional_text("figure")
+        compares, along = asked_by_older(figure)
     return Study(
         name=node.need("name").name(),
-        figure=asked if node.maybe("figure") is None else node.optional_text("figure"),
+        figure=figure,
         title=node.optional_text("title"),
         type=kind,
         compares="" if compares == LIVE_PATHS else compares,
+        along=along,
     )
 
 

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from ptbench.errors import NotDrawable
 from ptbench.figures import style
-from ptbench.figures.registry import PICTURES, collect_study, draw, parts_of_study
+from ptbench.figures.registry import collect_study, draw, has_photographs, parts_of_study
 from ptbench.figures.saving import DPI, save_figure, save_pictures
 from ptbench.found import modules
 from ptbench.io.cells import Result
@@ -40,8 +40,8 @@ def _free_name(wanted: str, taken: set[str]) -> str:
     return name
 
 
-def _save(figure: Figure, folder: Path, name: str, part: str) -> list[Path]:
-    if part in PICTURES:
+def _save(figure: Figure, folder: Path, name: str, *, is_picture: bool) -> list[Path]:
+    if is_picture:
         return [save_pictures(figure, folder / f"{name}.png", DPI)]
     return save_figure(figure, folder, name)
 
@@ -85,7 +85,7 @@ def plots(path: Path, out: Path | None) -> int:
             else:
                 name = _free_name(study.name + (f"_{part}" if part else ""), taken)
                 with style.applied():
-                    for written in _save(draw(data), folder, name, part):
+                    for written in _save(draw(data), folder, name, is_picture=has_photographs(study, part)):
                         say(written)
         if study.name not in notes:
             notes[study.name] = notes_of(result, study, measure(result, study))

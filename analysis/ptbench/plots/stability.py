@@ -4,26 +4,24 @@ from pathlib import Path
 
 from ptbench.errors import NotDrawable
 from ptbench.figures import style
+from ptbench.figures.registry import stability_figures
 from ptbench.figures.saving import save_figure
-from ptbench.figures.stability import heatmap, sweep
 from ptbench.io.files import make_folder, one_line, safe_name, write_text
 from ptbench.io.stability import Stability
 from ptbench.stability.summary import summary
 from ptbench.terminal import say
-
-_FIGURES = {"heatmap": heatmap, "sweep": sweep}
 
 
 def stability_plots(stability: Stability, folder: Path) -> int:
     """Draws and writes the figures and summary.md; returns the exit code."""
     make_folder(folder)
     not_drawn: list[str] = []
-    for name, figure in _FIGURES.items():
+    for figure in stability_figures():
         try:
             pages = figure.collect(stability)
         except NotDrawable as reason:
-            not_drawn.append(f"{name}: {reason}")
-            say(f"not drawn: {name}: {one_line(str(reason))}")
+            not_drawn.append(f"{figure.name}: {reason}")
+            say(f"not drawn: {figure.name}: {one_line(str(reason))}")
             continue
         for page in pages:
             with style.applied():

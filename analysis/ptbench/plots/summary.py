@@ -8,6 +8,7 @@ from ptbench.document.markdown import markdown
 from ptbench.document.table import table_of
 from ptbench.io.cells import Cell, Result, Study
 from ptbench.io.files import one_line
+from ptbench.io.limits import limit
 from ptbench.numbers import figures, interval, plural, ratio
 from ptbench.stats.estimates import INTERVAL_TEXT, VERDICT_RULE, Estimate, interval_of_ratio, telling_digits
 from ptbench.studies.disturbed import disturbance_in
@@ -18,6 +19,7 @@ from ptbench.studies.rows import Row, measure
 from ptbench.studies.variants import TableNames, table_names
 from ptbench.studies.withdrawn import concerning
 
+_ADD_UP_WITHIN = limit("stages_add_up_within")
 _COLUMNS = (
     "Variant", "Scene", "Depth", "Resolution", "Backend", "spp", "n", "ms/spp", "95 % interval", "Mrays/s",
     "Ratio", "Ratio's 95 % interval", "Verdict", "Remarks",
@@ -185,8 +187,9 @@ def stages(result: Result) -> Lines:
         times = [cell.instrumented.stage_ms.get(name) for name in names]
         rest = 1 - sum(ms for ms in times if ms is not None) / wall
         shares = ["—" if ms is None else f"{100 * ms / wall:.1f} %" for ms in times]
-        remark = "stages do not add up to the wall time" if abs(rest) > 0.05 else ""
-        digits = telling_digits([100 * rest], [-5, 5], lambda value, count: f"{value:.{count}f}", least=1)
+        remark = "stages do not add up to the wall time" if abs(rest) > _ADD_UP_WITHIN else ""
+        ends = [-100 * _ADD_UP_WITHIN, 100 * _ADD_UP_WITHIN]
+        digits = telling_digits([100 * rest], ends, lambda value, count: f"{value:.{count}f}", least=1)
         size = [cell.resolution_text] if sizes else []
         rows.append(
             (named.names[cell.name], cell.scene, str(cell.depth), *size, *shares, f"{100 * rest:.{digits}f} %", remark)

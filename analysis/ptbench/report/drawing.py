@@ -7,9 +7,8 @@ from matplotlib.figure import Figure
 from ptbench.document.blocks import Image
 from ptbench.errors import NotDrawable
 from ptbench.figures import style
-from ptbench.figures.registry import PICTURES, collect_study, draw, parts_of_study
+from ptbench.figures.registry import collect_study, draw, has_photographs, parts_of_study, stability_figures
 from ptbench.figures.saving import DPI, png_of, svg_of
-from ptbench.figures.stability import heatmap, sweep
 from ptbench.io.cells import Result, Study
 from ptbench.io.files import one_line, safe_name
 from ptbench.io.stability import Stability
@@ -47,23 +46,23 @@ def draw_study_figures(result: Result, study: Study, prefix: str) -> Drawn:
         notes |= dict.fromkeys(data.notes)
         name = safe_name(f"{prefix}_{study.name}" + (f"_{part}" if part else ""))
         figure = draw(data)
-        images.append(_image(figure, name, _alt(data), is_picture=part in PICTURES))
+        images.append(_image(figure, name, _alt(data), is_picture=has_photographs(study, part)))
     return Drawn(tuple(images), tuple(notes) if images else None, tuple(not_drawn))
 
 
 def draw_stability_figures(stability: Stability, prefix: str) -> Drawn:
     """The pages of a stability file's figures; `prefix` begins their file names."""
     images, not_drawn = [], []
-    for kind, module in (("heatmap", heatmap), ("sweep", sweep)):
+    for figure in stability_figures():
         try:
-            pages = module.collect(stability)
+            pages = figure.collect(stability)
         except NotDrawable as reason:
-            not_drawn.append(f"{kind}: {reason}")
+            not_drawn.append(f"{figure.name}: {reason}")
             continue
         for page in pages:
             with style.applied():
-                figure = module.draw(page)
-            images.append(_image(figure, safe_name(f"{prefix}_{page.name}"), _alt(page)))
+                drawn = figure.draw(page)
+            images.append(_image(drawn, safe_name(f"{prefix}_{page.name}"), _alt(page)))
     return Drawn(tuple(images), not_drawn=tuple(not_drawn))
 
 

@@ -12,6 +12,8 @@ from ptbench.stats import special
 from ptbench.stats.estimates import CONFIDENCE, RESAMPLES, SEED, Estimate
 
 LEVEL = round(1 - CONFIDENCE, 12)  # of the intervals that are shown
+# The chance that a value is said to stand apart from its normal neighbours though it is one of them.
+LEVEL_OF_OUTLIERS = 0.01
 
 
 def t_quantile(probability: float, freedom: int) -> float:
@@ -92,7 +94,7 @@ def holm(p_values: Sequence[float], level: float) -> list[bool]:
     return rejected
 
 
-def stands_apart(values: np.ndarray, level: float = 0.01) -> int | None:
+def stands_apart(values: np.ndarray, level: float = LEVEL_OF_OUTLIERS) -> int | None:
     """Grubbs' test: the index of one value that is no normal neighbour of the others; None: there is no such value."""
     count = len(values)
     spread = float(np.std(values, ddof=1)) if count > 2 else 0.0

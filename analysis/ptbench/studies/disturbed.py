@@ -13,12 +13,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from ptbench.io.cells import Cell, Result
-from ptbench.io.limits import limit
+from ptbench.io.limits import limit, limit_said
 
 # A larger part of the samples, and what they say is what befell the machine: no verdict, no noise floor.
 MOST_DISTURBED = limit("most_disturbed_share")
-CONTENDED = "other processes took CPU time during more than a tenth of the samples"
-THROTTLED = "a CPU quota or other processes took CPU time during more than a tenth of the samples"
+MOST_DISTURBED_SAID = limit_said("most_disturbed_share")
+CONTENDED = f"other processes took CPU time during more than {MOST_DISTURBED_SAID} of the samples"
+THROTTLED = f"a CPU quota or {CONTENDED}"
 
 
 @dataclass(frozen=True)

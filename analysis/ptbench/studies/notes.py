@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ptbench.io.cells import Cell, NotApplicable, Result, Study
+from ptbench.io.limits import limit_said
 from ptbench.stats.estimates import MINIMUM_SAMPLES
 from ptbench.studies.disturbed import CONTENDED, THROTTLED
 from ptbench.studies.questions import Question, question_of
@@ -55,7 +56,7 @@ def notes_of(result: Result, study: Study | None, rows: Sequence[Row]) -> list[N
     contended = sum(cell.contended_samples for cell in timed)
     if contended:
         total = sum(len(cell.samples) for cell in timed)
-        who = "other processes took over a tenth of the CPU"
+        who = f"other processes took over {limit_said('most_foreign_share')} of the CPU"
         if throttled := sum(cell.throttled_samples for cell in timed):
             who += f" or a quota was used up ({throttled})"
         text = f"{contended} of {total} samples while {who}, kept"

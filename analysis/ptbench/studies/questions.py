@@ -28,18 +28,10 @@ class Question:
         return value or "?"
 
 
-# The axis that a figure is about where its name is another one, or files may lack the axis. Any other name may be an
-# axis of the file's, or a tunable.
-_FIGURE_AXES = {"sorting_by_depth": "sorting", "first_bounce_by_depth": "first_bounce", "robustness": "robustness"}
-
-# What lies along the x axis of the figures that follow a cost: a setting of the cells, their scene or a tunable. They
-# are about the first axis that has more than one choice in their study.
-SWEPT = {
-    "scaling_by_resolution": "resolution",
-    "scaling_by_depth": "depth",
-    "scaling_by_materials": "scene",
-    "scaling_by_shading_fmas": "shading_fmas",
-}
+# The axis that older files lack, and that their studies of it are about all the same.
+_ROBUSTNESS = "robustness"
+# What tells apart the points of a line along something, where that has another name: a scene each.
+_SWEPT = {"materials": "scene"}
 
 
 def question_of(result: Result, study: Study | None) -> Question | None:
@@ -55,8 +47,9 @@ def question_of(result: Result, study: Study | None) -> Question | None:
         tuned = [cell for cell in cells if study.figure in cell.tunables]
         first = next((cell for cell in tuned if study.figure not in cell.tuned), tuned[0])
         return Question(study.figure, str(first.tunables[study.figure]), is_tunable=True)
-    axis = axis_of(result, study.figure)
-    if study.figure in SWEPT:
+    axis = _axis_of(result, study.figure)
+    # What follows a cost is about the first axis that has more than one choice in the study, where the file names none.
+    if study.along:
         axis = study.compares or _varying_axis(result, cells)
     if axis is None:
         return None
@@ -70,7 +63,7 @@ def question_of(result: Result, study: Study | None) -> Question | None:
 
 def is_tunable(result: Result, study: Study) -> bool:
     """Whether the study's figure is named for a tunable, whose values it holds against each other."""
-    known = study.figure in SWEPT or axis_of(result, study.figure) is not None
+    known = bool(study.along) or _axis_of(result, study.figure) is not None
     return not known and any(study.figure in cell.tunables for cell in result.cells_of(study))
 
 
@@ -80,9 +73,9 @@ def axes_of(result: Result) -> list[str]:
     return list(dict.fromkeys([*usual_baselines(result.baselines), *named]))
 
 
-def axis_of(result: Result, figure: str) -> str | None:
+def _axis_of(result: Result, figure: str) -> str | None:
     """The axis that a figure of that name is about in this file; None: it is about no axis, or about any."""
-    return _FIGURE_AXES.get(figure) or (figure if figure in axes_of(result) else None)
+    return figure if figure in (_ROBUSTNESS, *axes_of(result)) else None
 
 
 def usual_baseline(result: Result, axis: str) -> str | None:
@@ -96,7 +89,8 @@ def _varying_axis(result: Result, cells: Sequence[Cell]) -> str | None:
 
 def swept_by(study: Study | None) -> str:
     """What tells the points of one line apart."""
-    return SWEPT.get(study.figure, "depth") if study is not None else "depth"
+    along = study.along if study is not None else ""
+    return _SWEPT.get(along, along) or "depth"
 
 
 def dimension(cell: Cell, name: str) -> str | None:

@@ -17,7 +17,7 @@ from ptbench.stats.estimates import (
     withheld,
 )
 from ptbench.studies.disturbed import CONTENDED, THROTTLED, doubt_of
-from ptbench.studies.questions import SWEPT, Question, dimension, label_of, question_of, swept_by, varying_dimensions
+from ptbench.studies.questions import Question, dimension, label_of, question_of, swept_by, varying_dimensions
 from ptbench.studies.withdrawn import between
 
 
@@ -64,7 +64,7 @@ def _measure(result: Result, study: Study | None) -> list[Row]:
             rays = median_estimate([sample.mega_rays_per_second for sample in cell.samples])
             if question is not None and not is_baseline:
                 ratio, verdict = _judged(result, study, cell, cells, question)
-        compared = question is not None or (study is not None and study.figure in SWEPT)
+        compared = question is not None or (study is not None and study.along != "")
         label = label_of(cell, question, dimensions) if compared else cell.variant
         rows.append(Row(cell, label, is_baseline, estimate, rays, ratio, verdict))
     return rows

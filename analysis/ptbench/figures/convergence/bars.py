@@ -22,6 +22,8 @@ from ptbench.convergence.efficiency import (
 from ptbench.errors import NotDrawable
 from ptbench.figures import style
 from ptbench.figures.convergence.groups import Group, Groups, groups_of, setting_of
+from ptbench.figures.declaration import StudyFigure
+from ptbench.io.asked import CONVERGENCE
 from ptbench.io.cells import Result, Study
 from ptbench.stats.estimates import INTERVAL_TEXT, Estimate
 from ptbench.studies.notes import Note
@@ -261,3 +263,10 @@ def _draw_bar(axes: Axes, y: float, estimate: Estimate, start: float | None, loo
         style.draw_row(axes, y, drawn, look)
     else:
         style.draw_row(axes, y, estimate, look)
+
+
+FIGURES = (
+    StudyFigure(CONVERGENCE, time_to_error, part="time_to_error", place=2),
+    StudyFigure(CONVERGENCE, efficiency, part="efficiency", place=3),
+    StudyFigure(CONVERGENCE, checkpoint_cost, part="checkpoint_cost", place=5),
+)

@@ -15,6 +15,8 @@ from ptbench.convergence.assessment import PLATEAU, Assessment
 from ptbench.errors import NotDrawable
 from ptbench.figures import style
 from ptbench.figures.convergence.groups import groups_of, setting_of
+from ptbench.figures.declaration import StudyFigure
+from ptbench.io.asked import CONVERGENCE
 from ptbench.io.cells import Result, Study
 from ptbench.stats.estimates import Estimate
 from ptbench.studies.notes import Note
@@ -176,3 +178,6 @@ def _draw_diagonals(axes, panel: Panel) -> None:
 
 def _count(spp: float) -> str:
     return f"{spp:g}" if spp < 1e6 else f"10^{round(math.log10(spp))}"
+
+
+FIGURES = (StudyFigure(CONVERGENCE, collect, part="bias_variance", place=4),)

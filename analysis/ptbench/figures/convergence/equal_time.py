@@ -19,6 +19,8 @@ from ptbench.convergence.efficiency import render_times
 from ptbench.errors import NotDrawable, bad_value
 from ptbench.figures import style
 from ptbench.figures.convergence.groups import Group, groups_of, setting_of
+from ptbench.figures.declaration import StudyFigure
+from ptbench.io.asked import CONVERGENCE
 from ptbench.io.cells import Result, Study
 from ptbench.io.convergence import Picture
 from ptbench.io.images import TONE_MAPPING, displayed, exposure_of, flip, read_pfm
@@ -231,3 +233,6 @@ def _colour_bar(page: style.Page, image, x: float, y: float) -> None:
     bar = page.figure.colorbar(image, cax=axes)
     bar.set_ticks([image.norm.vmin, 0, image.norm.vmax])
     bar.set_ticklabels([f"{image.norm.vmin:.2g}", "0", f"+{image.norm.vmax:.2g}"], fontsize=_LABEL - 0.5)
+
+
+FIGURES = (StudyFigure(CONVERGENCE, collect, part="equal_time", place=1, has_photographs=True),)

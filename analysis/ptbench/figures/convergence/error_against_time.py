@@ -19,6 +19,8 @@ from ptbench.convergence.efficiency import render_times
 from ptbench.errors import NotDrawable
 from ptbench.figures import style
 from ptbench.figures.convergence.groups import Group, groups_of, setting_of
+from ptbench.figures.declaration import StudyFigure
+from ptbench.io.asked import CONVERGENCE
 from ptbench.io.cells import Result, Study
 from ptbench.studies.notes import Note
 
@@ -236,3 +238,6 @@ def _draw_guides(axes: Axes) -> None:
     for power in range(first, math.ceil(math.log10(high**2 * right)) + 1):
         ys = [math.sqrt(10.0**power / x) for x in (left, right)]
         axes.plot([left, right], ys, color=_GUIDE, linewidth=0.8, zorder=0, scalex=False, scaley=False)
+
+
+FIGURES = (StudyFigure(CONVERGENCE, collect),)

@@ -13,6 +13,7 @@ from matplotlib.patches import Rectangle
 
 from ptbench.errors import NotDrawable
 from ptbench.figures import style
+from ptbench.figures.declaration import StabilityFigure
 from ptbench.figures.stability.caption import caption
 from ptbench.io.stability import Stability
 from ptbench.stability.layout import HeatCell, Layout, Place, heat_cell, short_power
@@ -241,3 +242,6 @@ def _draw_legend(page: style.Page, left: float) -> None:
             x += _CELL + 0.07
         page.text(x, 0.1 + 0.5 * _ROW, text, **small)
         x += style.text_width(text, style.CAPTION_SIZE) + 0.3
+
+
+FIGURES = (StabilityFigure("heatmap", collect, draw),)

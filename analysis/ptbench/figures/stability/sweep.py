@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullFormatter, NullLocator
 
 from ptbench.figures import style
+from ptbench.figures.declaration import StabilityFigure
 from ptbench.figures.stability.panels import BOUNDS, LINES, Line, Panel, SweepPage, collect
 from ptbench.stability.layout import number, short_power
 
@@ -199,3 +200,6 @@ def _draw_errors(axes: Axes, line: Line, abscissa: _Abscissa, floor: float, ceil
             alpha=0.7,
             zorder=3,
         )
+
+
+FIGURES = (StabilityFigure("sweep", collect, draw),)
