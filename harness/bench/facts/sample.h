@@ -1,6 +1,6 @@
 // A sample: one timed render of a cell, with what was measured around it, as the journal and the result file hold it.
-// A new field is a member and a line of `fields` here, the value in take_sample.cpp, and its meaning in the schema
-// (analysis/ptbench/schema/ptbench-result.schema.json).
+// A new field is a member and a line of `fields` here, the value in take_sample.cpp, and its meaning in `sample` of the
+// schema of results (analysis/ptbench/schema/ptbench-result.schema.json), to which that of journals refers.
 #pragma once
 
 #include <cstdint>
