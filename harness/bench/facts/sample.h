@@ -121,6 +121,8 @@ struct Sample {
 // A sample of a row or of a retake of a result file, which a program may have written that had fewer fields: these are
 // at their defaults. Throws WrongFact.
 Sample sample_of_result(const Json& row);
+// A row's sample with its CPU time, which has another key there. Throws WrongFact.
+Sample sample_of_row(const nlohmann::ordered_json& row);
 
 // Whether a quota of CPU time was used up during the sample, so that its threads stood still.
 bool is_throttled(const Sample& sample);
