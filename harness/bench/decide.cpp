@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "harness/bench/comparisons.h"
+#include "harness/bench/compared_run.h"
 #include "harness/counted.h"
 #include "limits_of_judgement.h"  // generated from analysis/ptbench/io/limits.json
 
@@ -17,8 +17,8 @@ namespace {
 // Half the width of an interval that fits between the limits of SAME with room for where it lies.
 constexpr double wanted_half_width = 0.8 * limits::least_difference;
 
-bool is_good(const Cell& cell, const Journal& journal) {
-    return journal.is_ok(cell.name) && !journal.samples(cell.name).empty();
+bool is_good(const ComparedCell& cell, const Journal& journal) {
+    return journal.is_ok(cell.name) && cell.times.has_value();
 }
 
 // Number of samples a side that would make the interval narrow enough; 0: the verdict is not open, or for another
@@ -42,18 +42,20 @@ double seconds_of_a_sample(const Cell& cell, const Journal& journal) {
     return 1e-3 * median_of(ms);
 }
 
-using Wanted = std::map<const Cell*, std::size_t>;
+using Wanted = std::map<std::string, std::size_t>;  // by the cell's name
 
-void add_open_verdicts(Wanted& wanted, const Study& study, const Cells& cells, const Journal& journal) {
-    const std::optional<Question> question = question_of(study, cells);
-    for (const Cell* const cell : question ? cells : Cells()) {
-        const Cell* const baseline = is_baseline(*cell, *question) ? nullptr : baseline_of(*cell, cells, *question);
+void add_open_verdicts(Wanted& wanted, const Study& study, const ComparedRun& run, const Journal& journal) {
+    const ComparedCells cells = run.of_study(study.name);
+    const std::optional<Question> question = question_of(study, cells, run.baselines);
+    for (const ComparedCell* const cell : question ? cells : ComparedCells()) {
+        const ComparedCell* const baseline =
+            is_baseline(*cell, *question) ? nullptr : baseline_of(*cell, cells, *question);
         if (baseline == nullptr || !is_good(*cell, journal) || !is_good(*baseline, journal)) {
             continue;
         }
-        const std::size_t samples = samples_for(times_of(*cell, journal), times_of(*baseline, journal));
-        for (const Cell* const side : {cell, baseline}) {
-            wanted[side] = std::max(wanted[side], samples);
+        const std::size_t samples = samples_for(*cell->times, *baseline->times);
+        for (const ComparedCell* const side : {cell, baseline}) {
+            wanted[side->name] = std::max(wanted[side->name], samples);
         }
     }
 }
@@ -62,14 +64,15 @@ void add_open_verdicts(Wanted& wanted, const Study& study, const Cells& cells, c
 
 std::vector<WantedSamples> samples_to_decide(const Plan& plan, const Suite& suite, const Journal& journal,
                                              std::size_t most, double seconds) {
+    const ComparedRun run = compared_run(plan, journal);
     Wanted wanted;
     for (const Study& study : suite.studies) {
-        add_open_verdicts(wanted, study, cells_of_study(plan, study.name), journal);
+        add_open_verdicts(wanted, study, run, journal);
     }
     std::vector<WantedSamples> found;
     double all_seconds = 0;
     for (const Cell& cell : plan.cells) {
-        const std::size_t there = journal.samples(cell.name).size(), samples = std::min(wanted[&cell], most);
+        const std::size_t there = journal.samples(cell.name).size(), samples = std::min(wanted[cell.name], most);
         if (samples > there) {
             found.push_back({&cell, samples});
             all_seconds += static_cast<double>(samples - there) * seconds_of_a_sample(cell, journal);

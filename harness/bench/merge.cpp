@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "harness/bench/journal.h"
+#include "harness/bench/comparisons.h"
 #include "harness/bench/result_check.h"
 #include "harness/bench/result_file.h"
 #include "harness/machine/run_context.h"
@@ -250,6 +250,30 @@ OrderedJson merged_retakes(const std::vector<ShardResult>& shards) {
     return {{"most_per_cell", most}, {"samples", samples}};
 }
 
+std::vector<Study> studies_of(const OrderedJson& own) {
+    std::vector<Study> studies;
+    for (const OrderedJson& json : own.at("studies")) {
+        Study& study = studies.emplace_back();
+        study.name = json.at("name");
+        study.compares = json.at("compares");
+        study.along = json.at("along");
+        if (json.at("type") == "convergence") {
+            study.convergence.emplace();
+        }
+    }
+    return studies;
+}
+
+// The verdicts on the cells of all shards. A shard's own are left: what a study is held against may be another shard's.
+OrderedJson merged_comparisons(const OrderedJson& rows, const OrderedJson& own) {
+    const ComparedRun run = compared_run(rows, own.at("cells"), own.at("baselines"));
+    OrderedJson comparisons = OrderedJson::array();
+    for (const Comparison& comparison : comparisons_of(run, studies_of(own))) {
+        comparisons.push_back(comparison.facts());
+    }
+    return comparisons;
+}
+
 Merged merge_parsed(const std::vector<ShardResult>& shards, const std::string& out, const std::string& command_line) {
     Merged merged;
     OrderedJson rows = OrderedJson::array(), cells = OrderedJson::array(), parts = OrderedJson::array();
@@ -269,7 +293,9 @@ Merged merge_parsed(const std::vector<ShardResult>& shards, const std::string& o
     if (own.contains("retakes")) {  // of one program all have them
         own["retakes"] = merged_retakes(shards);
     }
-    own.erase("comparisons");  // a shard's own: a baseline may be another one's
+    if (own.contains("comparisons")) {  // a program that wrote none leaves the verdicts to whoever reads the file
+        own["comparisons"] = merged_comparisons(rows, own);
+    }
     own["shards"] = std::move(parts);
     merged.result = {{"context", merged_context(shards, command_line)}, {"benchmarks", rows}, {"ptbench", own}};
     return merged;

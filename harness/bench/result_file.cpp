@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "harness/bench/comparisons.h"
 #include "harness/bench/convergence_study.h"
 #include "harness/bench/retakes.h"
 #include "harness/counted.h"
@@ -215,18 +214,12 @@ private:
     std::map<std::string, std::string> owners_;
 };
 
-// What the study compares, told by its cells where the suite leaves it open.
-std::string compared_by(const Study& study, const Plan& plan) {
-    const std::optional<Question> question = question_of(study, cells_of_study(plan, study.name));
-    return study.compares.empty() && question ? question->axis : study.compares;
-}
-
-OrderedJson studies_json(const Suite& suite, const Plan& plan) {
+OrderedJson studies_json(const Suite& suite) {
     OrderedJson studies = OrderedJson::array();
     for (const Study& study : suite.studies) {
         studies.push_back({{"name", study.name},
                            {"title", study.title},
-                           {"compares", compared_by(study, plan)},
+                           {"compares", study.compares},
                            {"along", study.along},
                            {"type", study.convergence ? "convergence" : "time"}});
         if (study.convergence && study.convergence->without_checkpoints) {
@@ -366,7 +359,7 @@ std::string result_json(const Plan& plan, const Suite& suite, const Journal& jou
                              {"benchmarks", rows},
                              {"ptbench",
                               {{"run", OrderedJson(run)},
-                               {"studies", studies_json(suite, plan)},
+                               {"studies", studies_json(suite)},
                                {"baselines", baselines},
                                {"cells", cells},
                                {"comparisons", OrderedJson(facts.comparisons)},

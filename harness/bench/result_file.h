@@ -45,7 +45,8 @@ Disturbance disturbance_of(const Plan& plan, const Journal& journal);
 // The disturbance in words, as "disturbed: 3 of 54 samples (other processes 2, low clock 1)".
 std::string in_words(const Disturbance& disturbance);
 
-// The text of the result file. Throws InputError where the journal lacks a cell's own line or errors.
+// The text of the result file. Each study of the suite says what it compares (with_questions). Throws InputError where
+// the journal lacks a cell's own line or errors.
 std::string result_json(const Plan& plan, const Suite& suite, const Journal& journal, const RunFacts& facts);
 // Checks that a run can have left the journal, before another goes on with it: found at its end, that would have been
 // for nothing. Throws InputError.

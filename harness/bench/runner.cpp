@@ -304,8 +304,9 @@ int run_suite(const Suite& suite, const RunOptions& options) {
         say("ptbench: --resume: there is no unfinished run ({}), so this one begins\n", journal_of(options));
     }
     const Plan part = part_of(whole, positions);
+    const Suite asked = with_questions(suite, whole);
     return run_part({.plan = part,
-                     .suite = suite,
+                     .suite = asked,
                      .earlier = earlier,
                      .out = options.out,
                      .facts = {.command_line = options.command_line,

@@ -116,7 +116,9 @@ Words complete_value(const std::string& option, const std::string& begun, const 
 
 Words complete_positional(const std::string& command, const std::string& begun) {
     const std::map<std::string, Words> known{
-        {"list", joined(names_of_axes(), {"scenes", "suites"})}, {"new", kinds_of_new()}, {"completion", {"bash"}}};
+        {"list", joined(names_of_axes(), {"axes", "features", "scenes", "suites"})},
+        {"new", kinds_of_new()},
+        {"completion", {"bash"}}};
     const auto names = known.find(command);
     return names == known.end() ? Words() : that_begin_with(begun, names->second);
 }

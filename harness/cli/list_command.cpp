@@ -53,11 +53,14 @@ OrderedJson everything(const ListArguments& arguments) {
             {"backends", list_backends()}};
 }
 
-// The text about one topic of `ptbench list`: the axes, one axis, the scenes or the suites.
+// The text about one topic of `ptbench list`: the axes, one axis, the features, the scenes or the suites.
 std::string topic_text(const ListArguments& arguments) {
     const std::string& topic = arguments.topic;
     if (topic == "axes") {
         return arguments.json ? list_axis_facts().dump(1) + "\n" : axes_text();
+    }
+    if (topic == "features") {
+        return arguments.json ? list_features().dump(1) + "\n" : features_text();
     }
     if (topic == "scenes") {
         const OrderedJson scenes = scenes_of(arguments);
@@ -71,9 +74,9 @@ std::string topic_text(const ListArguments& arguments) {
         const OrderedJson axis = list_axis(topic);
         return arguments.json ? axis.dump(1) + "\n" : axis_text(axis);
     }
-    allowed.insert(allowed.end(), {"axes", "scenes", "suites"});
+    allowed.insert(allowed.end(), {"axes", "features", "scenes", "suites"});
     throw InputError("list", "argument", "\"" + topic + "\"",
-                     fmt::format("an axis ({}), axes, scenes or suites{}", fmt::join(names_of_axes(), ", "),
+                     fmt::format("an axis ({}), axes, features, scenes or suites{}", fmt::join(names_of_axes(), ", "),
                                  did_you_mean(topic, allowed)));
 }
 
@@ -97,8 +100,10 @@ Command add_list_command(CLI::App& app) {
     auto arguments = std::make_shared<ListArguments>();
     CLI::App* command =
         app.add_subcommand("list", "Axes, choices, scenes, suites and backends, and what applies where");
-    command->add_option("WHAT", arguments->topic,
-                        "An axis: its choices with claims, origins and tunables; or \"axes\", \"scenes\", \"suites\"");
+    command->add_option(
+        "WHAT", arguments->topic,
+        "An axis: its choices with claims, origins and tunables; or \"axes\", \"features\" (of kernels), "
+        "\"scenes\", \"suites\"");
     command->add_option("--scene", arguments->scene, "These scenes, comma-separated: what they need, what applies");
     command->add_option("--arch", arguments->architecture,
                         "Also compile the scenes' kernels for this GPU, e.g. sm_90, and say what leaving out saves");

@@ -108,6 +108,8 @@ OrderedJson list_axis_facts() {
     return axes;
 }
 
+OrderedJson list_features() { return feature_names(~no_features); }
+
 OrderedJson list_axis(std::string_view axis) {
     OrderedJson choices = OrderedJson::array();
     for (const std::string& name : names_of_choices(axis)) {

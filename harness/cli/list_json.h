@@ -10,6 +10,8 @@ namespace pt {
 
 // What each axis.h says: analysis/ptbench/io/axes.json is this, for Python and the schemas.
 nlohmann::ordered_json list_axis_facts();
+// Every feature that a kernel may have, by name: analysis/ptbench/io/features.json is this, for the schemas.
+nlohmann::ordered_json list_features();
 nlohmann::ordered_json list_axis(std::string_view axis);
 nlohmann::ordered_json list_axes();
 // Lists a scene. Throws InputError for one that is not there.

@@ -95,6 +95,14 @@ std::string axes_text() {
     return text;
 }
 
+std::string features_text() {
+    std::string text = "Features\n";
+    for (const std::string& name : feature_names(~no_features)) {
+        text += fmt::format("  {}\n", name);
+    }
+    return text;
+}
+
 std::string axis_text(const OrderedJson& axis) {
     const std::string name = text_in(axis, "name");
     std::string text = fmt::format("{}: {}\n", name, axis_table[Variant::index(name)].what);

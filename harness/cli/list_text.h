@@ -11,6 +11,8 @@ namespace pt {
 std::string overview_text();
 // The axes, a line each.
 std::string axes_text();
+// The features of kernels, a name a line.
+std::string features_text();
 // The choices of an axis, with origins, claims and tunables.
 std::string axis_text(const nlohmann::ordered_json& axis);
 std::string scenes_text(const nlohmann::ordered_json& scenes);

@@ -1,10 +1,13 @@
-"""The axes as Python and the schemas have them are those that their folders describe."""
+"""The axes as Python and the schemas have them are those that their folders describe, and so are the features."""
 
 import json
 import re
 from pathlib import Path
 
-from ptbench.io.axes import FILE, SCHEMA, known_axes, schema_properties, write_schema
+import pytest
+
+from ptbench.io.axes import FILE, known_axes, schema_properties
+from ptbench.io.schema_lists import FEATURES, SCHEMA, schema_features, write_schema
 
 ROOT = Path(__file__).resolve().parents[2]
 HEADERS = {path.parent.name: path.read_text(encoding="utf-8") for path in (ROOT / "variants").glob("*/axis.h")}
@@ -40,18 +43,27 @@ def test_the_schema_says_of_axes_what_they_say():
     assert list(axes["properties"].items()) == list(schema_properties().items())
 
 
-def test_the_schema_is_written_anew(tmp_path, monkeypatch):
+def test_the_schema_has_the_features_of_the_program():
+    """A material or a shape is a feature by its line in the list of its kind, and no other file names it."""
+    feature = json.loads(SCHEMA.read_text(encoding="utf-8"))["$defs"]["feature"]
+    assert feature["enum"] == schema_features()
+    assert len(set(schema_features())) == len(schema_features())
+
+
+@pytest.mark.parametrize("line", [r'\n        "layout": [^\n]*', r' "principled",'])
+def test_the_schema_is_written_anew(tmp_path, monkeypatch, line):
     before = SCHEMA.read_text(encoding="utf-8")
     stale = tmp_path / SCHEMA.name
-    stale.write_text(re.sub(r'\n        "layout": [^\n]*', "", before), encoding="utf-8")
+    stale.write_text(re.sub(line, "", before), encoding="utf-8")
     assert stale.read_text(encoding="utf-8") != before
-    monkeypatch.setattr("ptbench.io.axes.SCHEMA", stale)
+    monkeypatch.setattr("ptbench.io.schema_lists.SCHEMA", stale)
     write_schema()
     assert stale.read_text(encoding="utf-8") == before
 
 
-def test_the_file_is_as_the_program_prints_it():
-    text = FILE.read_text(encoding="utf-8")
+@pytest.mark.parametrize("file", [FILE, FEATURES], ids=lambda file: file.stem)
+def test_the_file_is_as_the_program_prints_it(file):
+    text = file.read_text(encoding="utf-8")
     assert text == json.dumps(json.loads(text), indent=1) + "\n"
 
 

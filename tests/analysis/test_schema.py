@@ -19,7 +19,7 @@ from ptbench.io.cells import CELL_STATUSES, CLAIMS, RUN_STATUSES, STUDY_TYPES
 from ptbench.io.fields import tables
 from ptbench.io.files import read_stored
 from ptbench.io.line_seal import NO_CHECKSUM, OTHER_TEXT, LineSeal
-from ptbench.io.validate import KINDS, SCHEMAS, complaints, kind_of, schema, validate
+from ptbench.io.validate import KINDS, SCHEMAS, complaints, kind_of, registry, schema, validate, validator
 
 BY_HAND = ("many_lights_profile", "nee_bound", "rays_cpu", "rays_first")  # records that no command of ptbench wrote
 COMMITTED = sorted(path for path in RESULTS.glob("*/*.json*") if path.name.partition(".")[0] not in BY_HAND)
@@ -65,7 +65,9 @@ def test_a_schema_describes_every_field_and_allows_no_other(name):
     for place, node in nodes(own, name):
         for key, field in node.get("properties", {}).items() if node.get("type") == "object" else ():
             assert "description" in field or "$ref" in field, f"{place}: {key}"
-        open_on_purpose = place in ("result/$defs/row", "result/$defs/cell_facts", "common/$defs/machine", "journal")
+        # A row is closed, and what it may be is not; a sample is closed in a row and in a journal's line.
+        parts = ("cell_facts", "sample", "sample_row", "aggregate_row", "failed_row")
+        open_on_purpose = place in (*(f"result/$defs/{part}" for part in parts), "common/$defs/machine", "journal")
         if node.get("type") == "object" and not open_on_purpose:
             assert "additionalProperties" in node or node.get("unevaluatedProperties") is False, place
 
@@ -417,6 +419,68 @@ def journal(errors_file, tmp_path):
         return path
 
     return write
+
+
+@pytest.fixture
+def with_joules(tmp_path, monkeypatch):
+    """The schemas with one more field of a sample, said where a new field is: in the result's schema, once."""
+    for path in SCHEMAS.glob("*.json"):
+        text = path.read_text(encoding="utf-8")
+        if path.name == "ptbench-result.schema.json":
+            place = '    "sample": {\n'
+            head, _, rest = text.partition(place)
+            field = '        "pt_joules": {"type": "number", "description": "Energy, J."},\n'
+            text = head + place + rest.replace('"properties": {\n', f'"properties": {{\n{field}', 1)
+        (tmp_path / path.name).write_text(text, encoding="utf-8")
+    caches = (schema, registry, validator)
+    monkeypatch.setattr("ptbench.io.validate.SCHEMAS", tmp_path)
+    for cache in caches:
+        cache.cache_clear()
+    yield
+    monkeypatch.undo()
+    for cache in caches:
+        cache.cache_clear()
+
+
+def _spend(lines: list[dict]) -> None:
+    """Adds energy to the samples of a journal, and a sample that is taken again."""
+    lines[3]["sample"]["pt_joules"] = 1.5
+    lines.append({**copy.deepcopy(lines[3]), "type": "retake"})
+
+
+def _with_energy(result: dict, journal: Path) -> dict:
+    """The result with energy in a row and in a sample whose place another took."""
+    value = copy.deepcopy(result)
+    value["benchmarks"][0]["pt_joules"] = 1.5
+    sample = json.loads(journal.read_text(encoding="utf-8").splitlines()[3])["sample"]
+    retaken = {"cell": value["benchmarks"][0]["run_name"], "repetition_index": 0, "sample": sample}
+    value["ptbench"]["retakes"] = {"most_per_cell": 1, "samples": [retaken]}
+    return value
+
+
+def test_a_new_field_of_a_sample_is_known_in_rows_and_journals(errors_file, journal, with_joules):
+    assert validate(journal(_spend)) == []
+    assert list(complaints(_with_energy(errors_file, journal(_spend)), "result")) == []
+
+
+def test_a_field_of_a_sample_that_no_schema_has_is_refused(errors_file, journal):
+    unknown = 'found the key "pt_joules", allowed: the keys that the schema has'
+    assert [line.partition(": ")[2] for line in validate(journal(_spend))] == [unknown] * 2
+    places = {
+        line.removesuffix(f": {unknown}") for line in complaints(_with_energy(errors_file, journal(_spend)), "result")
+    }
+    assert places == {"$.benchmarks[0]", "$.ptbench.retakes.samples[0].sample"}
+
+
+def test_a_field_of_a_sample_stands_in_one_schema():
+    """Three files have a field of a sample: its struct, what measures it, and the schema of results."""
+    texts = {path.name: path.read_text(encoding="utf-8") for path in SCHEMAS.glob("*.json")}
+    own = schema("result")["$defs"]
+    fields = own["sample"]["properties"].keys() - own["checkpoint"]["properties"].keys()
+    assert {name for name, text in texts.items() for key in fields if f'"{key}":' in text} == {
+        "ptbench-result.schema.json"
+    }
+    assert own["sample"]["properties"].keys() & own["sample_row"]["properties"].keys() == {"pt_checkpoints"}
 
 
 def _add_sample(lines: list[dict], **changed) -> None:

@@ -282,12 +282,6 @@ protected:
 
 json parsed(const std::string& file) { return json::parse(content_of(file)); }
 
-// A merged result has no verdicts of its own: a cell's baseline may be another shard's.
-json without_comparisons(json result) {
-    EXPECT_EQ(result.at("ptbench").erase("comparisons"), 1u);
-    return result;
-}
-
 // What only a merged result has.
 json without_shards(json result) {
     for (json& cell : result.at("ptbench").at("cells")) {
@@ -306,7 +300,7 @@ TEST_F(ShardedRunTest, MergedItIsWhatOneRunWrites) {
     EXPECT_EQ(result.out,
               merged + "\n8 cells, 24 samples, 0 failed, 4 not applicable, from 3 shards on " + host + "\n");
     const json one = parsed(whole), parts = parsed(merged);
-    EXPECT_EQ(without_times(without_shards(parts)), without_times(without_comparisons(one)));
+    EXPECT_EQ(without_times(without_shards(parts)), without_times(one));
     EXPECT_EQ(sample_rows(parts).size(), 24u);
 
     // The order of keys too, but for what only one of them has.
@@ -332,6 +326,65 @@ TEST_F(ShardedRunTest, MergedItIsWhatOneRunWrites) {
     }
     // The merged file is the run's own result: nothing is left for a run that goes on.
     EXPECT_NE(run(merged, {"--resume"}).out.find("nothing left to do"), std::string::npos);
+}
+
+// The rows of one result in the place of those that a shard has of the same cells.
+json with_rows_of(json shard, const json& whole) {
+    json rows = json::array();
+    for (std::size_t i = 0; i < shard.at("ptbench").at("cells").size(); ++i) {
+        for (const json& row : whole.at("benchmarks")) {
+            if (row.at("run_name") == shard.at("ptbench").at("cells")[i].at("cell")) {
+                rows.push_back(row);
+                rows.back().at("family_index") = i;
+            }
+        }
+    }
+    EXPECT_EQ(rows.size(), shard.at("benchmarks").size());
+    shard.at("benchmarks") = rows;
+    return shard;
+}
+
+// Each of four shards has one setting, and none can tell by its own cells what the first study compares: where cached
+// first hits do not apply, the first axis that varies is another one.
+TEST_F(ShardedRunTest, SamplesHaveTheirVerdictsWhicheverShardTheyAreOf) {
+    write_text(folder.file("suite.json"), R"({"name": "mine", "repetitions": 9, "studies": [
+        {"name": "open", "title": "A", "figure": "scaling_by_depth",
+         "scenes": ["cornell_open", "cornell_closed_unjittered"],
+         "axes": {"layout": ["aos", "soa"], "first_bounce": ["off", "cached"]}, "depth": [2, 3], "resolution": [4, 3]},
+        {"name": "tunable", "title": "B", "compares": "jitters", "scenes": ["cornell_open"],
+         "axes": {"first_bounce": ["cached_jitters"]}, "tunables": {"jitters": [4, 8, 16]}, "depth": [2, 3],
+         "resolution": [4, 3]}]})");
+    ASSERT_EQ(run(whole).exit_code, 0);
+    run_shards(4);
+    const json one = parsed(whole);
+    for (int index = 1; index <= 4; ++index) {
+        write_text(shard(index), with_rows_of(parsed(shard(index)), one).dump());
+    }
+    const CommandResult result = merge({shard(1), shard(2), shard(3), shard(4)});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const json& comparisons = one.at("ptbench").at("comparisons");
+    EXPECT_EQ(parsed(merged).at("ptbench").at("comparisons"), comparisons);
+    for (const std::string& file : {whole, merged, shard(1), shard(2), shard(3), shard(4)}) {
+        EXPECT_EQ(parsed(file).at("ptbench").at("studies")[0].at("compares"), "first_bounce") << file;
+    }
+    std::multiset<std::string> studies;
+    for (const json& comparison : comparisons) {
+        studies.insert(comparison.at("study").get<std::string>());
+    }
+    EXPECT_EQ(studies,
+              (std::multiset<std::string>{"open", "open", "open", "open", "tunable", "tunable", "tunable", "tunable"}));
+}
+
+// Programs that wrote no verdicts made shards without them; whoever reads what is merged of these judges it.
+TEST_F(ShardedRunTest, ShardsWithoutVerdictsAreMergedWithoutVerdicts) {
+    run_shards(2);
+    for (int index = 1; index <= 2; ++index) {
+        json result = parsed(shard(index));
+        EXPECT_EQ(result.at("ptbench").erase("comparisons"), 1u);
+        write_text(shard(index), result.dump());
+    }
+    EXPECT_EQ(merge({shard(1), shard(2)}).exit_code, 0);
+    EXPECT_FALSE(parsed(merged).at("ptbench").contains("comparisons"));
 }
 
 TEST_F(ShardedRunTest, HostsOfOneKindMayBeMixedAndAreNamed) {
@@ -495,7 +548,7 @@ TEST_F(ShardedRunTest, ImagesComeAlong) {
     for (std::size_t at = text.find("merged_images/"); at != std::string::npos; at = text.find("merged_images/")) {
         text.replace(at, 7 + 6, "whole_images");
     }
-    EXPECT_EQ(without_times(without_shards(json::parse(text))), without_times(without_comparisons(parsed(whole))));
+    EXPECT_EQ(without_times(without_shards(json::parse(text))), without_times(parsed(whole)));
     std::size_t images = 0;
     for (const auto& entry : std::filesystem::directory_iterator(folder.file("whole_images"))) {
         EXPECT_EQ(content_of(folder.file("merged_images/" + entry.path().filename().string())),

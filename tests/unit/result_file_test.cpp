@@ -1,10 +1,13 @@
 // The result file, from a plan and a journal made by hand: every row, aggregate and status that follows from them.
 #include "harness/bench/result_file.h"
 
+#include <set>
+
 #include <gtest/gtest.h>
 
 #include "harness/bench/result_check.h"
 #include "tests/support/command.h"
+#include "tests/support/places.h"
 #include "tests/support/scenes.h"
 
 namespace pt {
@@ -36,6 +39,56 @@ Sample sample(double wall, double cpu, std::uint64_t seed) {
             .rays = 77,
             .rays_per_second = 5e7,
             .film_hash = "0123456789abcdef"};
+}
+
+// ---- The schema ----
+
+using Keys = std::set<std::string>;
+
+struct KeyCollector {
+    Keys& keys;
+
+    template <class T>
+    void operator()(const char* key, const T&) const {
+        keys.insert(key);
+    }
+    template <class T>
+    void or_null(const char* key, const T&) const {
+        keys.insert(key);
+    }
+};
+
+template <HasFields T>
+Keys keys_of() {
+    Keys keys;
+    T facts;
+    T::fields(facts, KeyCollector{keys});
+    return keys;
+}
+
+// The keys that the schema of results describes of one of its objects.
+Keys described(const std::string& object) {
+    static const Json schema =
+        Json::parse(test::content_of(test::in_source("analysis/ptbench/schema/ptbench-result.schema.json")));
+    Keys keys;
+    for (const auto& [key, meaning] : schema.at("$defs").at(object).at("properties").items()) {
+        keys.insert(key);
+    }
+    return keys;
+}
+
+// A field of a sample is in three files: its struct, where it is measured, and the schema. The journal's schema has a
+// sample from there, but for the time whose key in a row is Google Benchmark's.
+TEST(SchemaTest, DescribesEachFieldThatIsWritten) {
+    Keys sample = described("sample");
+    sample.insert("cpu_ms");
+    EXPECT_EQ(keys_of<Sample>(), sample);
+    EXPECT_EQ(keys_of<CheckpointFacts>(), described("checkpoint"));
+    EXPECT_EQ(keys_of<CellFacts>(), described("cell_facts"));
+    EXPECT_EQ(keys_of<InstrumentedFacts>(), described("instrumented"));
+    EXPECT_EQ(keys_of<ConvergenceFacts>(), described("convergence"));
+    EXPECT_EQ(keys_of<ComparisonFacts>(), described("comparison"));
+    EXPECT_EQ(keys_of<RunRecord>(), described("run"));
 }
 
 // Four cells: measured, failed, cut short, not reached.

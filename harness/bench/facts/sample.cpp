@@ -12,6 +12,7 @@ namespace {
 using OrderedJson = nlohmann::ordered_json;
 
 constexpr const char* low_clock_key = "pt_low_clock";
+constexpr const char* cpu_time_key = "cpu_time";
 
 // Finds the first number that is none.
 struct FindInfinite {
@@ -52,6 +53,12 @@ void CheckpointFacts::set_errors(const std::optional<Errors>& errors) {
 Sample sample_of_result(const Json& row) {
     Sample sample;
     read_fields(row, sample, Missing::is_left_out);
+    return sample;
+}
+
+Sample sample_of_row(const OrderedJson& row) {
+    Sample sample = sample_of_result(Json(row));
+    sample.cpu_ms = row.at(cpu_time_key);
     return sample;
 }
 
@@ -111,7 +118,7 @@ std::string fault_of_sample(const Sample& sample) {
 
 void add_sample_to_row(OrderedJson& row, const Sample& sample) {
     row["real_time"] = sample.wall_ms;
-    row["cpu_time"] = sample.cpu_ms;
+    row[cpu_time_key] = sample.cpu_ms;
     row["time_unit"] = "ms";
     Sample::visit_row(sample, fields_detail::Writer<OrderedJson>(row));
     row["film_hash"] = sample.film_hash;

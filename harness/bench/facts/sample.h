@@ -1,6 +1,6 @@
 // A sample: one timed render of a cell, with what was measured around it, as the journal and the result file hold it.
-// A new field is a member and a line of `fields` here, the value in take_sample.cpp, and its meaning in the schema
-// (analysis/ptbench/schema/ptbench-result.schema.json).
+// A new field is a member and a line of `fields` here, the value in take_sample.cpp, and its meaning in `sample` of the
+// schema of results (analysis/ptbench/schema/ptbench-result.schema.json), to which that of journals refers.
 #pragma once
 
 #include <cstdint>
@@ -121,6 +121,8 @@ struct Sample {
 // A sample of a row or of a retake of a result file, which a program may have written that had fewer fields: these are
 // at their defaults. Throws WrongFact.
 Sample sample_of_result(const Json& row);
+// A row's sample with its CPU time, which has another key there. Throws WrongFact.
+Sample sample_of_row(const nlohmann::ordered_json& row);
 
 // Whether a quota of CPU time was used up during the sample, so that its threads stood still.
 bool is_throttled(const Sample& sample);
