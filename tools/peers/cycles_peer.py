@@ -129,8 +129,8 @@ class Renderer:
         target.render.image_settings.color_depth = "32"
         cycles = target.cycles
         cycles.device = "CPU"
-        # The camera's ray is no bounce.
-        bounces = (scene.depth if request["depth"] is None else request["depth"]) - 1
+        # Cycles counts neither the ray of the camera nor the last one, which ends at a light.
+        bounces = max(0, (scene.depth if request["depth"] is None else request["depth"]) - 2)
         for name in ("max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces"):
             setattr(cycles, name, bounces)
         cycles.use_adaptive_sampling = cycles.use_denoising = cycles.use_auto_tile = False

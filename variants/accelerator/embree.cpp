@@ -57,7 +57,7 @@ void bounds(const RTCBoundsFunctionArguments* arguments) {
 }
 
 // Holds one tree for rays that start near the mesh, and others, made when a ray asks for one, for rays from afar.
-class Mesh {
+class Mesh : public HostMesh {
 public:
     explicit Mesh(std::span<const LeafTriangle> leaves) : leaves_(leaves) {
         for (const LeafTriangle& leaf : leaves) {
@@ -141,7 +141,7 @@ NativeMesh prepare(const EncodedTree&, std::span<const LeafTriangle> leaves) {
 void meet_mesh(Hit<float>& best, const MeshInstance<float>& instance, std::uint32_t object, const Vec3<float>& origin,
                const Ray<float>& ray, float enough) {
     Query query{{}, &best, instance.geometry.leaves, MeshRay<float>::of(instance, object, origin, ray), {enough}};
-    const RTCScene scene = static_cast<const Mesh*>(instance.geometry.native)->scene_for(query.ray);
+    const RTCScene scene = mesh_of<Mesh>(instance).scene_for(query.ray);
     if (scene == nullptr) {
         pt::meet_mesh<BruteForce>(best, instance, object, origin, ray, enough);
         return;

@@ -26,6 +26,10 @@ void pass_over_origin(const RTCFilterFunctionNArguments* arguments) {
     }
 }
 
+struct Mesh : HostMesh {
+    embree::Scene scene;
+};
+
 NativeMesh prepare(const EncodedTree&, std::span<const LeafTriangle> leaves) {
     RTCGeometry geometry = rtcNewGeometry(embree::device(), RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* corners = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
@@ -40,10 +44,11 @@ NativeMesh prepare(const EncodedTree&, std::span<const LeafTriangle> leaves) {
             indices[3 * i + k] = 3 * i + k;
         }
     }
-    embree::Scene scene = embree::scene_of(
+    const auto mesh = std::make_shared<Mesh>();
+    mesh->scene = embree::scene_of(
         geometry, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
     const std::uint64_t bytes = leaves.size() * (9 * sizeof(float) + 3 * sizeof(std::uint32_t));
-    return {std::shared_ptr<const void>(scene.release(), [](RTCScene made) { rtcReleaseScene(made); }), bytes};
+    return {mesh, bytes};
 }
 
 void meet_mesh(Hit<float>& best, const MeshInstance<float>& instance, std::uint32_t object, const Vec3<float>& origin,
@@ -53,7 +58,7 @@ void meet_mesh(Hit<float>& best, const MeshInstance<float>& instance, std::uint3
     rtcInitIntersectContext(&query.context);
     query.context.filter = in_mesh.passed_over != MeshRay<float>::nothing ? &pass_over_origin : nullptr;
     const Vec3<float>&o = in_mesh.origin, &d = in_mesh.direction;
-    const auto scene = static_cast<RTCScene>(const_cast<void*>(instance.geometry.native));
+    const RTCScene scene = mesh_of<Mesh>(instance).scene.get();
     if (enough > 0) {
         // Any hit before `enough` ends the search. Embree tells it by its own distance, and includes `enough` itself,
         // which is within the choice's claim.

@@ -6,6 +6,7 @@
 
 #include "kernels/intersect.h"
 #include "variants/bvh/encoded_tree.h"
+#include "variants/cpu/host_mesh.h"
 
 namespace pt {
 
@@ -17,9 +18,15 @@ struct BuilderHook {
 
 // What an accelerator of the host, such as Embree, makes of a mesh for itself (MeshView::native).
 struct NativeMesh {
-    std::shared_ptr<const void> data;
+    std::shared_ptr<const HostMesh> data;
     std::uint64_t bytes = 0;
 };
+
+// What the accelerator prepared of an object's mesh, as the type that its `prepare` made.
+template <class Mesh>
+const Mesh& mesh_of(const MeshInstance<float>& instance) {
+    return static_cast<const Mesh&>(*static_cast<const HostMesh*>(instance.geometry.native));
+}
 
 struct AcceleratorHook {
     // Encodes a binary tree in the accelerator's format; null: it needs no tree, and slots are primitives.

@@ -14,6 +14,7 @@
 #include "kernels/intersect.h"
 #include "variants/bvh/hooks.h"
 #include "variants/bvh/wide_nodes.h"
+#include "variants/cpu/lanes.h"
 
 namespace pt::lanes {
 
@@ -66,9 +67,10 @@ template <int width>
 struct alignas(64) Node : WideNode<width> {};
 
 template <int width>
-struct Mesh {
+struct Mesh : HostMesh {
     std::vector<Node<width>> nodes;
     std::vector<TriangleBlock> blocks;
+    BoxSpan spans[3];  // of the root
 };
 
 inline void set_lane(TriangleBlock& block, std::uint32_t lane, const LeafTriangle& leaf) {
@@ -135,6 +137,10 @@ std::vector<BlockSlots> subtrees_of_a_block(std::span<const WideNode<width>> nod
     return fits;
 }
 
+template <int width>
+void meet_in_lanes(Hits<float>& hits, const Flags& asks, const MeshInstance<float>& instance, std::uint32_t object,
+                   const Vectors<float>& origin, const Paths<float>& rays, const Lanes<float>& enough);
+
 // Builds the host's tree from the one that the device gets: leaves become blocks of triangles, and small subtrees
 // become leaves.
 template <int width>
@@ -144,6 +150,10 @@ public:
         : nodes_(nodes), leaves_(leaves), fits_(subtrees_of_a_block<width>(nodes)), number_(nodes.size()) {}
 
     Mesh<width> build() {
+        mesh_.meet_in_lanes = &meet_in_lanes<width>;
+        for (int axis = 0; axis < 3 && !nodes_.empty(); ++axis) {
+            mesh_.spans[axis] = nodes_[0].span(axis);
+        }
         std::uint32_t kept = 0;
         for (std::size_t i = 0; i < nodes_.size(); ++i) {
             number_[i] = fits_[i].count == 0 ? kept++ : 0;
@@ -286,17 +296,12 @@ inline void meet_leaf(Hit<float>& best, const TriangleBlock* blocks, std::uint32
     }
 }
 
+// Takes one ray through the tree.
 template <int width>
-void meet_mesh(Hit<float>& best, const MeshInstance<float>& instance, std::uint32_t object, const Vec3<float>& origin,
-               const pt::Ray<float>& world_ray, float enough) {
-    const auto& mesh = *static_cast<const Mesh<width>*>(instance.geometry.native);
-    if (mesh.nodes.empty()) {
-        return;
-    }
-    const MeshRay<float> ray = MeshRay<float>::of(instance, object, origin, world_ray);
+inline void traverse(Hit<float>& best, const Mesh<width>& mesh, const MeshRay<float>& ray, const BoxRay<float>& box_ray,
+                     float enough) {
     const Node<width>* nodes = mesh.nodes.data();
-    const BoxSpan spans[3] = {nodes[0].span(0), nodes[0].span(1), nodes[0].span(2)};
-    const auto boxes = BoxLanes<width>::of(BoxRay<float>::of(ray.origin, ray.direction, spans));
+    const auto boxes = BoxLanes<width>::of(box_ray);
     const TriangleLanes triangles = TriangleLanes::of(ray);
     Waiting stack[wide_stack_size<width>];
     Waiting* top = stack;
@@ -346,6 +351,126 @@ void meet_mesh(Hit<float>& best, const MeshInstance<float>& instance, std::uint3
             --top;
         } while (top->entry() > best.t);
         link = top->link();
+    }
+}
+
+template <int width>
+void meet_mesh(Hit<float>& best, const MeshInstance<float>& instance, std::uint32_t object, const Vec3<float>& origin,
+               const pt::Ray<float>& world_ray, float enough) {
+    const auto& mesh = mesh_of<Mesh<width>>(instance);
+    if (!mesh.nodes.empty()) {
+        const MeshRay<float> ray = MeshRay<float>::of(instance, object, origin, world_ray);
+        traverse(best, mesh, ray, BoxRay<float>::of(ray.origin, ray.direction, mesh.spans), enough);
+    }
+}
+
+// The rays of a packet in the space of a mesh, as MeshRay and BoxRay have them, one a lane.
+struct MeshRays {
+    Vectors<float> origin, direction, along, shear;
+    Lanes<std::uint32_t> kx, ky, kz;
+    Vectors<float> near_origin, far_origin, inverse;
+    Flags enters;  // whether the ray may enter the tree's root
+
+    MeshRay<float> ray(std::uint32_t l, std::uint32_t object, std::uint32_t passed_over) const {
+        return {origin[l], direction[l], {kx[l], ky[l], kz[l], shear[l]}, along[l], object, passed_over};
+    }
+    BoxRay<float> box_ray(std::uint32_t l) const { return {near_origin[l], far_origin[l], inverse[l]}; }
+};
+
+// Prepares all lanes with the operations of MeshRay::of, in their order; only branches are selections here.
+template <bool is_placed>
+inline void to_mesh(MeshRays& rays, const MeshInstance<float>& instance, const Vectors<float>& origin,
+                    const Vectors<float>& direction) {
+#pragma GCC ivdep
+    for (std::uint32_t l = 0; l < lanes::width; ++l) {
+        const Vec3<float> o = is_placed ? origin[l] : instance.point_in(origin[l]);
+        const Vec3<float> d = is_placed ? direction[l] : instance.direction_in(direction[l]);
+        const Vec3<float> size{absolute(d.x), absolute(d.y), absolute(d.z)};
+        const bool is_z = size.x > size.y ? !(size.x > size.z) : !(size.y > size.z);
+        const bool is_x = !is_z & (size.x > size.y);
+        // The axes kx, ky and kz are xyz, yzx or zxy.
+        const auto turned = [&](const Vec3<float>& v) {
+            return Vec3<float>{is_z   ? v.x
+                               : is_x ? v.y
+                                      : v.z,
+                               is_z   ? v.y
+                               : is_x ? v.z
+                                      : v.x,
+                               is_z   ? v.z
+                               : is_x ? v.x
+                                      : v.y};
+        };
+        const Vec3<float> turned_direction = turned(d);
+        rays.origin.set(l, o);
+        rays.direction.set(l, d);
+        rays.along.set(l, turned(o));
+        rays.shear.set(l, {turned_direction.x / turned_direction.z, turned_direction.y / turned_direction.z,
+                           1.0f / turned_direction.z});
+        rays.kx[l] = is_z ? 0u : is_x ? 1u : 2u;
+        rays.ky[l] = is_z ? 1u : is_x ? 2u : 0u;
+        rays.kz[l] = is_z ? 2u : is_x ? 0u : 1u;
+    }
+}
+
+// Prepares all lanes for box tests as BoxRay::of does, and asks which may enter the tree's root.
+inline void to_boxes(MeshRays& rays, const BoxSpan (&spans)[3], const Hits<float>& hits) {
+    const Vec3<float> low{spans[0].low, spans[1].low, spans[2].low}, high{spans[0].high, spans[1].high, spans[2].high};
+#pragma GCC ivdep
+    for (std::uint32_t l = 0; l < lanes::width; ++l) {
+        const Vec3<float> o = rays.origin[l], d = rays.direction[l], shear = rays.shear[l];
+        const Vec3<float> reach{max(absolute(low.x - o.x), absolute(high.x - o.x)),
+                                max(absolute(low.y - o.y), absolute(high.y - o.y)),
+                                max(absolute(low.z - o.z), absolute(high.z - o.z))};
+        const std::uint32_t kx = rays.kx[l], kz = rays.kz[l];
+        const float along = kz == 0 ? reach.x : kz == 1 ? reach.y : reach.z;
+        const Vec3<float> inverse{1.0f / d.x, 1.0f / d.y, 1.0f / d.z};
+        const auto shift = [&](std::uint32_t axis, float reach_along, float from, float inverse_along) {
+            const float sheared = absolute(axis == kx ? shear.x : shear.y) * along;
+            const float margin = gamma<float>(8) * (reach_along + sheared) + gamma<float>(2) * absolute(from);
+            const float directed = inverse_along < 0.0f ? -margin : margin;
+            return axis == kz ? 0.0f : directed;
+        };
+        const Vec3<float> shifts{shift(0, reach.x, o.x, inverse.x), shift(1, reach.y, o.y, inverse.y),
+                                 shift(2, reach.z, o.z, inverse.z)};
+        const Vec3<float> near = o + shifts, far = o - shifts;
+        float nearest = 0.0f, farthest = hits.t[l];
+        const auto cut = [&](float low_side, float high_side, float from_near, float from_far, float inverse_along) {
+            const bool is_reversed = inverse_along < 0.0f;
+            const float in = is_reversed ? high_side : low_side, out = is_reversed ? low_side : high_side;
+            nearest = keep_larger(nearest, (in - from_near) * inverse_along);
+            farthest = keep_smaller(farthest, (out - from_far) * inverse_along);
+        };
+        cut(low.x, high.x, near.x, far.x, inverse.x);
+        cut(low.y, high.y, near.y, far.y, inverse.y);
+        cut(low.z, high.z, near.z, far.z, inverse.z);
+        rays.near_origin.set(l, near);
+        rays.far_origin.set(l, far);
+        rays.inverse.set(l, inverse);
+        rays.enters[l] = nearest * (1.0f - gamma<float>(16)) <= farthest ? 1u : 0u;
+    }
+}
+
+template <int width>
+void meet_in_lanes(Hits<float>& hits, const Flags& asks, const MeshInstance<float>& instance, std::uint32_t object,
+                   const Vectors<float>& origin, const Paths<float>& rays, const Lanes<float>& enough) {
+    const auto& mesh = mesh_of<Mesh<width>>(instance);
+    if (mesh.nodes.empty()) {
+        return;
+    }
+    MeshRays in_mesh;
+    instance.is_placed != 0 ? to_mesh<true>(in_mesh, instance, origin, rays.direction)
+                            : to_mesh<false>(in_mesh, instance, origin, rays.direction);
+    to_boxes(in_mesh, mesh.spans, hits);
+#pragma GCC ivdep
+    for (std::uint32_t l = 0; l < lanes::width; ++l) {
+        in_mesh.enters[l] &= asks[l];
+    }
+    for (const std::uint32_t l : LaneList(in_mesh.enters)) {
+        const bool starts_here = SurfaceId{rays.origin_surface[l]}.is_of(object);
+        Hit<float> best = hits[l];
+        traverse(best, mesh, in_mesh.ray(l, object, starts_here ? rays.primitive[l] : MeshRay<float>::nothing),
+                 in_mesh.box_ray(l), enough[l]);
+        hits.set(l, best);
     }
 }
 

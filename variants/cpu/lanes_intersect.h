@@ -4,6 +4,7 @@
 // here.
 #pragma once
 
+#include "variants/cpu/host_mesh.h"
 #include "variants/cpu/lanes.h"
 
 namespace pt::lanes {
@@ -224,6 +225,53 @@ inline void closest_axis_box(Hits<typename Config::Real>& hits, const SceneView<
     }
 }
 
+// Where the host's accelerator can search a mesh for all lanes at once, and each object's mesh is searched in turn.
+template <class Config>
+inline bool meets_in_lanes(const SceneView<typename Config::Real>& scene,
+                           const MeshInstance<typename Config::Real>& mesh) {
+    const auto* const prepared = static_cast<const HostMesh*>(mesh.geometry.native);
+    return Config::Accelerator::is_chosen_at_run_time && scene.mesh_search->meet_meshes == nullptr &&
+           prepared != nullptr && prepared->meet_in_lanes != nullptr;
+}
+
+// Keeps in `hits` the nearest triangle of one mesh, for the lanes that `asks`. `enough`: as MeetMeshInLanes has it.
+template <class Config>
+inline void closest_mesh(Hits<typename Config::Real>& hits, const SceneView<typename Config::Real>& scene,
+                         std::uint32_t number, const Paths<typename Config::Real>& paths, const Flags& asks,
+                         const Lanes<typename Config::Real>& enough) {
+    using Real = typename Config::Real;
+    const std::uint32_t object = first_of<ShapeKind::mesh>(scene) + number;
+    const MeshInstance<Real>& mesh = scene.meshes[number];
+    const auto meet = static_cast<const HostMesh*>(mesh.geometry.native)->meet_in_lanes;
+    if constexpr (has<Config>(Feature::motion)) {
+        Vectors<Real> origin;
+        for (std::uint32_t l = 0; l < width; ++l) {
+            origin.set(l, at_rest<Config>(scene, object, paths.origin[l], paths.time[l]));
+        }
+        meet(hits, asks, mesh, object, origin, paths, enough);
+    } else {
+        meet(hits, asks, mesh, object, paths.origin, paths, enough);
+    }
+}
+
+template <class Config>
+inline void closest_of_meshes(Hits<typename Config::Real>& hits, const SceneView<typename Config::Real>& scene,
+                              const Paths<typename Config::Real>& paths, const Flags& asks) {
+    using Real = typename Config::Real;
+    if constexpr (std::is_same_v<Real, float>) {
+        if (scene.meshes.size != 0 && meets_in_lanes<Config>(scene, scene.meshes[0])) {
+            const Lanes<Real> nothing{};
+            for (std::uint32_t i = 0; i < scene.meshes.size; ++i) {
+                closest_mesh<Config>(hits, scene, i, paths, asks, nothing);
+            }
+            return;
+        }
+    }
+    closest_by_lane(hits, paths, asks, [&](auto& hit, const auto& ray) {
+        pt::closest_of_meshes<Config>(hit, scene, scene.meshes, ray, WithClosest{});
+    });
+}
+
 // Intersects all objects of one kind. Spheres and axis boxes have loops of their own, which g++ makes vectors of.
 template <class Config, ShapeKind kind, class Shapes>
 inline void closest_of(Hits<typename Config::Real>& hits, const SceneView<typename Config::Real>& scene,
@@ -234,6 +282,8 @@ inline void closest_of(Hits<typename Config::Real>& hits, const SceneView<typena
         return;
     } else if constexpr (kind == ShapeKind::axis_box) {
         closest_axis_box<Config>(hits, scene, paths, asks);
+    } else if constexpr (kind == ShapeKind::mesh) {
+        closest_of_meshes<Config>(hits, scene, paths, asks);
     } else {
         closest_by_lane(hits, paths, asks,
                         [&](auto& hit, const auto& ray) { pt::closest_of<Config, kind>(hit, scene, shapes, ray); });

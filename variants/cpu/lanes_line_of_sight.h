@@ -118,6 +118,24 @@ inline void note_axis_boxes(Sights<typename Config::Real>& sights, const SceneVi
     }
 }
 
+// Tests all objects that show meshes, in the lanes that `asks`.
+template <class Config>
+inline void note_meshes(Sights<typename Config::Real>& sights, const SceneView<typename Config::Real>& scene,
+                        const Paths<typename Config::Real>& shadow, Flags asks) {
+    using Real = typename Config::Real;
+    Hits<Real> found;
+    for (std::uint32_t i = 0; i < scene.meshes.size; ++i) {
+        for (std::uint32_t l = 0; l < width; ++l) {
+            found.set(l, Hit<Real>{sights.about[l], SurfaceId{}, 0});
+        }
+        closest_mesh<Config>(found, scene, i, shadow, asks, sights.before);
+        for (std::uint32_t l = 0; l < width; ++l) {
+            note_crossing(sights, l, SurfaceId{found.side[l]}.exists(), found.t[l]);
+            asks[l] = asks[l] & ~sights.blocked[l];
+        }
+    }
+}
+
 // Tests all objects of one kind, in the lanes that are not blocked yet.
 template <class Config, ShapeKind kind, class Shapes>
 inline void note_kind(Sights<typename Config::Real>& sights, const SceneView<typename Config::Real>& scene,
@@ -133,6 +151,12 @@ inline void note_kind(Sights<typename Config::Real>& sights, const SceneView<typ
 #pragma GCC ivdep
         for (std::uint32_t l = 0; l < width; ++l) {
             asks[l] = sights.asks[l] & ~(sights.blocked[l] | sights.by_lane[l]);
+        }
+        if constexpr (kind == ShapeKind::mesh) {
+            if (meets_in_lanes<Config>(scene, shapes[0])) {
+                note_meshes<Config>(sights, scene, shadow, asks);
+                return;
+            }
         }
         for (const std::uint32_t l : LaneList(asks)) {
             const Ray<Real> ray = shadow.ray(l);
