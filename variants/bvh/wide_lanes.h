@@ -31,7 +31,7 @@ using Truths = typename VectorOf<width>::Truths;
 
 template <int width>
 inline Floats<width> broadcast(float value) {
-    return Floats<width>{} + value;
+    return value - Floats<width>{};  // whose sum would turn -0 round
 }
 template <int width>
 inline Floats<width> loaded(const float* from) {
@@ -71,6 +71,8 @@ struct Mesh : HostMesh {
     std::vector<Node<width>> nodes;
     std::vector<TriangleBlock> blocks;
     BoxSpan spans[3];  // of the root
+
+    std::uint64_t bytes() const { return nodes.size() * sizeof(Node<width>) + blocks.size() * sizeof(TriangleBlock); }
 };
 
 inline void set_lane(TriangleBlock& block, std::uint32_t lane, const LeafTriangle& leaf) {
@@ -202,8 +204,7 @@ template <int width>
 NativeMesh prepare(const EncodedTree& tree, std::span<const LeafTriangle> leaves) {
     const std::span nodes{reinterpret_cast<const WideNode<width>*>(tree.nodes.data()), tree.node_count};
     const auto mesh = std::make_shared<const Mesh<width>>(MeshBuilder<width>(nodes, leaves).build());
-    const std::uint64_t bytes = mesh->nodes.size() * sizeof(Node<width>) + mesh->blocks.size() * sizeof(TriangleBlock);
-    return {mesh, bytes};
+    return {mesh, mesh->bytes()};
 }
 
 // What the box tests of a ray need, one lane a child; the numbers are BoxRay's.
@@ -246,12 +247,11 @@ struct TriangleLanes {
 
     static TriangleLanes of(const MeshRay<float>& ray) {
         const ShearedDirection<float>& s = ray.sheared;
-        TriangleLanes lanes{
-            {}, broadcast<block_width>(s.shear.x), broadcast<block_width>(s.shear.y), {s.kx, s.ky, s.kz}};
-        for (int i = 0; i < 3; ++i) {
-            lanes.origin[i] = broadcast<block_width>(component_of(ray.origin, lanes.axis[i]));
-        }
-        return lanes;
+        const auto spread = [](float value) { return broadcast<block_width>(value); };
+        return {{spread(ray.along.x), spread(ray.along.y), spread(ray.along.z)},
+                spread(s.shear.x),
+                spread(s.shear.y),
+                {s.kx, s.ky, s.kz}};
     }
 
     // A bit for each triangle whose rounded edge functions are not of both signs, none being zero: the first
@@ -280,6 +280,15 @@ struct Waiting {
     float entry() const { return std::bit_cast<float>(static_cast<std::uint32_t>(of >> 32)); }
     std::uint32_t link() const { return static_cast<std::uint32_t>(of); }
 };
+
+// Puts an entry on a stack, whose entries from `bottom` on are kept so that the nearest is on top.
+inline void put_by_distance(Waiting*& top, const Waiting* bottom, const Waiting& next) {
+    Waiting* at = top++;
+    for (; at > bottom && at[-1].of < next.of; --at) {
+        *at = at[-1];
+    }
+    *at = next;
+}
 
 inline void meet_leaf(Hit<float>& best, const TriangleBlock* blocks, std::uint32_t link, const TriangleLanes& lanes,
                       const MeshRay<float>& ray) {
@@ -330,11 +339,7 @@ inline void traverse(Hit<float>& best, const Mesh<width>& mesh, const MeshRay<fl
                 if (next.of < nearest.of) {
                     std::swap(next, nearest);
                 }
-                Waiting* at = top++;  // the nearest on top
-                for (; at > bottom && at[-1].of < next.of; --at) {
-                    *at = at[-1];
-                }
-                *at = next;
+                put_by_distance(top, bottom, next);
             }
             link = nearest.link();
         }
@@ -386,8 +391,10 @@ inline void to_mesh(MeshRays& rays, const MeshInstance<float>& instance, const V
         const Vec3<float> o = is_placed ? origin[l] : instance.point_in(origin[l]);
         const Vec3<float> d = is_placed ? direction[l] : instance.direction_in(direction[l]);
         const Vec3<float> size{absolute(d.x), absolute(d.y), absolute(d.z)};
-        const bool is_z = size.x > size.y ? !(size.x > size.z) : !(size.y > size.z);
-        const bool is_x = !is_z & (size.x > size.y);
+        // kz as ShearedDirection::of has it, as the largest component of all, and of equal ones the later.
+        const float before_z = size.x > size.y ? size.x : size.y;
+        const bool is_z = !(before_z > size.z);
+        const bool is_x = (before_z > size.z) & (size.x > size.y);
         // The axes kx, ky and kz are xyz, yzx or zxy.
         const auto turned = [&](const Vec3<float>& v) {
             return Vec3<float>{is_z   ? v.x
@@ -450,27 +457,185 @@ inline void to_boxes(MeshRays& rays, const BoxSpan (&spans)[3], const Hits<float
     }
 }
 
+// A ray on its way through a tree, which stops after each node and each leaf. Several take turns: while one waits for
+// its next node to come from memory, the others are at work.
+template <int width>
+class Walk {
+public:
+    void start(const Mesh<width>& mesh, const MeshRay<float>& ray, const BoxRay<float>& box_ray, const Hit<float>& best,
+               float enough) {
+        mesh_ = &mesh;
+        ray_ = ray;
+        box_ray_ = box_ray;
+        for (int axis = 0; axis < 3; ++axis) {
+            near_row_[axis] = 2 * axis + (box_ray.is_reversed(axis) ? 1 : 0);
+        }
+        best_ = best;
+        enough_ = enough;
+        top_ = stack_;
+        link_ = 0;
+    }
+    const Hit<float>& best() const { return best_; }
+
+    // Visits a node or a leaf. Returns whether there is more to visit.
+    bool step() {
+        if (is_leaf_link(link_)) {
+            meet_leaf(best_, mesh_->blocks.data(), link_, TriangleLanes::of(ray_), ray_);
+            return !NearerThan<float>{enough_}.end_if_met(best_) && take_waiting();
+        }
+        return visit(mesh_->nodes[link_]) || take_waiting();
+    }
+
+private:
+    // Takes the nearest child that the ray enters, and has the others wait. Returns whether there is one.
+    bool visit(const Node<width>& node) {
+        alignas(sizeof(Floats<width>)) float entries[width];
+        std::uint32_t found = entered(node, *reinterpret_cast<Floats<width>*>(entries));
+        if (found == 0) {
+            return false;
+        }
+        const auto take = [&] {
+            const auto child = static_cast<std::uint32_t>(std::countr_zero(found));
+            found &= found - 1u;
+            return Waiting::make(entries[child], node.link[child]);
+        };
+        Waiting nearest = take();
+        Waiting* const bottom = top_;
+        while (found != 0) {
+            Waiting next = take();
+            if (next.of < nearest.of) {
+                std::swap(next, nearest);
+            }
+            put_by_distance(top_, bottom, next);
+        }
+        go_to(nearest.link());
+        return true;
+    }
+    // BoxRay::entry of every child: where it enters, and a bit for each that it does.
+    std::uint32_t entered(const Node<width>& node, Floats<width>& entries) const {
+        Floats<width> nearest{}, farthest = broadcast<width>(best_.t);
+        for (int axis = 0; axis < 3; ++axis) {
+            const Floats<width> inverse = broadcast<width>(box_ray_.inverse[axis]);
+            const Floats<width> in =
+                (loaded<width>(node.side[near_row_[axis]]) - broadcast<width>(box_ray_.near_origin[axis])) * inverse;
+            const Floats<width> out =
+                (loaded<width>(node.side[near_row_[axis] ^ 1]) - broadcast<width>(box_ray_.far_origin[axis])) * inverse;
+            nearest = in > nearest ? in : nearest;
+            farthest = out < farthest ? out : farthest;
+        }
+        entries = nearest * (1.0f - gamma<float>(16));
+        return bits_of<width>(entries <= farthest);
+    }
+    bool take_waiting() {
+        do {
+            if (top_ == stack_) {
+                return false;
+            }
+            --top_;
+        } while (top_->entry() > best_.t);
+        go_to(top_->link());
+        return true;
+    }
+    void go_to(std::uint32_t link) {
+        link_ = link;
+        const bool is_leaf = is_leaf_link(link);
+        const auto* const from = is_leaf ? reinterpret_cast<const char*>(&mesh_->blocks[first_slot(link)])
+                                         : reinterpret_cast<const char*>(&mesh_->nodes[link]);
+        for (std::size_t line = 0; line < (is_leaf ? sizeof(TriangleBlock) : sizeof(Node<width>)); line += 64) {
+            __builtin_prefetch(from + line);
+        }
+    }
+
+    const Mesh<width>* mesh_;
+    MeshRay<float> ray_;
+    BoxRay<float> box_ray_;
+    int near_row_[3];
+    Hit<float> best_;
+    float enough_;
+    std::uint32_t link_;
+    Waiting* top_;
+    Waiting stack_[wide_stack_size<width>];
+};
+
+// Rays that take turns, in trees of which not much lies in the nearest caches.
+inline constexpr std::uint32_t walks_at_once = 8;
+inline constexpr std::size_t most_bytes_at_hand = 1u << 19;
+
+template <int width>
+class PacketSearch {
+public:
+    PacketSearch(Hits<float>& hits, const Flags& asks, const MeshInstance<float>& instance, std::uint32_t object,
+                 const Vectors<float>& origin, const Paths<float>& paths, const Lanes<float>& enough)
+        : hits_(hits), paths_(paths), enough_(enough), mesh_(mesh_of<Mesh<width>>(instance)), object_(object) {
+        instance.is_placed != 0 ? to_mesh<true>(rays_, instance, origin, paths.direction)
+                                : to_mesh<false>(rays_, instance, origin, paths.direction);
+        to_boxes(rays_, mesh_.spans, hits);
+#pragma GCC ivdep
+        for (std::uint32_t l = 0; l < lanes::width; ++l) {
+            rays_.enters[l] &= asks[l];
+        }
+    }
+
+    void in_turn() {
+        for (const std::uint32_t l : LaneList(rays_.enters)) {
+            Hit<float> best = hits_[l];
+            traverse(best, mesh_, ray(l), rays_.box_ray(l), enough_[l]);
+            hits_.set(l, best);
+        }
+    }
+    void by_turns() {
+        Walk<width> walks[walks_at_once];
+        std::uint32_t lane[walks_at_once], place[walks_at_once];
+        const LaneList list(rays_.enters);
+        const std::uint32_t* next = list.begin();
+        std::uint32_t active = 0;
+        const auto start = [&](std::uint32_t i) {
+            lane[i] = *next++;
+            walks[place[i]].start(mesh_, ray(lane[i]), rays_.box_ray(lane[i]), hits_[lane[i]], enough_[lane[i]]);
+        };
+        for (; active < walks_at_once && next != list.end(); ++active) {
+            place[active] = active;
+            start(active);
+        }
+        while (active != 0) {
+            for (std::uint32_t i = 0; i < active;) {
+                if (walks[place[i]].step()) {
+                    ++i;
+                    continue;
+                }
+                hits_.set(lane[i], walks[place[i]].best());
+                if (next != list.end()) {
+                    start(i++);
+                } else {
+                    --active;
+                    std::swap(place[i], place[active]);
+                    lane[i] = lane[active];
+                }
+            }
+        }
+    }
+
+private:
+    MeshRay<float> ray(std::uint32_t l) const {
+        const bool starts_here = SurfaceId{paths_.origin_surface[l]}.is_of(object_);
+        return rays_.ray(l, object_, starts_here ? paths_.primitive[l] : MeshRay<float>::nothing);
+    }
+
+    Hits<float>& hits_;
+    const Paths<float>& paths_;
+    const Lanes<float>& enough_;
+    const Mesh<width>& mesh_;
+    const std::uint32_t object_;
+    MeshRays rays_;
+};
+
 template <int width>
 void meet_in_lanes(Hits<float>& hits, const Flags& asks, const MeshInstance<float>& instance, std::uint32_t object,
                    const Vectors<float>& origin, const Paths<float>& rays, const Lanes<float>& enough) {
     const auto& mesh = mesh_of<Mesh<width>>(instance);
-    if (mesh.nodes.empty()) {
-        return;
-    }
-    MeshRays in_mesh;
-    instance.is_placed != 0 ? to_mesh<true>(in_mesh, instance, origin, rays.direction)
-                            : to_mesh<false>(in_mesh, instance, origin, rays.direction);
-    to_boxes(in_mesh, mesh.spans, hits);
-#pragma GCC ivdep
-    for (std::uint32_t l = 0; l < lanes::width; ++l) {
-        in_mesh.enters[l] &= asks[l];
-    }
-    for (const std::uint32_t l : LaneList(in_mesh.enters)) {
-        const bool starts_here = SurfaceId{rays.origin_surface[l]}.is_of(object);
-        Hit<float> best = hits[l];
-        traverse(best, mesh, in_mesh.ray(l, object, starts_here ? rays.primitive[l] : MeshRay<float>::nothing),
-                 in_mesh.box_ray(l), enough[l]);
-        hits.set(l, best);
+    if (!mesh.nodes.empty()) {
+        PacketSearch<width> search(hits, asks, instance, object, origin, rays, enough);
+        mesh.bytes() > most_bytes_at_hand ? search.by_turns() : search.in_turn();
     }
 }
 

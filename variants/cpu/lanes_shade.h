@@ -90,7 +90,17 @@ inline void place_on_enclosure(Surfaces<typename Config::Real>& surfaces, const 
 template <class Config>
 inline void place_others(Surfaces<typename Config::Real>& surfaces, const SceneView<typename Config::Real>& scene,
                          const Paths<typename Config::Real>& paths, const Hits<typename Config::Real>& hits) {
-    for (const std::uint32_t l : LaneList(surfaces.by_surface_at)) {
+    const LaneList others(surfaces.by_surface_at);
+    if constexpr (has<Config>(Feature::mesh)) {
+        // Triangles lie far apart: all are asked for before the first is used.
+        for (const std::uint32_t l : others) {
+            const std::uint32_t mesh = SurfaceId{hits.side[l]}.object() - first_of<ShapeKind::mesh>(scene);
+            if (mesh < scene.meshes.size) {
+                __builtin_prefetch(scene.meshes[mesh].geometry.triangles + hits.primitive[l]);
+            }
+        }
+    }
+    for (const std::uint32_t l : others) {
         const auto point = surface_at<Config>(scene, paths.ray(l), hits[l]);
         surfaces.position.set(l, point.position);
         surfaces.normal.set(l, SurfaceId{hits.side[l]}.inside() ? -point.normal : point.normal);
