@@ -132,7 +132,9 @@ inline void choose_lights(Connections<typename Config::Real>& work, const SceneV
         work.drawn.u[l] = unit_interval<Real>(words.y);
         work.drawn.v[l] = unit_interval<Real>(words.z);
         work.drawn.w[l] = unit_interval<Real>(words.w);
-        work.drawn.primitive[l] = 0;
+        if constexpr (has<Config>(Feature::mesh)) {
+            work.drawn.primitive[l] = 0;
+        }
     }
     lights.object.size() == 1 ? look_up_lights<true>(work, lights) : look_up_lights<false>(work, lights);
 }
@@ -161,7 +163,9 @@ inline void draw_directions(Connections<typename Config::Real>& work, const Scen
         drawn.direction.set(l, sample.direction);
         drawn.inverse_pdf[l] = sample.inverse_pdf;
         drawn.distance[l] = sample.distance;
-        drawn.primitive[l] = sample.primitive;
+        if constexpr (has<Config>(Feature::mesh)) {
+            drawn.primitive[l] = sample.primitive;
+        }
     }
 }
 
@@ -185,7 +189,9 @@ inline void trace_shadows(Connections<typename Config::Real>& work, const SceneV
         work.shadow.direction.set_if(sends, l, towards);
         work.shadow.time[l] = paths.time[l];
         work.shadow.origin_surface[l] = sends ? without_face(hits.side[l]) : paths.origin_surface[l];
-        work.shadow.primitive[l] = hits.primitive[l];
+        if constexpr (has<Config>(Feature::mesh)) {
+            work.shadow.primitive[l] = hits.primitive[l];
+        }
     }
     if constexpr (draws_points<Config>) {
         work.sees = work.sends;
@@ -195,8 +201,10 @@ inline void trace_shadows(Connections<typename Config::Real>& work, const SceneV
 #pragma GCC ivdep
         for (std::uint32_t l = 0; l < width; ++l) {
             const SurfaceId side{work.hits.side[l]};
-            const bool is_light =
-                side.exists() & (side.object() == work.light[l]) & (work.hits.primitive[l] == work.drawn.primitive[l]);
+            bool is_light = side.exists() & (side.object() == work.light[l]);
+            if constexpr (has<Config>(Feature::mesh)) {
+                is_light = is_light & (work.hits.primitive[l] == work.drawn.primitive[l]);
+            }
             work.sees[l] = is_light ? work.sends[l] : 0u;
         }
     }

@@ -299,7 +299,9 @@ inline void closest_hit(Hits<typename Config::Real>& hits, const SceneView<typen
     for (std::uint32_t l = 0; l < width; ++l) {
         hits.t[l] = std::numeric_limits<Real>::infinity();
         hits.side[l] = SurfaceId::nowhere;
-        hits.primitive[l] = 0;
+        if constexpr (has<Config>(Feature::mesh)) {
+            hits.primitive[l] = 0;
+        }
     }
     if constexpr (has<Config>(Feature::matrix)) {
         closest_by_lane(hits, paths, asks,

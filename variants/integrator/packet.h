@@ -1,5 +1,6 @@
 // Many paths side by side, each in a lane of arrays that stay in the first-level cache; the loops over lanes are vector
-// instructions. A lane whose path has ended takes the next one, so that all of them are at work.
+// instructions; what is rare, and the trees of meshes, go lane by lane. A lane whose path has ended takes the next one,
+// so that all of them are at work.
 // Packets: Wald, Slusallek, Benthin and Wagner 2001; regeneration: Novak, Havran and Dachsbacher 2010.
 #pragma once
 
@@ -88,7 +89,9 @@ public:
         paths.segment[l] = 0;
         paths.origin_surface[l] = SurfaceId::nowhere;
         paths.medium[l] = scene_.camera.initial_medium;
-        paths.primitive[l] = 0;
+        if constexpr (has<Config>(Feature::mesh)) {
+            paths.primitive[l] = 0;
+        }
     }
 
 private:
@@ -201,7 +204,7 @@ private:
     CameraRays<Config> camera_rays_;
     EndedAfter& ended_after_;
     lanes::Paths<Real> paths_;
-    lanes::Hits<Real> hits_;
+    lanes::Hits<Real> hits_{};  // primitives stay 0 in kernels without meshes
     lanes::Connections<Real> connections_{};
     lanes::Flags live_;  // a lane without a path computes what nobody reads
 };
