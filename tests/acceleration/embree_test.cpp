@@ -6,6 +6,7 @@
 
 #include "tests/acceleration/builders.h"
 #include "variants/accelerator/cwbvh.h"
+#include "variants/cpu/lanes.h"
 #include "variants/registry.h"
 
 namespace pt::test {
@@ -38,6 +39,25 @@ public:
     Planted& operator=(const Planted&) = delete;
 
     const MeshInstance<float>& mesh() const { return mesh_; }
+    bool has_lanes() const { return native_.data != nullptr && native_.data->meet_in_lanes != nullptr; }
+    // What nearer_than leaves in each of the lanes that ask, where a limit and an end are given for every lane.
+    lanes::Hits<float> nearer_in_lanes(const lanes::Paths<float>& rays, const lanes::Flags& asks,
+                                       const lanes::Lanes<float>& limit, const lanes::Lanes<float>& enough) const {
+        lanes::Hits<float> hits{};
+        for (std::uint32_t l = 0; l < lanes::width; ++l) {
+            hits.set(l, Hit<float>{limit[l], SurfaceId{}, 0});
+        }
+        native_.data->meet_in_lanes(hits, asks, mesh_, 7, rays.origin, rays, enough);
+        return hits;
+    }
+    // The mesh in a space of its own: turned, and moved away.
+    void place_elsewhere() {
+        mesh_.is_placed = 0;
+        mesh_.row[0] = {0.0f, 0.5f, 0.0f};
+        mesh_.row[1] = {-0.5f, 0.0f, 0.0f};
+        mesh_.row[2] = {0.0f, 0.0f, 0.5f};
+        mesh_.offset = {0.25f, -0.125f, 0.5f};
+    }
     Hit<float> closest(const Ray<float>& ray) const {
         return nearer_than(ray, std::numeric_limits<float>::infinity(), 0);
     }
@@ -203,6 +223,87 @@ TEST_P(NativeTest, ATieGoesToTheFirstPrimitive) {
 
 TEST_P(NativeTest, AMeshOfNothingIsNotMet) {
     EXPECT_FALSE(Planted({}, hook_of(GetParam())).closest(ray_of({{0, 0, 0}, {0, 0, 1}})).side.exists());
+}
+
+// Takes rays for a scene through both forms of the search, one by one and a packet at a time, and holds the second to
+// the first in every bit. Some lanes do not ask, some start on a triangle, and some are ended before a distance.
+class LanesBesideRays {
+public:
+    explicit LanesBesideRays(const Planted& planted) : planted_(planted) {}
+
+    void take(const std::vector<TestRay>& test_rays) {
+        const float infinity = std::numeric_limits<float>::infinity();
+        for (std::size_t first = 0; first + lanes::width <= test_rays.size(); first += lanes::width) {
+            for (std::uint32_t l = 0; l < lanes::width; ++l) {
+                Path<float> path{};
+                path.origin = test_rays[first + l].origin;
+                path.direction = test_rays[first + l].direction;
+                const Hit<float> before = planted_.closest(ray_of(path));
+                const bool starts_there = before.side.exists() && l % 3 == 0;
+                path.origin_surface = starts_there ? before.side : SurfaceId{};
+                path.primitive = starts_there ? before.primitive : 0;
+                rays_.store(l, path);
+                asks_[l] = (first / lanes::width + l) % 5 == 0 ? 0u : 1u;
+                enough_[l] = l % 4 == 0 ? before.t * (l % 8 == 0 ? 0.5f : 2.0f) : 0.0f;
+                limit_[l] = l % 4 == 0 ? 4 * enough_[l] : infinity;
+            }
+            compare();
+        }
+    }
+    std::size_t met = 0, ended = 0;
+
+private:
+    void compare() {
+        const lanes::Hits<float> hits = planted_.nearer_in_lanes(rays_, asks_, limit_, enough_);
+        for (std::uint32_t l = 0; l < lanes::width; ++l) {
+            const Hit<float> wanted = asks_[l] != 0 ? planted_.nearer_than(rays_.ray(l), limit_[l], enough_[l])
+                                                    : Hit<float>{limit_[l], SurfaceId{}, 0};
+            ASSERT_TRUE(same_hit(hits[l], wanted)) << "lane " << l << ": primitive " << hits[l].primitive << " at "
+                                                   << hits[l].t << " for " << wanted.primitive << " at " << wanted.t;
+            met += wanted.side.exists() ? 1 : 0;
+            ended += wanted.t == -1.0f ? 1 : 0;
+        }
+    }
+
+    const Planted& planted_;
+    lanes::Paths<float> rays_{};
+    lanes::Flags asks_{};
+    lanes::Lanes<float> enough_{}, limit_{};
+};
+
+// Among the scenes is a tree that no cache near a core holds, whose rays take turns.
+TEST_P(NativeTest, APacketLeavesEachRaysHit) {
+    std::vector<TriangleScene> scenes = triangle_scenes();
+    scenes.push_back({"a large ball", grid_sphere(128, 128, {0, 0, 0}, 1)});
+    std::size_t met = 0, ended = 0;
+    for (const TriangleScene& scene : scenes) {
+        SCOPED_TRACE(scene.name);
+        Planted planted(scene.triangles, hook_of(GetParam()));
+        if (!planted.has_lanes()) {
+            GTEST_SKIP() << "it has no search for packets";
+        }
+        for (const bool elsewhere : {false, true}) {
+            if (elsewhere) {
+                planted.place_elsewhere();
+            }
+            LanesBesideRays both(planted);
+            both.take(rays_for(scene.triangles, 2000, 11));
+            met += both.met;
+            ended += both.ended;
+        }
+    }
+    EXPECT_GT(met, 10000u);
+    EXPECT_GT(ended, 1000u);
+}
+
+TEST_P(NativeTest, APacketMeetsNothingOfNothing) {
+    const Planted planted({}, hook_of(GetParam()));
+    if (!planted.has_lanes()) {
+        GTEST_SKIP() << "it has no search for packets";
+    }
+    LanesBesideRays both(planted);
+    both.take(rays_for(grid_sphere(4, 4, {0, 0, 0}, 1), 128, 12));
+    EXPECT_EQ(both.met, 0u);
 }
 
 INSTANTIATE_TEST_SUITE_P(Accelerators, NativeTest, testing::Values("bvh4", "bvh8", "embree"),
