@@ -125,7 +125,13 @@ TEST(RenderTest, TakesTheFastestIntegratorThatApplies) {
     EXPECT_EQ(rendered({"compaction=thrust_remove_if"}).at("variant"), "wavefront compaction=thrust_remove_if");
     EXPECT_EQ(rendered({"specialisation=generic", "precision=double"}).at("variant"),
               "depth_first specialisation=generic precision=double");
-    EXPECT_EQ(rendered({"direct_light=nee"}).at("variant"), "packet direct_light=nee");
+    const json connected = rendered({"direct_light=nee"});
+    EXPECT_EQ(connected.at("variant"), "packet direct_light=nee light_sampling=auto");
+    EXPECT_EQ(connected.at("chosen_by"),
+              fastest.at("chosen_by").get<std::string>() + "; light_sampling=auto for its connections");
+    const json all_named = rendered({"integrator=depth_first", "direct_light=nee", "light_sampling=solid_angle"});
+    EXPECT_EQ(all_named.at("variant"), "depth_first direct_light=nee");
+    EXPECT_EQ(all_named.at("chosen_by"), "the call");
     EXPECT_EQ(fastest.at("film_hash"), named.at("film_hash"));
 }
 

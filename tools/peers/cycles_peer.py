@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Blender's Cycles on a CPU as a peer of `python3 -m ptbench peers`, in a Python that has the package bpy.
 
-`cycles_peer.py` builds the scene from Mitsuba's XML, as `ptbench export` writes it: cubes, rectangles and meshes of PLY,
-matt or emitting, in a view without a lens. What else a scene has it refuses. A render's milliseconds are those of
+`cycles_peer.py` builds the scene from Mitsuba's XML, as `ptbench export` writes it: cubes, rectangles and meshes of
+PLY, matt or emitting, in a view without a lens. What else a scene has it refuses. A render's milliseconds are those of
 bpy.ops.render.render by the clock: Cycles keeps its tree between renders, but brings the scene up to date each time.
 Exit code 4: bpy cannot be imported.
 """
@@ -100,7 +100,7 @@ class Renderer:
 
     def image(self, request):
         """Writes the picture of a seed as a PFM."""
-        import numpy as np  # noqa: PLC0415 - bpy brings it
+        import numpy as np
 
         with tempfile.TemporaryDirectory(prefix="cycles-peer-") as folder:
             self.bpy.context.scene.render.filepath = str(Path(folder) / "picture.exr")
@@ -139,7 +139,7 @@ class Renderer:
         cycles.pixel_filter_type, cycles.filter_width = "BOX", 1.0
 
     def _camera(self, scene):
-        from mathutils import Vector  # noqa: PLC0415 - a part of bpy
+        from mathutils import Vector
 
         lookat = scene.sensor.find("transform[@name='to_world']/lookat")
         origin, target, up = (
@@ -209,7 +209,7 @@ class Renderer:
 
 
 def _matrix(rows):
-    from mathutils import Matrix  # noqa: PLC0415 - a part of bpy
+    from mathutils import Matrix
 
     rows = [list(row) for row in rows]
     return Matrix(rows if len(rows) == 4 else [*rows, [0, 0, 0, 1]])
@@ -239,7 +239,7 @@ def main():
     """Answers requests until there are no more."""
     try:
         with _nothing_printed():
-            import bpy  # noqa: PLC0415 - whoever lacks it is told so
+            import bpy
     except ImportError as error:
         print(f"{_NEEDS} ({error})", file=sys.stderr)
         return MISSING
