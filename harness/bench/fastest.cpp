@@ -19,7 +19,7 @@ std::vector<std::string> accelerators_by_speed(Backend backend) {
                                    : std::vector<std::string>{"cwbvh", "bvh2"};
 }
 
-// Its weights are bounded near a lamp too, and nowhere is another much better.
+// The choice of light_sampling whose weights are bounded near a lamp too, and than which none is much better anywhere.
 constexpr const char* best_light_sampling = "auto";
 
 bool any_applies(const AxisChoices& axes, const TunableValues& tunables, const Scene& scene, Backend backend) {

@@ -12,7 +12,7 @@
 #include "harness/bench/runner.h"
 #include "harness/interrupt.h"
 #include "tests/support/command.h"
-#include "variants/cpu/thrust_compaction.h"
+#include "variants/compaction/thrust_compaction.h"
 
 namespace pt {
 namespace {

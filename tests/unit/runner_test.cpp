@@ -16,7 +16,7 @@
 #include "harness/interrupt.h"
 #include "tests/support/command.h"
 #include "tests/support/sealed_lines.h"
-#include "variants/cpu/thrust_compaction.h"
+#include "variants/compaction/thrust_compaction.h"
 
 namespace pt {
 namespace {

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/scenes.h"
-#include "variants/cpu/thrust_compaction.h"
+#include "variants/compaction/thrust_compaction.h"
 #include "variants/variant_name.h"
 
 namespace pt {

@@ -2,8 +2,8 @@
 #include <thrust/copy.h>
 #include <thrust/iterator/counting_iterator.h>
 
+#include "variants/compaction/thrust_compaction.h"
 #include "variants/compaction/thrust_copy_if_index.h"
-#include "variants/cpu/thrust_compaction.h"
 
 namespace pt {
 namespace {

@@ -1,8 +1,8 @@
 // Brings the live paths to the front and the ended ones to the back, in any order, by moving the payload.
 #include <thrust/partition.h>
 
+#include "variants/compaction/thrust_compaction.h"
 #include "variants/compaction/thrust_partition.h"
-#include "variants/cpu/thrust_compaction.h"
 
 namespace pt {
 namespace {

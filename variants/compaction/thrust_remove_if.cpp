@@ -1,8 +1,8 @@
 // Removes the ended paths by moving the whole payload, and keeps the order of the others.
 #include <thrust/remove.h>
 
+#include "variants/compaction/thrust_compaction.h"
 #include "variants/compaction/thrust_remove_if.h"
-#include "variants/cpu/thrust_compaction.h"
 
 namespace pt {
 namespace {

@@ -1,8 +1,8 @@
 // Brings the live paths to the front and the ended ones to the back; both groups keep their order.
 #include <thrust/partition.h>
 
+#include "variants/compaction/thrust_compaction.h"
 #include "variants/compaction/thrust_stable_partition.h"
-#include "variants/cpu/thrust_compaction.h"
 
 namespace pt {
 namespace {
