@@ -1,6 +1,6 @@
 #include "variants/accelerator/bvh8.h"
 
-#include "variants/bvh/wide_lanes.h"
+#include "variants/bvh/wide_packets.h"
 #include "variants/mesh_reasons.h"
 #include "variants/registry.h"
 
