@@ -156,7 +156,25 @@ TEST(PacketConnections, OfWhatMoves) {
     expect_one_film<in_motion>(scene, "moving");
 }
 
-// A ray that starts on a triangle passes over that one alone; the icosahedra touch the lamp's plane and each other.
+// An open book of four triangles: paths run from page to page, so that a ray which passed over another triangle than
+// the one that it starts on would leave through it.
+std::shared_ptr<const SceneMesh> book() {
+    Mesh mesh;
+    mesh.vertices = {{0, 0, -0.5f},       {0, 0, 0.5f},        {-0.4f, 0.5f, -0.5f},
+                     {-0.4f, 0.5f, 0.5f}, {0.4f, 0.5f, -0.5f}, {0.4f, 0.5f, 0.5f}};
+    mesh.triangles = {{0, 1, 3}, {0, 3, 2}, {0, 5, 1}, {0, 4, 5}};
+    return make_scene_mesh(mesh, "book");
+}
+
+TEST(PacketConnections, BetweenThePagesOfABook) {
+    expect_one_film<with_meshes>(stage([](SceneBuilder& b) {
+                                     b.box(b.emitter({4, 5, 6}), {-0.9, 2.6, -1}, {0.6, 0.1, 0.6});
+                                     b.mesh(b.diffuse(Vec3d(0.9)), book(), {0, 1, -1.2}, 1.5, {-50, 0, 0});
+                                 }),
+                                 "book");
+}
+
+// The icosahedra touch each other, and one of them is a lamp or is lit by one.
 TEST(PacketConnections, OverMeshes) {
     const auto balls = [](SceneBuilder& b) {
         b.mesh(b.diffuse(Vec3d(0.7)), "icosphere", 1, {-0.6, 1, -0.5}, 0.6);
