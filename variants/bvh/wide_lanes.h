@@ -277,6 +277,27 @@ inline void put_by_distance(Waiting*& top, const Waiting* bottom, const Waiting&
     *at = next;
 }
 
+// The link of the nearest of a node's children that a ray enters, one or more; the others wait on the stack.
+// `found`: a bit for each, `entries`: where it enters.
+template <int width>
+inline std::uint32_t take_nearest(std::uint32_t found, const float* entries, const Node<width>& node, Waiting*& top) {
+    const auto take = [&] {
+        const auto child = static_cast<std::uint32_t>(std::countr_zero(found));
+        found &= found - 1u;
+        return Waiting::make(entries[child], node.link[child]);
+    };
+    Waiting nearest = take();
+    const Waiting* const bottom = top;
+    while (found != 0) {
+        Waiting next = take();
+        if (next.of < nearest.of) {
+            std::swap(next, nearest);
+        }
+        put_by_distance(top, bottom, next);
+    }
+    return nearest.link();
+}
+
 inline void meet_leaf(Hit<float>& best, const TriangleBlock* blocks, std::uint32_t link, const TriangleLanes& lanes,
                       const MeshRay<float>& ray) {
     const TriangleBlock* block = blocks + first_slot(link);
@@ -306,29 +327,11 @@ inline void traverse(Hit<float>& best, const Mesh<width>& mesh, const MeshRay<fl
         while (!is_leaf_link(link)) {
             const Node<width>& node = nodes[link];
             alignas(sizeof(Floats<width>)) float entries[width];
-            std::uint32_t found = boxes.entered(node, best.t, *reinterpret_cast<Floats<width>*>(entries));
+            const std::uint32_t found = boxes.entered(node, best.t, *reinterpret_cast<Floats<width>*>(entries));
             if (found == 0) {
                 break;
             }
-            const auto take = [&] {
-                const auto child = static_cast<std::uint32_t>(std::countr_zero(found));
-                found &= found - 1u;
-                return Waiting::make(entries[child], node.link[child]);
-            };
-            Waiting nearest = take();
-            if (found == 0) {
-                link = nearest.link();
-                continue;
-            }
-            Waiting* const bottom = top;
-            while (found != 0) {
-                Waiting next = take();
-                if (next.of < nearest.of) {
-                    std::swap(next, nearest);
-                }
-                put_by_distance(top, bottom, next);
-            }
-            link = nearest.link();
+            link = take_nearest<width>(found, entries, node, top);
         }
         if (is_leaf_link(link)) {
             meet_leaf(best, mesh.blocks.data(), link, triangles, ray);

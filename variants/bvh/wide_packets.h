@@ -129,25 +129,11 @@ private:
     // Takes the nearest child that the ray enters, and has the others wait. Returns whether there is one.
     bool visit(const Node<width>& node) {
         alignas(sizeof(Floats<width>)) float entries[width];
-        std::uint32_t found = entered(node, *reinterpret_cast<Floats<width>*>(entries));
+        const std::uint32_t found = entered(node, *reinterpret_cast<Floats<width>*>(entries));
         if (found == 0) {
             return false;
         }
-        const auto take = [&] {
-            const auto child = static_cast<std::uint32_t>(std::countr_zero(found));
-            found &= found - 1u;
-            return Waiting::make(entries[child], node.link[child]);
-        };
-        Waiting nearest = take();
-        Waiting* const bottom = top_;
-        while (found != 0) {
-            Waiting next = take();
-            if (next.of < nearest.of) {
-                std::swap(next, nearest);
-            }
-            put_by_distance(top_, bottom, next);
-        }
-        go_to(nearest.link());
+        go_to(take_nearest<width>(found, entries, node, top_));
         return true;
     }
     // BoxRay::entry of every child: where it enters, and a bit for each that it does.
