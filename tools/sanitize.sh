@@ -62,24 +62,25 @@ run_fuzz() {
     fuzz_all "$seconds" || die 1 "found what ends a reader: the input lies under build-sanitize/found"
 }
 
-# One program of build-sanitize/tests; says its name when it has ended, or why it did not begin.
-run_one_sanitized() { # run_one_sanitized NAME
-    local report=$reports/sanitized_$1.xml excluded
+# One test file of build-sanitize; says its name when it has ended, or why it did not begin.
+run_one_sanitized() { # run_one_sanitized NAME PROGRAM
+    local report=$reports/sanitized_$1.xml
     if [[ -n ${latest_begin:-} ]] && ((EPOCHSECONDS > latest_begin)); then
         printf '%s late\n' "$1"
         return
     fi
-    excluded=$(sed -nE "s/^$1 +([^ ]+).*/\1/p" tests/sanitize_excluded.txt | paste -sd :)
     UBSAN_OPTIONS=print_stacktrace=1 ASAN_OPTIONS=detect_leaks=1 \
-        start_cases "$report" "$root/build-sanitize/tests/$1" "--gtest_output=xml:$report" \
-        ${excluded:+"--gtest_filter=-$excluded"}
+        start_cases "$report" "$root/build-sanitize/tests/$2" "--gtest_flagfile=$reports/sanitized_flags/$1.flags" \
+        "--gtest_output=xml:$report"
     printf '%s\n' "$1"
 }
 
 # The tests of the CPU side, as many at once as there are processors, those that take longest last.
 # tests/sanitize_excluded.txt says what is left out, and why. Where `latest_begin` is set, none begins after that second.
 sanitize_tests() {
-    local name late
+    local tests name late
+    tests=$(list_tests "$root/build-sanitize" "$reports/sanitized_flags" --excluded tests/sanitize_excluded.txt) ||
+        fail "the list of sanitized test programs"
     export root reports latest_begin
     export -f run_one_sanitized start_cases
     while read -r name late; do
@@ -88,8 +89,7 @@ sanitize_tests() {
         else
             count_cases "sanitized $name" "$reports/sanitized_$name.xml"
         fi
-    done < <(find "$root/build-sanitize/tests" -maxdepth 1 -name '*_test' -type f -executable -printf '%f\n' | sort |
-        slowest_first | tac | xargs -P "$jobs" -I{} bash -c 'run_one_sanitized {}')
+    done < <(slowest_first <<<"$tests" | tac | xargs -P "$jobs" -I{} bash -c 'run_one_sanitized {}')
 }
 
 run_sanitize() {

@@ -58,38 +58,41 @@ run_cases() { # run_cases NAME REPORT COMMAND..
     count_cases "$1" "$2"
 }
 
-# One of ./run test's programs, or pytest; says its name when it has ended.
-run_one_of_all() { # run_one_of_all NAME
+# The test files of a build, a line each: its name and its program, which finds what to run in FLAGS/NAME.flags.
+list_tests() { # list_tests BUILD_DIR FLAGS [OPTION..]
+    mkdir -p -- "$2"
+    python3 tools/test_programs.py "$1/tests" --flags "$2" "${@:3}"
+}
+
+# One test file, or pytest; says its name when it has ended.
+run_one_of_all() { # run_one_of_all NAME [PROGRAM]
     local report=$reports/$1.xml
     if [[ $1 == pytest ]]; then
         start_cases "$report" "$venv/bin/python" -m pytest tests/analysis tests/package "--junitxml=$report"
     else
-        start_cases "$report" "$build_dir/tests/$1" "--gtest_output=xml:$report"
+        start_cases "$report" "$build_dir/tests/$2" "--gtest_flagfile=$reports/flags/$1.flags" "--gtest_output=xml:$report"
     fi
     printf '%s\n' "$1"
 }
 
-# Names, a line each, those first that take longest: a program that takes minutes and begins last runs alone.
+# Lines that begin with a name, those first that take longest: what takes minutes and begins last runs alone.
 slowest_first() {
     local slowest=(compile_test pytest verify_shipped_test inspect_test variants_test covering_test levels_test nvcc_test
         mesh_test new_choice_test next_event_test suite_test)
-    local names
-    mapfile -t names
-    printf '%s\n' "${slowest[@]}" | grep -xF -f <(printf '%s\n' "${names[@]}") || true
-    printf '%s\n' "${names[@]}" | grep -vxF -f <(printf '%s\n' "${slowest[@]}") || true
+    awk -v slowest="${slowest[*]}" '
+        BEGIN { count = split(slowest, names); for (i in names) rank[names[i]] = i }
+        { print ($1 in rank ? rank[$1] : count + 1), $0 }' | sort -ns -k 1,1 | cut -d " " -f 2-
 }
 
 # As many at once as there are processors: most have one thread.
 run_all_cases() {
-    local programs name
-    mapfile -t programs < <(find "$build_dir/tests" -maxdepth 1 -name '*_test' -type f -executable -printf '%f\n' | sort)
-    ((${#programs[@]})) || fail "no test program in $(shown "$build_dir/tests")"
-    mapfile -t programs < <(printf '%s\n' pytest "${programs[@]}" | slowest_first)
+    local tests name
+    tests=$(list_tests "$build_dir" "$reports/flags") || fail "the list of test programs"
     export build_dir venv reports
     export -f run_one_of_all start_cases
     while IFS= read -r name; do
         count_cases "$name" "$reports/$name.xml"
-    done < <(printf '%s\n' "${programs[@]}" | xargs -P "$jobs" -I{} bash -c 'run_one_of_all {}')
+    done < <(printf 'pytest\n%s\n' "$tests" | slowest_first | xargs -P "$jobs" -I{} bash -c 'run_one_of_all {}')
 }
 
 run_check() { # run_check NAME COMMAND..
