@@ -157,8 +157,8 @@ ptbench_reuse_precompiled_headers(ptbench ptbench_harness)
 set_target_properties(ptbench PROPERTIES LINKER_LANGUAGE CXX)
 set_target_properties(ptbench PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
 
-# Rates of ray batches on the CPU, by hand: `cmake --build build --target rays_cpu`.
-add_executable(rays_cpu EXCLUDE_FROM_ALL tools/rays/rays_cpu.cpp)
+# Rates of ray batches on the CPU. No test runs this program, but the tests' build compiles it, or it would rot.
+add_executable(rays_cpu tools/rays/rays_cpu.cpp)
 target_link_libraries(rays_cpu PRIVATE ${PTBENCH_PARTS})
 if(PTBENCH_EMBREE_INCLUDE AND PTBENCH_EMBREE_LIBRARY)
   target_compile_definitions(rays_cpu PRIVATE PTBENCH_HAS_EMBREE)

@@ -53,6 +53,22 @@ foreach(header ${choices_with_kernels})
     string(APPEND device_layouts " LAYOUT(${CMAKE_MATCH_1})")
   endif()
 endforeach()
+
+# accelerator_list.h: every accelerator whose traversal kernels compile in, by the name of its file.
+file(GLOB accelerator_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/accelerator/*.h)
+set(accelerator_includes "")
+set(accelerators "")
+foreach(header ${accelerator_headers})
+  file(STRINGS ${header} traversal REGEX "^(struct|using) Traversal" LIMIT_COUNT 1)
+  if(traversal)
+    get_filename_component(name ${header} NAME_WE)
+    string(APPEND accelerator_includes "#include \"variants/accelerator/${name}.h\"\n")
+    string(APPEND accelerators " ACCELERATOR(${name})")
+  endif()
+endforeach()
+file(CONFIGURE OUTPUT ${generated}/accelerator_list.h CONTENT
+"#pragma once\n${accelerator_includes}#define PT_ACCELERATORS(ACCELERATOR)${accelerators}\n")
+
 file(CONFIGURE OUTPUT ${generated}/layouts.h CONTENT
 "#pragma once\n#include <variant>\n${layout_includes}namespace pt {\nusing AnyPaths = std::variant<${layout_types}>;\n}\n")
 file(CONFIGURE OUTPUT ${generated}/device_layouts.h CONTENT

@@ -64,6 +64,18 @@ std::vector<std::string> accelerators_on(Backend backend) {
     return names;
 }
 
+// The accelerators whose trees are made by the axis `builder`.
+std::vector<std::string> trees_on(Backend backend) {
+    std::vector<std::string> names = accelerators_on(backend);
+    names.erase(std::remove_if(names.begin(), names.end(),
+                               [](const std::string& name) {
+                                   const Choice* choice = Registry::instance().find(axes::accelerator, name);
+                                   return !traits_in<AcceleratorTraits>(choice->descriptor).has_tree;
+                               }),
+                names.end());
+    return names;
+}
+
 std::vector<std::string> builders_on(Backend backend) {
     std::vector<std::string> names;
     for (const Choice* choice : Registry::instance().choices(axes::builder, backend)) {
@@ -89,9 +101,9 @@ rays::RayStudy study_of(const RaysArguments& arguments) {
     rays::RayStudy study;
     study.backend = parse_backend(arguments.backend);
     require_backend(study.backend);
-    const std::string trees = "bvh2,bvh4,bvh8,cwbvh";
-    study.accelerators = chosen(arguments.accelerators.empty() ? trees : arguments.accelerators, "--accelerator",
-                                accelerators_on(study.backend));
+    study.accelerators = arguments.accelerators.empty()
+                             ? trees_on(study.backend)
+                             : chosen(arguments.accelerators, "--accelerator", accelerators_on(study.backend));
     study.builders =
         chosen(arguments.builders.empty() ? "sah_binned" : arguments.builders, "--builder", builders_on(study.backend));
     if (!arguments.read_rays.empty()) {
@@ -346,7 +358,7 @@ Command add_rays_command(CLI::App& app, const std::string& command_line) {
     add_text("--class", arguments->classes,
              "primary, ambient_occlusion, shadow, diffuse_1, diffuse_3, random, comma-separated (default: all)");
     add_text("--accelerator", arguments->accelerators,
-             "Choices of the axis, comma-separated (default: bvh2,bvh4,bvh8,cwbvh)");
+             "Choices of the axis, comma-separated (default: those whose trees are made by the axis builder)");
     add_text("--builder", arguments->builders, "Choices of the axis, comma-separated (default: sah_binned)");
     command->add_option("--backend", arguments->backend, "cpu or cuda (default: cuda where it is available)");
     command->add_option("--log2-rays", arguments->log2_rays, "2^N rays a class (default 20); of --leaks, in all")

@@ -3,13 +3,9 @@
 #include <chrono>
 #include <cmath>
 
+#include "accelerator_list.h"  // generated: every traversal by the name of its file
 #include "harness/rays/leak_rays.h"
 #include "kernels/intersect.h"
-#include "variants/accelerator/brute_force.h"
-#include "variants/accelerator/bvh2.h"
-#include "variants/accelerator/bvh4.h"
-#include "variants/accelerator/bvh8.h"
-#include "variants/accelerator/cwbvh.h"
 
 namespace pt::rays {
 namespace {
@@ -44,10 +40,9 @@ template <class Traversal>
 constexpr Generic generic(const char* accelerator) {
     return {accelerator, trace_generic<Traversal, NoTraversalCounter>, trace_generic<Traversal, TraversalCounter>};
 }
-constexpr Generic all_generic[] = {
-    generic<accelerator::brute_force::Traversal>("brute_force"), generic<accelerator::bvh2::Traversal>("bvh2"),
-    generic<accelerator::bvh4::Traversal>("bvh4"), generic<accelerator::bvh8::Traversal>("bvh8"),
-    generic<accelerator::cwbvh::Traversal>("cwbvh")};
+#define PT_GENERIC(name) generic<accelerator::name::Traversal>(#name),
+constexpr Generic all_generic[] = {PT_ACCELERATORS(PT_GENERIC)};
+#undef PT_GENERIC
 
 class CpuTracer final : public BatchTracer {
 public:

@@ -6,14 +6,12 @@
 #include <iterator>
 #include <type_traits>
 
+#include "accelerator_list.h"  // generated: every traversal by the name of its file
 #include "harness/rays/cwbvh_batch.cuh"
 #include "harness/rays/cwbvh_encoder.h"
 #include "harness/rays/device_memory.h"
 #include "harness/rays/leak_batch.cuh"
 #include "harness/rays/plain_batch.cuh"
-#include "variants/accelerator/bvh2.h"
-#include "variants/accelerator/bvh4.h"
-#include "variants/accelerator/bvh8.h"
 #include "variants/builder/hploc.h"
 
 namespace pt::rays {
@@ -33,13 +31,9 @@ constexpr PlainKernels plain_kernels(const char* name) {
     return {name, std::is_same_v<Traversal, accelerator::cwbvh::Traversal>, trace_plain<Traversal>,
             count_work<Traversal>};
 }
-const PlainKernels all_plain_kernels[] = {
-    plain_kernels<BruteForce>("brute_force"),
-    plain_kernels<accelerator::bvh2::Traversal>("bvh2"),
-    plain_kernels<accelerator::bvh4::Traversal>("bvh4"),
-    plain_kernels<accelerator::bvh8::Traversal>("bvh8"),
-    plain_kernels<accelerator::cwbvh::Traversal>("cwbvh"),
-};
+#define PT_PLAIN_KERNELS(name) plain_kernels<accelerator::name::Traversal>(#name),
+const PlainKernels all_plain_kernels[] = {PT_ACCELERATORS(PT_PLAIN_KERNELS)};
+#undef PT_PLAIN_KERNELS
 
 struct PersistentKernel {
     const char* name;

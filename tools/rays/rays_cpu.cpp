@@ -77,7 +77,7 @@ public:
 
 private:
     void add(const Triangle<float>& t, std::uint32_t primitive) {
-        leaves_.push_back({{t.a.x, t.a.y, t.a.z}, primitive, {t.b.x, t.b.y, t.b.z}, 0, {t.c.x, t.c.y, t.c.z}, 0});
+        leaves_.push_back(LeafTriangle::of(t, primitive));
     }
 
     AcceleratorHook hook_;
@@ -233,16 +233,16 @@ std::string measure_mesh(const RayMesh& mesh, const Options& options) {
     std::printf("%s: %zu triangles\n", mesh.name.c_str(), mesh.triangles.size());
     std::vector<std::unique_ptr<Planted>> planted;
     std::vector<Contender> contenders;
-    for (const char* name : {"bvh2", "bvh4", "bvh8", "cwbvh", "embree", "embree_native"}) {
-        const Choice* choice = Registry::instance().find("accelerator", name);
-        if (choice == nullptr) {
+    for (const Choice* choice : Registry::instance().choices(axes::accelerator, Backend::cpu)) {
+        const std::string name(choice->descriptor.name);
+        if (name == "brute_force") {
             continue;
         }
         const Planted* tree = planted.emplace_back(new Planted(mesh, choice->hook.accelerator)).get();
         contenders.push_back({name, choice->descriptor.claim == Claim::bitwise,
                               [tree](auto rays, auto hits) { tree->trace(rays, hits); }});
 #if defined(PTBENCH_HAS_EMBREE)
-        if (std::strcmp(name, "embree_native") == 0) {
+        if (name == "embree_native") {
             add_embree(contenders, *tree);
         }
 #endif

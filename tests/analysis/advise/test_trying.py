@@ -10,9 +10,10 @@ from pathlib import Path
 import pytest
 from builder import Builder
 
-from ptbench.extras.advise.trying import MOST_LOAD, RANGES, drawn_scenes, everything, summary_of
+from ptbench.extras.advise.trying import MOST_LOAD, RANGES, drawn_scenes, everything, fast_accelerators, summary_of
 from ptbench.extras.maps.scenes import RULES
 from ptbench.io.validate import complaints
+from ptbench.program import Program
 
 
 def test_scenes_are_the_same_for_a_seed_and_within_their_ranges():
@@ -24,9 +25,18 @@ def test_scenes_are_the_same_for_a_seed_and_within_their_ranges():
 
 
 def test_trees_are_measured_in_scenes_with_meshes_only():
-    plain, meshes = (everything("cpu", has_mesh=has_mesh) for has_mesh in (False, True))
-    assert len(meshes) == 4 * len(plain)
+    plain, meshes = (everything("cpu", trees) for trees in ([], ["bvh2", "bvh4", "bvh8"]))
+    assert len(meshes) == 3 * len(plain)
     assert not [one for one in plain if "accelerator" in one]
+
+
+def test_all_accelerators_of_the_program_are_tried_but_brute_force(tmp_path):
+    program = tmp_path / "ptbench"
+    choices = [{"name": name, "baseline": name == "brute_force"} for name in ("brute_force", "bvh2", "mine")]
+    listed = json.dumps({"choices": choices})
+    program.write_text(f"#!/bin/sh\n[ \"$*\" = 'list accelerator --json' ] && echo '{listed}'\n")
+    program.chmod(0o755)
+    assert fast_accelerators(Program(program)) == ["bvh2", "mine"]
 
 
 def fake(folder: Path, times: dict[str, float], noise: float = 0.0) -> Path:

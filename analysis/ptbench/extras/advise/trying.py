@@ -31,6 +31,7 @@ from ptbench.terminal import say
 SCHEMA = "ptbench-advice-1"
 MOST_LOAD = 0.5
 CLOSER = 8  # times as many repetitions, where the usual ones do not tell
+ACCELERATOR = "accelerator"
 DEPTHS = (2, 3, 4, 6, 8, 12, 16, 24, 32)
 # The parameters of each rule: the least, the greatest, whether it is an integer.
 RANGES = {
@@ -69,11 +70,20 @@ def _drawn(dice: random.Random, low: float, high: float, is_integer: bool) -> fl
     return float(round(value)) if is_integer else float(f"{value:.3g}")
 
 
-def everything(backend: str, *, has_mesh: bool) -> list[dict[str, str]]:
-    """All variants that are measured; what a scene or a machine lacks falls out as not applicable."""
+def everything(backend: str, accelerators: Sequence[str]) -> list[dict[str, str]]:
+    """All variants that are measured, by each accelerator, or none for a scene without meshes.
+
+    What a scene or a machine lacks falls out as not applicable.
+    """
     known = json.loads(FILE.read_text(encoding="utf-8"))["exhaustive"]
-    trees = [{"accelerator": one} for one in known["accelerators"]] if has_mesh else [{}]
+    trees = [{ACCELERATOR: one} for one in accelerators] or [{}]
     return [{**one, **tree} for one in known[backend] for tree in trees]
+
+
+def fast_accelerators(program: Program) -> list[str]:
+    """Every accelerator that the program has but the baseline, which tests every triangle, in the program's order."""
+    listed = json.loads(program.output("list", ACCELERATOR, "--json"))
+    return [choice["name"] for choice in listed["choices"] if not choice["baseline"]]
 
 
 def try_advice(program: Program, root: Path, results: Path, machine: str, backend: str, asked: Asked) -> int:
@@ -97,7 +107,8 @@ def try_advice(program: Program, root: Path, results: Path, machine: str, backen
             file.write_text(json.dumps(scene), encoding="utf-8")
             probed = probe(program, file, backend, depth, asked.resolution)
             advised = advise_on(models, probed.features, probed.barred, book.baselines)
-            checked = _checked(program, probed, _variants(advised, probed, backend), backend, folder, asked.spp)
+            variants = everything(backend, fast_accelerators(program) if probed.has_mesh else [])
+            checked = _checked(program, probed, _in_order(variants, advised), backend, folder, asked.spp)
         say(f"{scene['name']}, depth {depth}: {checked.word}; advised {checked.advised}; best {checked.best}")
         kept[scene["name"]] = _row(scene["name"], depth, checked)
         # After each scene: all of them take long, and what is done is not lost.
@@ -117,13 +128,12 @@ def _decided(file: Path, about: dict) -> dict[str, dict]:
     return {row["scene"]: row for row in there["scenes"] if row["word"] != OPEN}
 
 
-def _variants(advised: Sequence[Advised], probed: Probed, backend: str) -> list[dict[str, str]]:
-    """All that are measured, the advised one first."""
+def _in_order(variants: Sequence[dict[str, str]], advised: Sequence[Advised]) -> list[dict[str, str]]:
+    """The variants, the advised one first."""
     pick = settings_of([one for one in advised if is_timed(one)])
-    others = [one for one in everything(backend, has_mesh=probed.has_mesh) if one != pick]
-    if probed.has_mesh and "accelerator" not in pick:  # nothing was measured: some tree there must be
-        pick = {**pick, "accelerator": others[0]["accelerator"]}
-    return [pick, *(one for one in others if one != pick)]
+    if ACCELERATOR in variants[0]:  # an advice from scenes without meshes names none, and some tree there must be
+        pick = {ACCELERATOR: variants[0][ACCELERATOR], **pick}
+    return [pick, *(one for one in variants if one != pick)]
 
 
 def _checked(
