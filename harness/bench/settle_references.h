@@ -1,4 +1,4 @@
-// Between preparation and timing: references are made as accurate as the errors that the cells will have ask for.
+// Between preparation and timing, makes the reference images as accurate as the expected errors of the cells demand.
 #pragma once
 
 #include <string>
@@ -9,8 +9,9 @@
 
 namespace pt {
 
-// Cells that ask for more than their task's most_spp allows are refused, in the journal and on stderr. Throws
-// InputError, with the name of the result file, where samples in the journal were compared with another reference.
+// Cells that would need more samples in their reference than the task's most_spp are refused, in the journal and on
+// stderr. Throws InputError with the name of the result file if samples in the journal were compared with another
+// reference.
 void settle_references(const Plan& plan, const std::string& result_file, RunJournal& journal, ErrorBook& errors,
                        const Interrupt& interrupt);
 

@@ -23,7 +23,7 @@ RenderResult render_samples(const Scene& scene, const RenderSettings& settings, 
                                 .film_samples = film_samples});
 }
 
-// What is wrong with a render whatever it is compared with; empty: nothing.
+// Faults that a render can show without a comparison: bad film values, missing work, a wrong path count; empty if none.
 std::string fault_of(const RenderResult& result, const Variant& variant, Backend backend,
                      const RenderSettings& settings, std::uint32_t spp) {
     if (const FilmFaults& faults = result.film.faults(); !faults.none()) {
@@ -48,7 +48,7 @@ bool same_pixel(const Film& a, const Film& b, std::size_t pixel) {
     return true;
 }
 
-// The mean of each channel of each 16x16 block, and as the last entries the means of the whole image.
+// The channel means of each 16x16 block, followed by the channel means of the whole image.
 std::vector<double> block_means(const Film& film) {
     const std::uint32_t columns = (film.width() + 15) / 16;
     const std::uint32_t rows = (film.height() + 15) / 16;
@@ -73,7 +73,7 @@ std::vector<double> block_means(const Film& film) {
 constexpr int batches = 24;
 constexpr double failing_t = 7;
 
-// The block means of batches of samples, seed by seed.
+// The block means of several independent renders with the seeds 1000, 1001, ...
 std::vector<std::vector<double>> batch_means(const Scene& scene, RenderSettings settings, const Variant& variant,
                                              Backend backend, std::uint32_t spp) {
     std::vector<std::vector<double>> means;
@@ -87,7 +87,7 @@ std::vector<std::vector<double>> batch_means(const Scene& scene, RenderSettings 
 struct PairedDifference {
     double mean_a = 0, mean_b = 0;
     double difference = 0;  // mean of a - b
-    double error = 0;       // its standard error, from the spread of the differences
+    double error = 0;       // standard error of that mean
 };
 
 PairedDifference paired_difference(const std::vector<std::vector<double>>& a, const std::vector<std::vector<double>>& b,
@@ -157,9 +157,8 @@ RenderResult Verifier::render_part(const Variant& variant, std::uint32_t first, 
     return render_samples(scene_, settings_, variant, backend_, first, count, spp_);
 }
 
-// The CPU's reference variant is the same mathematics in the same rounding, so all films should be equal bit for bit.
-// What is allowed is a sample in 1e5 that went another way (docs/numerics.md 4): pixels that differ are counted, each
-// for one sample at least.
+// The CPU's reference variant computes the same in the same rounding, so films should be equal bit for bit. One sample
+// in 1e5 may take another path (docs/numerics.md 4): every pixel that differs counts as one sample.
 const Verifier::CpuCheck& Verifier::against_cpu(const Variant& reference_variant) {
     const auto known = against_cpu_.find(reference_variant);
     if (known != against_cpu_.end()) {
@@ -172,7 +171,7 @@ const Verifier::CpuCheck& Verifier::against_cpu(const Variant& reference_variant
     }
     for (const std::string_view axis : axis_names) {
         if (Registry::instance().find(axis, plain[axis], Backend::cpu) == nullptr) {
-            return check;  // no such choice there
+            return check;  // the CPU lacks one of the choices
         }
     }
     plain = fast_reference_on(scene_, plain, Backend::cpu);
@@ -214,14 +213,15 @@ Verifier::MeanCheck Verifier::check_statistical(const Variant& variant) {
     const std::uint32_t spp = std::max(4u, spp_);
     const auto claimed = batch_means(scene_, settings_, variant, backend_, spp);
     const auto expected = batch_means(scene_, deeper, plain, backend_, spp);
-    // Without extra depth, the image without the choice is the one that is expected.
+    // Without extra depth, the image without the choice is the expected image itself.
     const auto without =
         deeper.depth != settings_.depth ? batch_means(scene_, settings_, plain, backend_, spp) : expected;
     MeanCheck check;
     for (std::size_t i = 0; i < claimed.front().size(); ++i) {
         const PairedDifference pair = paired_difference(claimed, expected, i);
         const bool is_image = i + 3 >= claimed.front().size();
-        // Blocks that rarely meet light are skewed: only those with enough contributions are near normal.
+        // Blocks that light rarely reaches have skewed means; only blocks with enough contributions are close to
+        // normal.
         const bool usable = is_image || pair.error < 0.1 * std::max(pair.mean_a, pair.mean_b);
         if (usable && std::abs(pair.difference) > failing_t * pair.error + 1e-6 * std::abs(pair.mean_b)) {
             check.failure =
