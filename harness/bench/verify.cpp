@@ -194,11 +194,10 @@ const Verifier::CpuCheck& Verifier::against_cpu(const Variant& reference_variant
     return check;
 }
 
-// Paired test of the image mean and of 16x16-block means, between `variant` and the one whose expectation it claims
-// (Descriptor::mean_of), over batches with their own seeds. Both sides have the same seeds: numbers are keyed by their
-// purpose, so what the two share cancels and only what they do differently is left in the spread. 24 batches leave 23
-// degrees of freedom; at |t| > 7 the chance of a false alarm is 4e-7 a statistic, 1e-4 for 64 blocks. Seeds are fixed:
-// the verdict is the same every time.
+// Paired t-test of the image mean and the 16x16-block means, between `variant` and the variant whose expectation it
+// claims (Descriptor::mean_of), over 24 batches. Both sides have the same seeds and random numbers are keyed by their
+// purpose, so only what the two do differently contributes to the spread. With 23 degrees of freedom, |t| > 7 has a
+// false-alarm probability of 4e-7 for a statistic, 1e-4 for 64 blocks. Fixed seeds make the verdict reproducible.
 Verifier::MeanCheck Verifier::check_statistical(const Variant& variant) {
     const Variant plain = variant_of_mean(variant, backend_);
     RenderSettings deeper = settings_;
