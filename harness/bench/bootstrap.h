@@ -1,6 +1,6 @@
 // Ratios of median times with bootstrap confidence intervals (percentile bootstrap of the median, Efron 1979), and the
 // verdicts that the intervals allow. Verdicts within a run are computed here and stored in its result file; pairs of
-// cells across files, and files without verdicts, are judged by analysis/ptbench/stats/estimates.py with the same
+// cells across files, and files without verdicts, are judged by analysis/ptbench/stats/estimates.py, with the same
 // limits.
 #pragma once
 
@@ -13,8 +13,7 @@
 
 namespace pt {
 
-// The random number generator of a bootstrap. Its seed is fixed, so that the same samples always have the same
-// interval.
+// The random number generator of a bootstrap, with a fixed seed: the same samples always have the same interval.
 class BootstrapRandom {
 public:
     // Returns a random whole number from 0 to `count` - 1; the probabilities differ by a share of count / 2^64 at most.

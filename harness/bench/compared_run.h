@@ -1,5 +1,4 @@
-// Decides which cells of a run are compared with which baseline cell, by one rule for a run in memory and for a result
-// file.
+// Decides which cells are compared with which baseline cell, by one rule for runs in memory and in result files.
 #pragma once
 
 #include <map>

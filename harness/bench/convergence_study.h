@@ -1,5 +1,4 @@
-// Studies of error against render time (type "convergence"): their keys in a suite file, and the reference of each
-// cell.
+// Studies of error against render time (type "convergence"): their keys in suite files and their cells' references.
 #pragma once
 
 #include "harness/bench/suite.h"
@@ -17,8 +16,7 @@ ConvergenceSettings read_convergence(const JsonObject& study);
 // Returns the sample counts at which a render has its checkpoints: 1, 2, 4, ... and `spp` itself.
 std::vector<std::uint32_t> octaves(std::uint32_t spp);
 
-// Turns an ordinary cell into a cell with checkpoints. Precondition: the cell's depth is the one that depth_for_mean_of
-// gives.
+// Turns an ordinary cell into a cell with checkpoints. Precondition: the cell's depth comes from depth_for_mean_of.
 void add_checkpoints(Cell& cell, const ConvergenceSettings& settings, std::shared_ptr<const Scene> reference_scene,
                      std::uint32_t reference_depth);
 

@@ -100,8 +100,8 @@ std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet featu
         for (int completion = 0; completion < completions; ++completion) {
             Variant variant = plainest;
             for (std::size_t axis = 0; axis < std::size(axis_names); ++axis) {
-                // Each axis keeps its baseline choice with probability 1/2, because random choices exclude each other
-                // too often.
+                // Each axis stays at its baseline with probability 1/2, because random choices exclude each other too
+                // often.
                 if (completion > 0 && random() % 2 == 0) {
                     const std::vector<std::string>& of_axis = pairs.names(axis);
                     variant.set(axis_names[axis], of_axis[random() % of_axis.size()]);

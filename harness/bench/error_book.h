@@ -26,12 +26,11 @@ inline constexpr double allowed_reference_error = 0.05;
 
 class ErrorBook {
 public:
-    // Collects the reference tasks of the plan's cells; for one reference the smallest variance and the largest
-    // most_spp of its tasks count.
+    // Collects the reference tasks of the plan's cells; of several for one reference the strictest requirements count.
     ErrorBook(const Plan& plan, ReferenceMaker maker);
 
-    // Renders every reference image, or loads it from the cache, up to its task's variance. A failure is kept, and
-    // reference() throws it.
+    // Renders every reference image, or loads it from the cache, up to its task's variance. reference() throws
+    // failures.
     void make_references();
     // Adds samples to a reference image until its dual_error is at most `dual_error`, or it has the task's most_spp.
     void improve(const std::string& name, double dual_error);

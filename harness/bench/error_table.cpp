@@ -118,8 +118,7 @@ std::optional<ErrorEfficiency> LastErrors::efficiency_by_rel_mse(const LastError
 
 namespace {
 
-// The errors of a cell at its last checkpoint. None if the cell has failed, a sample has no errors, or there is only
-// one seed.
+// The errors of a cell at its last checkpoint; none if it failed, a sample has no errors, or there is only one seed.
 std::optional<LastErrors> errors_of(const Cell& cell, const Journal& journal) {
     if (journal.has_failed(cell.name)) {
         return std::nullopt;

@@ -34,11 +34,9 @@ struct LastErrors {
 // The last errors of a study's cells, for cells with errors from at least two seeds. Times are those of the plan's
 // cells without checkpoints if all of these cells have such a companion.
 std::vector<LastErrors> last_errors(const Plan& plan, const Cells& cells, const Journal& journal);
-// Picks the baseline of a group: the cell with the plainest estimator that differs least from the others; null for an
-// empty group.
+// Picks the baseline of a group: the plainest estimator, among equals the cell most like the others; null if empty.
 const LastErrors* baseline_of(const std::vector<LastErrors>& group, const Journal& journal);
-// Groups cells that render the same image (scene and depth of the reference, resolution, backend), in the order of the
-// cells.
+// Groups cells that render the same image (scene and depth of the reference, resolution, backend), in cell order.
 std::vector<Cells> by_image(const Cells& cells);
 
 // The table of errors, one line per cell, grouped by image; cells that failed are marked as FAILED.

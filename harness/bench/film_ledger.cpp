@@ -85,8 +85,7 @@ bool FilmLedger::differ(const Entry& entry) {
                        [&](const Seen& seen) { return !(seen.imprint == right); });
 }
 
-// Compares a group's films with the reference. Before a cell is blamed, the slow plain reference is rendered and
-// decides.
+// Compares a group's films with the reference. Before a cell is blamed, the slow plain reference must confirm it.
 std::vector<FailedCell> FilmLedger::judge(Entry& entry, const Cell& cell, std::uint32_t samples, std::uint64_t seed,
                                           const std::string& place) {
     if (const Variant plain = bitwise_reference(cell); differ(entry) && !(entry.reference == plain)) {

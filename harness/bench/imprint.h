@@ -22,8 +22,7 @@ struct Imprint {
 };
 Imprint imprint_of(const RenderResult& result);
 Imprint imprint_of(const Sample& sample);
-// Says how an imprint differs from the right one, as "film 1f.., not 3a..; 20475 rays, not 20478"; empty if it does
-// not.
+// Lists how an imprint differs from the right one, as "film 1f.., not 3a..; 20475 rays, not 20478", or "" if equal.
 std::string difference(const Imprint& found, const Imprint& right);
 
 }  // namespace pt

@@ -1,5 +1,4 @@
-// The results of a cell's instrumented pass: stage times, counters and properties of the image. None of it counts as a
-// timing.
+// The results of a cell's instrumented pass: stage times, counters and image properties. They are not timed samples.
 #pragma once
 
 #include "harness/bench/facts/cell.h"

@@ -36,8 +36,7 @@ public:
     // The samples of a cell that retakes replaced, in the order of the retakes.
     const std::vector<Sample>& retaken(const std::string& cell) const;
     const CellFacts* cell(const std::string& cell) const;
-    // Whether the journal says that the cell is good, or that it failed. For a cell that the journal does not know both
-    // are false.
+    // Whether the journal says that the cell is good, or has failed. Both are false for a cell that it does not know.
     bool is_ok(const std::string& cell) const;
     bool has_failed(const std::string& cell) const;
     // All sessions, each with the number of samples that it took, retakes included.

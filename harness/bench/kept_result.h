@@ -1,5 +1,4 @@
-// Protects an existing result file from being overwritten; every command that writes a result file checks it here
-// first.
+// Protects existing result files: every command that writes a result checks here first whether it may overwrite one.
 #pragma once
 
 #include <string>

@@ -80,8 +80,8 @@ private:
     }
 
     void add_instrumented_pass(const Cell& cell, Prepared& prepared) {
-        // A first render grows queues and touches pages; the stage times of the instrumented render should not include
-        // that.
+        // A first render grows queues and touches pages, which the stage times of the instrumented render must not
+        // include.
         (void)render_named(*cell.scene,
                            request(cell, cell.variant, traits_of(cell.variant, cell.backend).devices.count));
         RenderRequest instrumented = request(cell, cell.variant, cell.samples_to_prepare());

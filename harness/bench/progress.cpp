@@ -86,8 +86,7 @@ Progress::Progress(std::string what, std::size_t total, Lines lines, double pati
       start_(steady_seconds()),
       is_terminal_(::isatty(STDERR_FILENO) != 0) {}
 
-// The pause between lines of a log in seconds. It grows with the elapsed time, so that a run of days leaves a short
-// log.
+// Seconds between lines of a log. They grow with the elapsed time, so that a run of days still has a short log.
 double Progress::pause(double elapsed) const { return is_terminal_ ? 0.2 : std::clamp(elapsed / 50, 10.0, 600.0); }
 
 void Progress::begin(const std::string& name) {

@@ -17,11 +17,9 @@ double steady_seconds();
 // its name; where none was measured, a time in proportion to its size, at the rate of the other names.
 class TimeLeft {
 public:
-    // Adds `steps` expected steps with this name. `size`, above 0, is the size of each of them relative to steps with
-    // other names.
+    // Adds `steps` expected steps with this name. `size`, above 0, is the size of a step relative to other names.
     void expect(const std::string& name, std::size_t steps, double size);
-    // Records a measured step. `was_expected` is false for a step of an earlier session, which `expect` did not
-    // announce.
+    // Records a measured step. `was_expected` is false for a step of an earlier session, not counted by `expect`.
     void took(const std::string& name, double seconds, bool was_expected = true);
     // Removes an expected step from the estimate, because it will not be done.
     void drop(const std::string& name);
@@ -43,8 +41,7 @@ class Progress {
 public:
     enum class Lines { shown, hidden };
 
-    // Starts the progress display of the phase `what`, which has `total` steps. Nothing is shown in the first
-    // `patience` seconds.
+    // Starts the display of the phase `what` with `total` steps. Nothing is shown in the first `patience` seconds.
     Progress(std::string what, std::size_t total, Lines lines = Lines::shown, double patience = 0);
     // Shows on a terminal that a step with this name begins; a log gets no line.
     void begin(const std::string& name);

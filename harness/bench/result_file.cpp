@@ -188,8 +188,7 @@ public:
         }
         return sample;
     }
-    // The cell that owns the errors of all samples of `cell`; empty if they are the cell's own, or belong to several
-    // cells.
+    // The cell that owns the errors of all samples of `cell`; empty if that is `cell` itself, or if there are several.
     std::string shared_with(const Journal& journal, const Cell& cell) const {
         std::set<std::string> names;
         for (const Sample& sample : journal.samples(cell.name)) {

@@ -13,8 +13,7 @@ namespace pt {
 
 class RunJournal {
 public:
-    // Opens the journal like the constructor of Journal. `go_on` is the command that continues the run, which a crash
-    // message names.
+    // Opens the journal like Journal's constructor. `go_on` is the command that continues the run, for crash messages.
     RunJournal(std::string file, const RunIdentity& identity, bool resume,
                const std::vector<std::string>& that_may_differ, std::string go_on);
 

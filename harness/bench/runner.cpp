@@ -62,8 +62,7 @@ void check_seeds(const Plan& plan, std::uint64_t first, int repetitions) {
     }
 }
 
-// Whether the complete result of this very run exists and its journal does not: the run was killed at its end, or is
-// called again.
+// Whether the complete result of this very run exists and its journal does not (killed at its end, or called again).
 bool is_done(const RunOptions& options, const EarlierResult& earlier) {
     return options.resume && !std::filesystem::exists(journal_of(options)) && earlier.is_of_this_run &&
            earlier.is_complete;
@@ -147,8 +146,7 @@ int most_repetitions(const Suite& suite, const RunOptions& options) {
     return repetitions_of(suite, options) * (decide_seconds_of(suite, options) > 0 ? most_times_repetitions : 1);
 }
 
-// Checks that sample i has the seed first_seed + i; a lost or duplicate line of the journal would shift all that
-// follow.
+// Checks that sample i has the seed first_seed + i, which a lost or duplicate line of the journal would change.
 void check_sample_seeds(const Plan& plan, const Journal& journal, std::uint64_t first_seed, int repetitions) {
     for (const Cell& cell : plan.cells) {
         const std::vector<Sample>& samples = journal.samples(cell.name);

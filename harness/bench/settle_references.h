@@ -9,9 +9,8 @@
 
 namespace pt {
 
-// Cells that would need more samples in their reference than the task's most_spp are refused, in the journal and on
-// stderr. Throws InputError with the name of the result file if samples in the journal were compared with another
-// reference.
+// Refuses cells whose reference would need more than the task's most_spp, in the journal and on stderr. Throws
+// InputError with the result file's name if samples in the journal were compared with another reference.
 void settle_references(const Plan& plan, const std::string& result_file, RunJournal& journal, ErrorBook& errors,
                        const Interrupt& interrupt);
 

@@ -34,8 +34,7 @@ private:
     std::vector<std::size_t> parents_;
 };
 
-// The part of a cell's name after the variant, without checkpoints, because a cell is compared with its companion
-// without checkpoints.
+// The part of a cell's name after the variant, without the suffix for checkpoints, so that companions have the same.
 std::string setting_of(const Cell& cell) {
     const std::string setting = setting_in(cell.name);
     return setting.substr(0, setting.find("/checkpoints:"));

@@ -24,9 +24,8 @@ Shard parse_shard(const std::string& text);
 // resolution, depth and spp, and cells that share a reference. Ordered by the first cell of each group.
 std::vector<std::vector<std::size_t>> groups_of(const Plan& plan);
 
-// The positions in the plan of a shard's cells, in increasing order. Groups are distributed greedily, the largest
-// (pixels times samples) first, each to the shard with the least work so far. Throws InputError if there are more
-// shards than groups.
+// The positions in the plan of a shard's cells, increasing. Groups are distributed greedily, the largest (pixels times
+// samples) first, each to the shard with the least work. Throws InputError for more shards than groups.
 std::vector<std::size_t> positions_of(const Plan& plan, const Shard& shard);
 // The part of a plan with the cells at these positions; the list of what does not apply is kept.
 Plan part_of(const Plan& plan, const std::vector<std::size_t>& positions);

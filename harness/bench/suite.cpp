@@ -395,8 +395,7 @@ public:
     }
 
 private:
-    // The study's variants, with the best known choices for what the command left open; plan_.chosen names these
-    // choices.
+    // The study's variants, with the best known choices for what the command left open; plan_.chosen lists those.
     std::vector<Variant> best_known(Study study, const Scene& scene) {
         const std::string tree = tree_in_words(study.axes, study.tunables, scene, backend_);
         if (!tree.empty()) {

@@ -21,8 +21,7 @@ struct TimingOptions {
     Progress::Lines lines = Progress::Lines::shown;
 };
 
-// Initialises Google Benchmark with flags; call once in a process, before time_cells. Throws InputError for an unknown
-// flag.
+// Initialises Google Benchmark with flags, once in a process, before time_cells. Throws InputError for unknown flags.
 void initialize_benchmark(int repetitions, const std::vector<std::string>& flags);
 
 // Takes the samples that the journal lacks of good cells, then retakes disturbed samples (is_disturbed) until none is

@@ -19,8 +19,7 @@ namespace pt {
 
 namespace {
 
-// The identity of a variant in an old tuning file without identities, where the name spells out all choices, joined by
-// dots.
+// The identity of a variant in an old tuning file without identities, whose name spells out all choices with dots.
 std::string id_of_spelled_out(const JsonValue& name, Backend backend) {
     Variant variant;
     std::istringstream choices(name.text());
@@ -176,8 +175,7 @@ std::vector<std::uint32_t> candidates(const Tunable& tunable) {
             offer(tunable.lowest + std::uint64_t{range} * step / std::max(1u, steps));
         }
     } else {
-        // Long ranges are tried in factors of two around the standard or, if the standard is 0, from the upper end
-        // down.
+        // Long ranges are tried in factors of two around the standard or, if that is 0, from the upper end down.
         for (std::uint64_t factor = 1; factor <= 16; factor *= 2) {
             if (tunable.default_value == 0) {
                 offer(tunable.highest / factor);

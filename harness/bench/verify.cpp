@@ -219,8 +219,7 @@ Verifier::MeanCheck Verifier::check_statistical(const Variant& variant) {
     for (std::size_t i = 0; i < claimed.front().size(); ++i) {
         const PairedDifference pair = paired_difference(claimed, expected, i);
         const bool is_image = i + 3 >= claimed.front().size();
-        // Blocks that light rarely reaches have skewed means; only blocks with enough contributions are close to
-        // normal.
+        // Means of blocks that light rarely reaches are skewed; only those with enough contributions are nearly normal.
         const bool usable = is_image || pair.error < 0.1 * std::max(pair.mean_a, pair.mean_b);
         if (usable && std::abs(pair.difference) > failing_t * pair.error + 1e-6 * std::abs(pair.mean_b)) {
             check.failure =

@@ -1,5 +1,4 @@
-// Verifies the claims of variants: a bitwise variant must match the reference variant's film, a statistical variant its
-// mean.
+// Verifies claims of variants: bitwise variants must match the reference variant's film, statistical ones its mean.
 #pragma once
 
 #include <optional>

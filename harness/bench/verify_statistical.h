@@ -38,8 +38,8 @@ public:
         double family_error = limits::family_error;
     };
 
-    // A verifier whose tested runs have the seeds settings.seed, settings.seed + 1, ..; baseline runs have the seeds
-    // that follow.
+    // A verifier whose tested runs have the seeds settings.seed, settings.seed + 1, ..; baselines have the seeds after
+    // them.
     StatisticalVerifier(const Scene& scene, const RenderSettings& settings, const Effort& effort, Backend backend)
         : scene_(scene), settings_(settings), effort_(effort), backend_(backend) {}
 

@@ -14,11 +14,10 @@ struct ClosedForm {
     std::string formula;
 };
 
-// Returns the exact image of a scene and its formula; none unless the scene is of one of two kinds:
+// Returns the exact image of a scene and its formula, for two kinds of scene, otherwise nothing:
 // - A single emitting quad, not moving and wholly in front of a pinhole camera. A pixel is the quad's radiance on the
 // part that the projected quad covers, and the environment on the rest.
-// - A single closed object around the eye with the same reflectance and emission everywhere (furnace test): a geometric
-// series.
+// - A closed object around the eye with equal reflectance and emission everywhere (furnace test): a geometric series.
 std::optional<ClosedForm> closed_form(const Scene& scene, const RenderSettings& settings);
 
 }  // namespace pt

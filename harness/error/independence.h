@@ -1,6 +1,5 @@
 // Tests whether the samples of a variant are independent. With a bad random number generator an estimator may have the
-// right mean over all seeds and still converge wrongly, or more slowly than its variance says, because its errors
-// repeat. Repeated errors are correlated, which these tests detect.
+// right mean over all seeds and still converge too slowly, because errors repeat. Repeated errors are correlated.
 #pragma once
 
 #include "harness/error/distributions.h"

@@ -45,9 +45,8 @@ std::optional<Errors> errors_of(const Image& image, const Halves* halves, const 
 struct ReferenceNoise {
     double variance = 0;     // of the mean of both halves, per pixel and channel: mean((r1-r2)^2) / 4
     double mean_square = 0;  // mean over pixels and channels of its square
-    // The standard error that the reference's noise adds to mse_dual, for any number of images compared with it: that
-    // of mean (r1-mu)(r2-mu), from fourth powers of r1-r2. The three channels of a pixel are assumed to be fully
-    // correlated.
+    // The standard error that the reference's noise adds to mse_dual, for any number of images: that of mean
+    // (r1-mu)(r2-mu), from fourth powers of r1-r2, with the three channels of a pixel taken as fully correlated.
     double dual_error = 0;
 };
 ReferenceNoise noise_of(const Image& first_reference, const Image& second_reference);

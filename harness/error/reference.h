@@ -1,6 +1,5 @@
-// Reference images, with which rendered images are compared: two independent halves, rendered until they are accurate
-// enough by a variant that shares as little as possible with those measured, or a closed form. Rendered halves are
-// cached on disk.
+// Reference images: two independent halves, rendered until accurate enough by a variant that shares as little as
+// possible with those measured, or a closed form. Rendered halves are cached on disk.
 #pragma once
 
 #include <functional>

@@ -10,8 +10,7 @@ namespace pt {
 
 namespace {
 
-// Relative difference that counts as none, because two kernels may round a formula differently even where nothing is
-// random.
+// Relative difference that counts as none: kernels may round a formula differently even where nothing is random.
 constexpr double rounding = 1e-6;
 // Largest relative standard error of a mean that takes part in the test.
 constexpr double known_to = 0.1;

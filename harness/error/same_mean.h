@@ -24,8 +24,7 @@ namespace pt {
 
 struct SameMeanOptions {
     double family_error = limits::family_error;
-    // Whether the variants draw samples in the same way, so that they are black equally often (from other random
-    // numbers).
+    // Whether the variants draw samples in the same way, from other random numbers, and so are black equally often.
     bool same_sampling = true;
     double confidence = limits::confidence;  // of each interval by itself
 };

@@ -87,8 +87,7 @@ int lead_or_serve(const std::function<int()>& program) {
     }
     if (ranks().rank == 0) {
         const int exit_code = program();
-        // A launcher ends all ranks when one exits with a code other than 0, so rank 0 ignores SIGTERM while it ends
-        // them itself.
+        // A launcher ends all ranks when one exits with a code other than 0; rank 0 ignores that SIGTERM here.
         std::signal(SIGTERM, SIG_IGN);
         end_ranks(exit_code);
         return exit_code;

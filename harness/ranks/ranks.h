@@ -1,5 +1,5 @@
-// The processes (MPI ranks) of a ptbench command: several if `mpirun -n N` or `srun` started it, otherwise one. Rank 0
-// works like a single process; the other ranks render the samples that it assigns (render_on_ranks.h) and exit with its
+// The MPI ranks of a ptbench command: several processes if `mpirun -n N` or `srun` started it, otherwise one. Rank 0
+// works like a single process; the others render the samples that it assigns (render_on_ranks.h) and exit with its
 // code.
 #pragma once
 

@@ -47,8 +47,7 @@ __device__ inline void intersect_slot(const LeafTriangle* triangle, const Permut
     const float bx = (x.y - ray.x) - shear.x * bz, by = (y.y - ray.y) - shear.y * bz;
     const float cx = (x.z - ray.x) - shear.x * cz, cy = (y.z - ray.y) - shear.y * cz;
     const float u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax;
-    // The sign of a non-zero edge function in float is exact, so where two signs differ the test in double cannot
-    // change it.
+    // The sign of a non-zero edge function is exact in float, so where two signs differ no test in double is needed.
     if (fminf(fminf(u, v), w) < 0.0f && fmaxf(fmaxf(u, v), w) > 0.0f) {
         return;
     }

@@ -60,8 +60,7 @@ struct EncoderView {
         const float4 low = words[0], high = words[1];
         return {{low.x, low.y, low.z}, {high.x, high.y, high.z}};
     }
-    // Reads a node's cut with a load that bypasses L1 (__ldcg), because other multiprocessors write cuts during this
-    // kernel.
+    // Reads a node's cut past the L1 cache (__ldcg), because other multiprocessors write cuts during this kernel.
     __device__ Cut cut(std::uint32_t node) const {
         if (is_leaf(node)) {
             return Cut::of_leaf(box_area(box(node)), 1);

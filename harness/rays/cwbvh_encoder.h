@@ -21,12 +21,10 @@ public:
     GpuEncoder(const GpuEncoder&) = delete;
     GpuEncoder& operator=(const GpuEncoder&) = delete;
 
-    // Encodes a binary tree, asynchronously on the default stream. `root` points to the index of its root in device
-    // memory.
+    // Encodes a binary tree, asynchronously on the default stream. `root` points to its root's index in device memory.
     void encode(const GpuNode* nodes, const std::uint32_t* root);
 
-    // Waits for the encoding and returns the number of wide nodes. Throws std::length_error for a tree deeper than
-    // largest_depth.
+    // Waits, and returns the number of wide nodes. Throws std::length_error for a tree deeper than largest_depth.
     std::uint32_t node_count() const;
     const Node* device_nodes() const;
     const std::uint32_t* device_references() const;  // primitive index by leaf slot

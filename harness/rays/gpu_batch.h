@@ -1,5 +1,5 @@
-// The interface to ray batches on a GPU, whose kernels are in gpu_batch.cu. A build without a CUDA toolkit uses
-// gpu_batch_without_cuda.cpp instead.
+// Ray batches on a GPU, whose kernels are in gpu_batch.cu; gpu_batch_without_cuda.cpp in a build without a CUDA
+// toolkit.
 #pragma once
 
 #include <memory>

@@ -1,7 +1,6 @@
-// Rays from inside a closed mesh towards shared vertices and edges, exactly or some ulps beside them, where a ray may
-// leak through between triangles. A seed and a ray's number determine the ray, bit for bit on host and device, so that
-// a ray that leaks can be traced again anywhere. Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2
-// (1), 2013, section 4.2.
+// Rays from inside a closed mesh towards shared vertices and edges, or some ulps beside them, where rays may leak
+// through. A seed and a ray's number determine the ray, bit for bit on host and device, so that it can be traced again
+// anywhere. Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2 (1), 2013, section 4.2.
 #pragma once
 
 #include "harness/rays/ray_batch.h"
@@ -91,8 +90,7 @@ PT_HD inline Ray leak_ray(const LeakView& view, std::uint64_t number) {
         const float zero = random.below(2) == 0 ? 0.0f : -0.0f;
         const Vec3<float> flat{axis == 0 ? zero : direction.x, axis == 1 ? zero : direction.y,
                                axis == 2 ? zero : direction.z};
-        // The flattened direction is used only if it is not much shorter, because cwbvh expects directions of about
-        // unit length.
+        // The flattened direction is used only if it is not much shorter: cwbvh expects roughly unit length.
         direction = dot(flat, flat) > 0x1p-20f * dot(direction, direction) ? flat : direction;
     }
     if (random.below(2) == 0) {

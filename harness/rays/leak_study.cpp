@@ -18,8 +18,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::uint32_t inner_cubes = 256;
 constexpr std::size_t shown_leaks = 8;  // leaks listed per kernel
 
-// The squared distance of a point to the nearest point of a triangle (Ericson, "Real-Time Collision Detection", 2005,
-// 5.1.5).
+// The squared distance of a point to a triangle (Ericson, "Real-Time Collision Detection", 2005, 5.1.5).
 double squared_distance(const Vec3d& p, const Triangle<float>& triangle) {
     const Vec3d a(triangle.a), ab = Vec3d(triangle.b) - a, ac = Vec3d(triangle.c) - a, ap = p - a;
     const double d1 = dot(ab, ap), d2 = dot(ac, ap);

@@ -1,5 +1,4 @@
-// The meshes of the OptiX probe program, inside a cube: displaced spheres on a latitude-longitude grid, and random
-// tori.
+// Meshes of the OptiX probe program, inside a cube: displaced spheres on a latitude-longitude grid, and random tori.
 #pragma once
 
 #include <array>

@@ -18,8 +18,7 @@ struct alignas(16) Ray {
     float unused = 0.0f;
 };
 
-// The closest hit of a ray with t <= t_max, among equal t the one with the smallest primitive; {t_max, no_primitive}
-// for a miss.
+// The closest hit with t <= t_max, among equal t that of the smallest primitive; {t_max, no_primitive} for a miss.
 inline constexpr std::uint32_t no_primitive = ~0u;
 struct Hit {
     float t;
@@ -59,8 +58,7 @@ public:
     virtual std::vector<Hit> hits() = 0;                  // hits of the last trace
     virtual std::optional<Work> count() = 0;              // none if the accelerator has no counters
 
-    // Takes the source of leak rays (leak_rays.h); make_leak_rays then generates batches where they are traced, in GPU
-    // memory on a GPU.
+    // Takes the source of leak rays (leak_rays.h), from which make_leak_rays generates batches on the tracer's device.
     virtual void take_leak_source(const LeakSource& source) = 0;
     virtual void make_leak_rays(std::uint64_t first, std::uint32_t count) = 0;
     virtual LeakCounts leaks() = 0;  // leaks in the last trace

@@ -10,12 +10,10 @@
 
 namespace pt::rays {
 
-// Traces every batch of the study once uncounted, as a warm-up, and once counted, in the order of `measure`. To be run
-// under ncu.
+// Under ncu, traces each batch of the study once uncounted (warm-up) and once counted, in the order of `measure`.
 void trace_counted(const RayMesh& mesh, const RayStudy& study);
 
-// The counted batches in the results of `measure` for all meshes, in order: the name of the kernel function, and the
-// number of rays.
+// The counted batches in the results of `measure` for all meshes, in order, as kernel function and number of rays.
 std::vector<std::pair<std::string, double>> counted_batches(const nlohmann::ordered_json& meshes);
 
 // Adds the counters to each batch of the meshes. `launches` holds the counters of a launch for each of counted_batches.

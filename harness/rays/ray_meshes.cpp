@@ -35,8 +35,7 @@ void set_bounds(RayMesh& made) {
     }
 }
 
-// The OptiX probe's camera: just inside the front face of the bounding box, at its centre, looking along -z with a half
-// width of 0.8.
+// The OptiX probe's camera: just inside the box, at the centre of its front face, looking along -z.
 RayCamera camera_at_front(const Vec3<float>& low, const Vec3<float>& high) {
     const Vec3<float> centre = (low + high) * 0.5f;
     const float reach = 0.995f * 0.5f * (high.z - low.z);

@@ -28,8 +28,7 @@ struct RayMesh {
 RayMesh mesh_for_rays(const std::string& argument);
 // Loads the mesh of a generator or a file, without the box for a camera.
 RayMesh mesh_without_box(const std::string& argument);
-// Collects the triangles of all mesh objects in a scene, placed relative to the eye. Throws InputError if there are
-// none.
+// Collects the triangles of all meshes in a scene, relative to the eye. Throws InputError if there are none.
 RayMesh scene_for_rays(const std::string& name_or_file);
 
 }  // namespace pt::rays

@@ -98,8 +98,7 @@ struct Maker {
         }
         return {origin + direction * hit.t + n * (0.5e-4f * reach), n};
     }
-    // Secondary rays of a Lambertian surface: cosine-distributed directions (Malley's method), in the frame of Duff et
-    // al. 2017.
+    // Secondary rays of a Lambertian surface: cosine-distributed (Malley's method), in the frame of Duff et al. 2017.
     std::vector<Ray> diffuse(const std::vector<Ray>& from, const std::vector<Hit>& hits, std::uint32_t depth,
                              float t_max) const {
         return make_rays(from.size(), [&](std::uint32_t i) {
@@ -115,8 +114,7 @@ struct Maker {
             return make_ray(point.position, tangent * (r * c) + bitangent * (r * s) + n * z, t_max);
         });
     }
-    // Shadow rays towards random points of a square light just below the top of the bounding box, a quarter of its
-    // width. The light is at t = 1.
+    // Shadow rays to random points of a square light below the box's top, a quarter as wide; the light is at t = 1.
     std::vector<Ray> shadow(const std::vector<Ray>& from, const std::vector<Hit>& hits) const {
         const Vec3<float> centre = (mesh.low + mesh.high) * 0.5f, half = (mesh.high - mesh.low) * 0.5f;
         return make_rays(from.size(), [&](std::uint32_t i) {

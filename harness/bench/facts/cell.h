@@ -92,8 +92,7 @@ struct MeshUse {
     }
 };
 
-// The instrumented pass, which times the stages and counts live paths. Its times are never mixed with those of the
-// samples.
+// The instrumented pass, which times stages and counts live paths; its times are never mixed with the samples' times.
 struct InstrumentedFacts {
     std::vector<std::uint64_t> live_paths = {};  // [k]: number of paths that traced segment k + 1
     std::uint64_t paths = 0;
@@ -152,8 +151,7 @@ struct ConvergenceFacts {
     }
 };
 
-// The facts about a cell. Optional members are set once the cell has come that far: first verified, then rendered at
-// its full size.
+// The facts about a cell. Optional members are set once it has come that far: verified, then rendered at full size.
 struct CellFacts {
     CellStatus status = CellStatus::ok;
     std::string reason = {};  // reason of a failure

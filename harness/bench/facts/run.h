@@ -12,8 +12,7 @@
 
 namespace pt {
 
-// All that must be equal for a run to continue from a journal. `machine` is the result's context without what belongs
-// to a single process.
+// All that must be equal for a run to continue from a journal. `machine` is the result's context, less process facts.
 struct RunIdentity {
     std::string backend = {};
     std::vector<std::string> cells = {};

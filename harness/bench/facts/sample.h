@@ -72,8 +72,7 @@ struct Sample {
     std::optional<std::vector<CheckpointFacts>> checkpoints = {};  // for cells with checkpoints
     std::string film_hash = {};
 
-    // Visits the fields of a sample. Keys that begin with pt_ are those of a row of the result file, in the row's
-    // order.
+    // Visits the fields of a sample. Keys that begin with pt_ are those of a row of the result file, in the same order.
     template <class Self, class Visit>
     static void fields(Self& self, const Visit& visit) {
         visit("cpu_ms", self.cpu_ms);
