@@ -15,9 +15,9 @@ namespace {
 
 struct BenchmarkFlag {
     std::string_view name;
-    std::string_view values;   // regular expression; empty: the flag is refused
-    std::string_view allowed;  // description of allowed values
-    bool may_be_bare = false;  // may be given without a value
+    std::string_view values;   // regular expression for values; empty: ptbench refuses the flag
+    std::string_view allowed;  // allowed values in words, for error messages
+    bool may_be_bare = false;  // whether the flag may be given without a value
 };
 
 constexpr std::string_view any_truth = "true|false|yes|no|on|off|1|0";

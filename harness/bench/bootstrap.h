@@ -30,8 +30,8 @@ struct RatioInterval {
 
 struct RatioEstimate {
     double value = 1;
-    std::optional<RatioInterval> interval = {};  // 95 %; none where one side has a single sample
-    std::size_t samples = 0;                     // number of samples on the side with fewer
+    std::optional<RatioInterval> interval = {};  // 95 % confidence interval; none where one side has a single sample
+    std::size_t samples = 0;                     // number of samples on the side of the ratio that has fewer
 };
 
 // The median of some values. Precondition: there is at least one.
@@ -45,12 +45,12 @@ std::string to_text(Word word);
 // Why a verdict is UNSURE, or why there is none.
 enum class WordReason {
     none,
-    few_samples,            // too few samples on one side or on both
-    wide,                   // the interval reaches both sides of a limit
+    few_samples,            // too few timed samples on one side of the ratio or both
+    wide,                   // the confidence interval contains a limit of the verdict
     contended,              // other processes took CPU time during too many samples
     throttled,              // a CPU quota, perhaps with other processes, took CPU time
-    clocks_differed,        // times and cycles have different verdicts
-    no_baseline,            // no cell differs in the compared choice only
+    clocks_differed,        // ratios of times and of cycles have different verdicts
+    no_baseline,            // no cell has the baseline's choice and all else equal
     baseline_not_measured,  // the baseline cell has no times
 };
 // The code of a verdict's reason in a result file, "few_samples" for instance; "" for `none`.
@@ -69,8 +69,8 @@ std::string in_words(const TimeVerdict& verdict, std::size_t samples);
 struct Times {
     std::vector<double> ms_per_spp;
     std::vector<double> cycles;  // millions of cycles per spp; empty if a clock is unknown
-    bool is_throttled = false;   // a CPU quota disturbed a sample
-    bool is_contended = false;   // other processes disturbed more than limits::most_disturbed_share of them
+    bool is_throttled = false;   // whether a CPU quota disturbed any of the samples
+    bool is_contended = false;   // whether more than most_disturbed_share of the samples were disturbed
 };
 
 // The verdict on the confidence interval of a ratio, whatever the number of samples.

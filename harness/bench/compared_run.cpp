@@ -76,7 +76,7 @@ bool is_same_setting(const ComparedCell& cell, const ComparedCell& other, const 
 
 // How the tuning of two cells differs, in tunables that both have and that the study does not compare.
 struct TuningDifference {
-    bool is_comparable = true;  // values are equal or both standard
+    bool is_comparable = true;  // whether the values are equal or both cells have standard values
     int differences = 0;
     int others_alone = 0;  // tuned values of the other cell that this cell does not have
 };
@@ -196,7 +196,7 @@ ComparedRun compared_run(const Plan& plan, const Journal& journal) {
 }
 
 ComparedRun compared_run(const OrderedJson& rows, const OrderedJson& cells, const OrderedJson& baselines) {
-    std::map<std::size_t, std::vector<Sample>> samples;  // by the cell's number
+    std::map<std::size_t, std::vector<Sample>> samples;  // samples by the cell's number (family_index)
     for (const OrderedJson& row : rows) {
         if (is_row_of_sample(row)) {
             samples[row.at("family_index").get<std::size_t>()].push_back(sample_of_row(row));

@@ -101,7 +101,7 @@ constexpr std::uint32_t is_refused = 1u << 31;  // flag in a child's report, bes
             std::uint32_t report = i;
             try {
                 programs[i].second.compile();
-            } catch (const std::exception&) {  // reported later by the user of the program
+            } catch (const std::exception&) {  // the error is reported by whoever needs the program
                 report |= is_refused;
             }
             (void)!::write(done, &report, sizeof report);

@@ -61,16 +61,16 @@ private:
         return places;
     }
 
-    std::vector<std::vector<std::string>> names_;  // choices by axis
-    std::vector<std::size_t> first_;               // by axis: index of its first choice among all choices
-    std::vector<std::vector<bool>> met_;           // by the indices of two choices, the lower axis first
+    std::vector<std::vector<std::string>> names_;  // names of the choices to cover, by axis
+    std::vector<std::size_t> first_;               // by axis: index of the axis's first choice among all choices
+    std::vector<std::vector<bool>> met_;           // whether two choices have met in a variant, by their indices
 };
 
 }  // namespace
 
 std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet features, Backend backend) {
     constexpr int completions = 60;  // variants tried for each pair, the first from the baseline
-    std::mt19937 random(1);          // fixed seed: always the same set
+    std::mt19937 random(1);          // fixed seed, so that the set of variants is always the same
     const Variant baseline = expand({}, backend).front();
     std::vector<Variant> variants;
     Variant plainest = baseline;

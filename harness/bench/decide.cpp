@@ -42,7 +42,7 @@ double seconds_of_a_sample(const Cell& cell, const Journal& journal) {
     return 1e-3 * median_of(ms);
 }
 
-using Wanted = std::map<std::string, std::size_t>;  // samples by cell name
+using Wanted = std::map<std::string, std::size_t>;  // wanted number of samples by cell name
 
 void add_open_verdicts(Wanted& wanted, const Study& study, const ComparedRun& run, const Journal& journal) {
     const ComparedCells cells = run.of_study(study.name);

@@ -56,10 +56,10 @@ private:
     std::optional<Errors> errors_at(const Cell& cell, const Hashed& whole, const Hashed& half);
 
     ReferenceMaker maker_;
-    std::map<std::string, ReferenceTask> tasks_;  // by name of the reference
+    std::map<std::string, ReferenceTask> tasks_;  // tasks by name of the reference
     std::map<std::string, Reference> references_;
     std::map<std::string, std::string> failures_;
-    std::map<std::string, std::optional<Errors>> known_;  // by reference, sample count and film hash
+    std::map<std::string, std::optional<Errors>> known_;  // errors by reference, sample count and film hash
 };
 
 // The folder for the images of a result, beside the result file. While an earlier result is kept, images are written to

@@ -15,15 +15,15 @@ namespace pt {
 // The efficiency of a cell relative to its baseline: the baseline's error x time over the cell's.
 struct ErrorEfficiency {
     double value = 1;
-    std::optional<RatioInterval> interval = {};  // 95 %, bootstrap over seeds
+    std::optional<RatioInterval> interval = {};  // 95 % confidence interval, bootstrap over seeds
 };
 
 // The errors of a cell's samples at the last checkpoint, one value for each seed.
 struct LastErrors {
     const Cell* cell = nullptr;
-    std::vector<double> mse = {}, rel_mse = {};  // mse_dual and rel_mse_dual; may be below 0
-    std::vector<double> ms_per_spp = {};         // times without checkpoints, if these were measured
-    bool is_contended = false;                   // whether other processes disturbed the times
+    std::vector<double> mse = {}, rel_mse = {};  // mse_dual and rel_mse_dual of each seed; may be below 0
+    std::vector<double> ms_per_spp = {};         // times of renders without checkpoints, if measured
+    bool is_contended = false;                   // whether other processes disturbed too many of the times
 
     // The efficiency relative to a baseline. None where the mean error of either side is not above 0, or where the two
     // have different numbers of seeds.

@@ -59,8 +59,8 @@ private:
     };
     struct Entry {
         std::optional<Imprint> right = {};
-        Variant reference = {};  // variant that rendered `right`
-        std::string of = {};     // name of that variant
+        Variant reference = {};  // reference variant that rendered the right imprint
+        std::string of = {};     // name of the reference variant
         std::vector<Seen> seen = {};
     };
     static Imprint render_imprint(const Cell& cell, const Variant& variant, std::uint32_t samples, std::uint64_t seed);
@@ -73,7 +73,7 @@ private:
 
     std::uint64_t first_seed_;
     Render render_;
-    std::map<std::pair<std::string, std::size_t>, Entry> entries_;  // by bitwise group and sample index
+    std::map<std::pair<std::string, std::size_t>, Entry> entries_;  // seen films by bitwise group and sample index
 };
 
 }  // namespace pt

@@ -13,8 +13,8 @@ namespace pt {
 // bounce traces fewer rays; its cache hits are added to the rays.) Compactions, sorts and kernel launches are left out,
 // since they depend on the variant.
 struct Imprint {
-    std::string film;               // hash of the film
-    std::uint64_t paths = 0;        // paths started
+    std::string film;               // hash of the film's bits
+    std::uint64_t paths = 0;        // number of paths started
     std::uint64_t rays = 0;         // rays traced, plus first hits taken from a cache
     std::uint64_t connections = 0;  // shadow rays to lights, which `rays` includes
 

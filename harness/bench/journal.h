@@ -71,7 +71,7 @@ private:
 
     std::string file_;
     LockedFile locked_;
-    LineSeal seal_;  // after the last line of the file
+    LineSeal seal_;  // checksum state after the last line of the file
     std::size_t dropped_bytes_ = 0;
     std::map<std::string, std::vector<Sample>> samples_, retaken_;
     std::map<std::string, CellFacts> cells_;

@@ -25,7 +25,7 @@ struct EarlierResult {
     int failed_cells = 0;
     FileStamp stamp = {};
     std::vector<std::string> images = {};  // image files that the result names, relative to its folder
-    std::string description;               // text of describe_result
+    std::string description;               // description of the existing result (describe_result)
 
     // Whether the existing result stays until the run's own result is complete. An interrupted result of the same run
     // does not stay.

@@ -40,8 +40,8 @@ public:
         : seed_(seed), films_(films), errors_(errors) {}
 
     struct Prepared {
-        CellFacts facts;                      // facts for the journal
-        std::vector<FailedCell> others = {};  // other cells found wrong meanwhile
+        CellFacts facts;                      // facts about the prepared cell, for the journal
+        std::vector<FailedCell> others = {};  // other cells that this preparation showed to be wrong
     };
 
     // Prepares a cell; an exception fails the cell, not the run.
@@ -128,7 +128,7 @@ private:
     std::uint64_t seed_;
     FilmLedger& films_;
     ErrorBook& errors_;
-    std::map<std::string, Verifier> verifiers_;  // by scene, size and depth
+    std::map<std::string, Verifier> verifiers_;  // verifiers by scene, size and depth
 };
 
 std::vector<const Cell*> unknown_cells(const Plan& plan, const Journal& journal) {

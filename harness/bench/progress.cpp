@@ -59,7 +59,7 @@ void TimeLeft::drop(const std::string& name) {
 }
 
 std::optional<double> TimeLeft::seconds() const {
-    double sizes = 0, means = 0;  // sums over the measured names
+    double sizes = 0, means = 0;  // sums over the names that have measured steps
     for (const auto& [name, entry] : names_) {
         if (entry.measured > 0) {
             sizes += entry.size;

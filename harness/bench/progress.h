@@ -32,7 +32,7 @@ private:
         std::size_t left = 0;
         double size = 1;
         std::size_t measured = 0;
-        double total = 0;  // seconds
+        double total = 0;  // seconds that the measured steps took
     };
     std::map<std::string, Name> names_;
 };
@@ -60,8 +60,8 @@ private:
     double patience_;
     std::size_t done_ = 0;
     double start_;
-    double last_shown_ = -1e9;    // seconds; far in the past: nothing was shown yet
-    std::optional<double> left_;  // last estimate of the remaining seconds
+    double last_shown_ = -1e9;    // time of the last shown line in seconds; initially long ago
+    std::optional<double> left_;  // the last estimate of the remaining time in seconds
     bool is_terminal_;
 };
 

@@ -60,7 +60,7 @@ private:
             fail(cell, fmt::format("sample {} with {}", index, fault), "what a render can leave");
         }
         counted_[{cells_.at(cell).at("cell").get<std::string>(), index}] = seed_and_film(sample);
-        if (cells_.at(cell).at("status") != "failed") {  // a wrong film may be why it failed
+        if (cells_.at(cell).at("status") != "failed") {  // a failed cell may have failed because of a wrong film
             check_film(sample, cell, index);
         }
     }
@@ -123,8 +123,8 @@ private:
     const std::string& file_;
     const OrderedJson& result_;
     const OrderedJson& cells_;
-    std::vector<std::set<std::size_t>> indices_;                        // sample indices by cell
-    std::map<std::pair<std::string, std::size_t>, Json> counted_;       // seed and film by cell and sample index
+    std::vector<std::set<std::size_t>> indices_;                        // indices of the samples found, by cell
+    std::map<std::pair<std::string, std::size_t>, Json> counted_;       // seed and film hash by cell and sample index
     std::map<std::string, std::pair<std::string, std::size_t>> films_;  // first film of a bitwise group, and its cell
 };
 

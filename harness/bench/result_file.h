@@ -12,17 +12,17 @@ namespace pt {
 struct RunFacts {
     std::string command_line;
     std::string suite;
-    std::string date;  // end of the run in ISO 8601
+    std::string date;  // time at which the run ended, in ISO 8601
     Backend backend = Backend::cpu;
     bool completed = true;
     int repetitions = 1;
-    int most_retakes = 0;  // per cell
-    RunRecord run = {};    // without its sessions
+    int most_retakes = 0;  // largest number of retakes per cell
+    RunRecord run = {};    // identity of the run, without sessions
     std::vector<ComparisonFacts> comparisons = {};
 };
 
 struct Aggregates {
-    double mean, median, stddev, cv;  // stddev and cv are 0 for one value
+    double mean, median, stddev, cv;  // standard deviation and cv are 0 for a single value
 };
 // Mean, median and spread of some values. Precondition: there is at least one.
 Aggregates aggregate(std::vector<double> values);
@@ -35,9 +35,9 @@ std::string rows_on_lines(const nlohmann::ordered_json& value);
 // used up, or the clock was low.
 struct Disturbance {
     std::size_t samples = 0;
-    std::size_t disturbed = 0;  // samples with any of these disturbances
-    std::size_t contended = 0;  // is_disturbed, by other processes only
-    std::size_t throttled = 0;  // is_disturbed, with a used-up CPU quota
+    std::size_t disturbed = 0;  // samples that were disturbed or had a low clock
+    std::size_t contended = 0;  // samples disturbed by other processes only
+    std::size_t throttled = 0;  // samples disturbed by a used-up CPU quota
     std::size_t low_clock = 0;
     std::size_t clock_unknown = 0;
 };

@@ -11,11 +11,11 @@
 namespace pt {
 
 struct RunEnding {
-    const Plan& plan;  // the planned cells
+    const Plan& plan;  // the cells that the run was to measure
     const Suite& suite;
     EarlierResult earlier;
-    std::string out;   // the result file
-    RunFacts facts;    // `date` and `completed` describe the end
+    std::string out;   // name of the result file to write
+    RunFacts facts;    // facts about the run; the end sets `date` and `completed`
     bool was_resumed;  // whether the command line has --resume already
 };
 

@@ -11,7 +11,7 @@ struct RunSettings {
     Backend backend = Backend::cpu;
     std::uint64_t seed = 1;
     int repetitions = 1;
-    int most_repetitions = 1;  // limit where open verdicts may get more samples
+    int most_repetitions = 1;  // limit of samples per cell where open verdicts may get more
     Shard shard = {};
 };
 

@@ -13,8 +13,8 @@ namespace pt {
 
 struct RunOptions {
     Backend backend = Backend::cpu;
-    std::string out;           // result file
-    std::string command_line;  // recorded in the result, and used to continue the run
+    std::string out;           // name of the result file
+    std::string command_line;  // command line, for the result and to continue the run
     int repetitions = 0;       // samples per cell; 0: the suite's number
     int retakes = -1;          // retakes of disturbed samples per cell; -1: as many as repetitions
     int decide_seconds = -1;   // time limit for samples that settle open verdicts; -1: the suite's
@@ -22,14 +22,14 @@ struct RunOptions {
     // Allows an existing result to be replaced once the new one is complete, and, without `resume`, a new run beside an
     // unfinished one, whose journal is kept under another name.
     bool overwrite = false;
-    bool other_host = false;  // resume although the host name differs
-    bool quiet = false;       // no progress on stderr
+    bool other_host = false;  // allow --resume although the host name differs
+    bool quiet = false;       // show no progress on stderr
     Shard shard = {};
     std::string reference_cache = {};               // folder of cached reference images; empty: no cache
-    bool untuned = false;                           // keep tunables at their standards, without tuned values
-    std::uint64_t seed = 1;                         // of sample 0; sample i has seed + i
+    bool untuned = false;                           // keep tunables at their standards, ignoring tuned values
+    std::uint64_t seed = 1;                         // seed of sample 0; sample i has `seed` + i
     std::string filter = {};                        // regular expression on cell names; empty: all
-    std::vector<std::string> benchmark_flags = {};  // --benchmark_*, passed on
+    std::vector<std::string> benchmark_flags = {};  // --benchmark_* flags for Google Benchmark
     // How long a sample in flight may continue after an interrupt.
     std::chrono::milliseconds grace = std::chrono::seconds(1);
 };

@@ -10,7 +10,7 @@
 namespace pt {
 
 struct Shard {
-    std::uint32_t index = 1;  // 1 to `count`
+    std::uint32_t index = 1;  // number of this shard, from 1 to `count`
     std::uint32_t count = 1;  // number of shards; 1: the run is not divided
 
     bool is_whole() const { return count == 1; }

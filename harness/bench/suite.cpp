@@ -106,7 +106,7 @@ void merge(Cell& known, const Cell& other, const std::string& study) {
     kept.images = kept.images || added.images;
 }
 
-using Scenes = std::map<std::string, std::shared_ptr<const Scene>>;  // by scene name or file
+using Scenes = std::map<std::string, std::shared_ptr<const Scene>>;  // loaded scenes by name or file
 
 // Loads each scene that a suite names once.
 Scenes scenes_of(const Suite& suite) {
@@ -476,7 +476,7 @@ private:
     const Tuning& tuning_;
     Scenes scenes_;
     Plan plan_;
-    std::unordered_map<std::string, std::size_t> positions_;  // index in the plan by cell name
+    std::unordered_map<std::string, std::size_t> positions_;  // index of each cell in the plan, by cell name
 };
 
 }  // namespace

@@ -28,13 +28,13 @@ struct VariantSet {
 // The settings of a study of error against run time (harness/bench/convergence_study.h).
 struct ConvergenceSettings {
     std::string reference_scene = {};                        // scene of the reference image; empty: the cell's own
-    std::map<std::string, std::string> reference_axes = {};  // choices of the reference's variant by axis
-    double variance = 1e-6;                                  // largest variance of the reference per channel
-    std::map<Backend, double> variance_on = {};              // `variance` for a single backend
+    std::map<std::string, std::string> reference_axes = {};  // choices of the reference's variant
+    double variance = 1e-6;                                  // largest variance of the reference image per channel
+    std::map<Backend, double> variance_on = {};              // variance limits for single backends
     std::uint64_t most_spp = 65536;                          // largest spp of each half of the reference
     std::map<Backend, std::uint64_t> most_spp_on = {};
-    bool images = false;               // keep the first sample's image at all checkpoints
-    bool without_checkpoints = false;  // time the cells without checkpoints too
+    bool images = false;               // save the first sample's image at each checkpoint
+    bool without_checkpoints = false;  // also time the cells without checkpoints
 };
 
 // The value of `compares` for a study of how many paths are alive at each bounce.
@@ -49,23 +49,23 @@ struct Study {
     // The axis or the tunable that the study compares, or live_paths. If empty, the study compares nothing or, with
     // `along`, the first axis on which its cells have several choices.
     std::string compares;
-    std::string along = {};  // second parameter that varies; empty: none
+    std::string along = {};  // second parameter that varies in the study; empty: none
     std::vector<std::string> scenes;
     AxisChoices axes;
     TunableValues tunables;
     // Whether a command line describes the study. Axes that it leaves open get the best known choice (fastest.h), those
     // that a suite leaves open their baseline.
     bool is_of_a_call = false;
-    std::vector<VariantSet> variants = {};                // each is combined with axes and tunables; may be empty
-    std::optional<ConvergenceSettings> convergence = {};  // set in studies of error against time
-    std::uint32_t width = 0, height = 0;                  // pixels; 0: the scene's own
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> more_sizes;  // further resolutions
+    std::vector<VariantSet> variants = {};                // variant sets, each combined with `axes` and `tunables`
+    std::optional<ConvergenceSettings> convergence = {};  // only for studies of error against time
+    std::uint32_t width = 0, height = 0;                  // resolution in pixels; 0: the scene's own
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> more_sizes;  // resolutions besides width x height
     std::map<Backend, std::vector<std::pair<std::uint32_t, std::uint32_t>>> sizes_on =
-        {};                             // sizes for a single backend
-    std::vector<std::uint32_t> depths;  // largest path depths; empty: the scene's own
+        {};                             // resolutions for single backends
+    std::vector<std::uint32_t> depths;  // limits of path depth; empty: the scene's own
     std::uint32_t spp = 1;
-    std::vector<std::uint32_t> more_spp = {};      // further sample counts
-    std::map<Backend, std::uint32_t> spp_on = {};  // spp for a single backend
+    std::vector<std::uint32_t> more_spp = {};      // samples per pixel besides `spp`
+    std::map<Backend, std::uint32_t> spp_on = {};  // samples per pixel for single backends
 
     std::vector<std::uint32_t> spps_for(Backend backend) const;
 };
@@ -114,7 +114,7 @@ struct NotApplicable {
 std::string setting_in(const std::string& cell_name);
 
 struct Plan {
-    std::vector<Cell> cells;  // with unique names
+    std::vector<Cell> cells;  // the planned cells, with unique names
     std::vector<NotApplicable> not_applicable;
     std::vector<std::string> chosen = {};  // choices made automatically, "SCENE: accelerator=bvh8 ..."
 };

@@ -13,9 +13,9 @@ namespace pt {
 
 struct TakenSample {
     std::string error = {};                // reason of a failure; empty if there is none
-    Sample facts = {};                     // the sample's line in the journal
+    Sample facts = {};                     // times and counters of the sample, for the journal
     std::vector<Snapshot> snapshots = {};  // films at the checkpoints, if the cell has any
-    std::vector<FailedCell> others = {};   // cells whose earlier samples turned out wrong
+    std::vector<FailedCell> others = {};   // cells whose earlier samples this sample showed to be wrong
 };
 
 class SampleTaker {
@@ -36,8 +36,8 @@ private:
     std::uint64_t first_seed_;
     FilmLedger& films_;
     ErrorBook& errors_;
-    std::set<std::string> warm_;  // names of cells that had a warm-up render
-    std::uint64_t order_ = 0;     // pt_order of the next sample
+    std::set<std::string> warm_;  // names of the cells that had a warm-up render
+    std::uint64_t order_ = 0;     // position of the next sample among those of all cells
 };
 
 }  // namespace pt

@@ -242,7 +242,7 @@ void time_cells(const Plan& plan, const Suite& suite, const TimingOptions& optio
     const bool own_format = std::any_of(options.benchmark_flags.begin(), options.benchmark_flags.end(),
                                         [](const std::string& flag) { return flag.starts_with("--benchmark_format"); });
     benchmark::RunSpecifiedBenchmarks(own_format ? nullptr : &reporter);
-    std::mt19937 random;  // fixed seed: the same order in every run
+    std::mt19937 random;  // fixed seed, so that samples have the same order in every run
     const auto retake = [&] {
         while (timer.retake_round(cells, options.most_retakes, random)) {
         }

@@ -14,9 +14,9 @@ namespace pt {
 
 struct TimingOptions {
     int repetitions = 1;
-    int most_retakes = 0;                           // retakes of disturbed samples per cell
+    int most_retakes = 0;                           // largest number of retakes of disturbed samples per cell
     int decide_seconds = 0;                         // time limit for samples that settle open verdicts
-    std::vector<std::string> benchmark_flags = {};  // --benchmark_*
+    std::vector<std::string> benchmark_flags = {};  // --benchmark_* flags of the command line
     std::string images_folder = {};                 // folder for kept images of cells
     Progress::Lines lines = Progress::Lines::shown;
 };

@@ -14,11 +14,11 @@ namespace pt {
 
 struct TunedVariant {
     std::string variant;                          // name with all tunables at their defaults, for people
-    std::string id;                               // identity for look-ups (variant_id)
-    std::map<std::string, std::uint32_t> values;  // values other than the defaults
+    std::string id;                               // identity by which an entry is found (variant_id)
+    std::map<std::string, std::uint32_t> values;  // tuned values that differ from the defaults
     std::string scene;
     std::uint32_t width = 0, height = 0, depth = 0, spp = 0;
-    double standard_ms = 0, tuned_ms = 0;  // medians of a render's device time
+    double standard_ms = 0, tuned_ms = 0;  // median device times of a render, default and tuned values
 };
 
 class Tuning {

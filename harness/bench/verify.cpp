@@ -86,8 +86,8 @@ std::vector<std::vector<double>> batch_means(const Scene& scene, RenderSettings 
 
 struct PairedDifference {
     double mean_a = 0, mean_b = 0;
-    double difference = 0;  // mean of a - b
-    double error = 0;       // standard error of that mean
+    double difference = 0;  // mean of the paired differences a - b
+    double error = 0;       // standard error of the mean difference
 };
 
 PairedDifference paired_difference(const std::vector<std::vector<double>>& a, const std::vector<std::vector<double>>& b,
@@ -96,7 +96,7 @@ PairedDifference paired_difference(const std::vector<std::vector<double>>& a, co
     double squares = 0;
     for (std::size_t batch = 0; batch < a.size(); ++batch) {
         const double difference = a[batch][entry] - b[batch][entry];
-        const double delta = difference - result.difference;  // Welford
+        const double delta = difference - result.difference;  // Welford's online algorithm for mean and variance
         const auto count = static_cast<double>(batch + 1);
         result.difference += delta / count;
         squares += delta * (difference - result.difference);
@@ -171,12 +171,12 @@ const Verifier::CpuCheck& Verifier::against_cpu(const Variant& reference_variant
     }
     for (const std::string_view axis : axis_names) {
         if (Registry::instance().find(axis, plain[axis], Backend::cpu) == nullptr) {
-            return check;  // the CPU lacks one of the choices
+            return check;  // the CPU backend lacks one of the variant's choices
         }
     }
     plain = fast_reference_on(scene_, plain, Backend::cpu);
     if (!why_not_applicable(plain, features_of(scene_), Backend::cpu).empty()) {
-        return check;  // matrices in double precision
+        return check;  // does not apply on the CPU: matrices in double precision
     }
     check.is_made = true;
     const RenderResult expected = render_samples(scene_, settings_, plain, Backend::cpu, 0, spp_, spp_);

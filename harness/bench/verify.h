@@ -11,15 +11,15 @@ namespace pt {
 // The first pixel, sample and bounce at which two variants differ whose films should be equal.
 struct Difference {
     std::uint32_t x = 0, y = 0;
-    std::optional<std::uint32_t> sample;  // none: only the sum over samples differs
-    std::optional<std::uint32_t> bounce;  // first depth limit at which the sample differs
+    std::optional<std::uint32_t> sample;  // none if only the sum over samples differs
+    std::optional<std::uint32_t> bounce;  // smallest depth limit at which the sample differs
     std::string text() const;
 };
 
 struct Verdict {
     bool holds = true;
     std::string film_hash;
-    std::string message;  // what was compared, or what failed
+    std::string message;  // what the film was compared with, or what failed
 };
 
 // Verifies variants on one scene at one size, and keeps the films of reference variants.
@@ -41,15 +41,15 @@ private:
     Verdict check_freely_rounded(const Variant& variant);
     const RenderResult& reference(const Variant& reference_variant);
     struct CpuCheck {
-        bool is_made = false;      // the CPU backend has the variant
-        std::string failure = {};  // empty: the films are equal
+        bool is_made = false;      // whether the CPU backend has the variant
+        std::string failure = {};  // how the films differ; empty if they are equal
     };
     // Compares a reference variant's film on CUDA with the film of the CPU's own reference.
     const CpuCheck& against_cpu(const Variant& reference_variant);
     RenderResult render_part(const Variant& variant, std::uint32_t first, std::uint32_t count) const;
 
     struct MeanCheck {
-        std::string failure = {};  // empty: the means agree
+        std::string failure = {};  // how the means differ; empty if they agree
         double detectable = 0;     // smallest relative bias of the mean that would fail
         double effect = 0;         // relative change of the mean against the plain choice
     };
@@ -62,8 +62,8 @@ private:
     Backend backend_;
     std::map<Variant, RenderResult> references_;
     std::map<Variant, MeanCheck> statistical_;
-    std::map<Variant, CpuCheck> against_cpu_;  // by reference variant
-    std::map<Variant, Verdict> bits_;          // verdicts on exact twins
+    std::map<Variant, CpuCheck> against_cpu_;  // comparisons with the CPU's film by reference variant
+    std::map<Variant, Verdict> bits_;          // verdicts on the exact twins of variants that round freely
 };
 
 // Finds the first pixel, sample and bounce at which two variants differ. Precondition: their films differ.

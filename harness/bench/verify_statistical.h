@@ -15,8 +15,8 @@ namespace pt {
 // The claim that a tested variant converges to the image of a baseline variant.
 struct MeanClaim {
     Variant tested, baseline;
-    std::uint32_t depth = 0, baseline_depth = 0;  // path depths with the same expectation
-    bool same_sampling = true;                    // as in SameMeanOptions
+    std::uint32_t depth = 0, baseline_depth = 0;  // path depths at which both have the same expectation
+    bool same_sampling = true;                    // whether both sample alike (SameMeanOptions)
 };
 
 // The claim that follows from a variant's choices (Descriptor::mean_of). The baseline is the reference variant with

@@ -57,7 +57,7 @@ struct Covariance {
 
 struct PixelMoments {
     std::array<double, 3> mean{};
-    Covariance covariance;  // unbiased
+    Covariance covariance;  // unbiased covariance of the colour channels over runs
 };
 
 // The mean and covariance of every pixel over all runs. Precondition: at least two runs.

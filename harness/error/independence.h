@@ -11,15 +11,15 @@ namespace pt {
 struct Dependence {
     const char* name = "";
     double value = 0;
-    double error = 0;  // standard error
-    double p = 1;      // one-sided p-value; negative values are no fault
+    double error = 0;  // standard error of the statistic
+    double p = 1;      // one-sided p-value, because negative dependence is no fault
 };
 
 struct Independence {
     // Excess of a run's variance over the prediction from its parts; correlation of neighbouring pixels; correlation of
     // runs with successive seeds.
     std::array<Dependence, 3> dependences;
-    double p = 1;  // Sidak p-value of the smallest p-value
+    double p = 1;  // p-value of the smallest p-value (Sidak)
     const Dependence& strongest() const;
 };
 

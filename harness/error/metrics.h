@@ -43,8 +43,8 @@ std::optional<Errors> errors_of(const Image& image, const Halves* halves, const 
 
 // The noise of a reference image (r1 + r2) / 2, estimated from its halves r1 and r2.
 struct ReferenceNoise {
-    double variance = 0;     // of the mean of both halves, per pixel and channel: mean((r1-r2)^2) / 4
-    double mean_square = 0;  // mean over pixels and channels of its square
+    double variance = 0;     // variance of a pixel's channel of r: mean((r1-r2)^2) / 4
+    double mean_square = 0;  // mean square of the reference image over pixels and channels
     // The standard error that the reference's noise adds to mse_dual, for any number of images: that of mean
     // (r1-mu)(r2-mu), from fourth powers of r1-r2, with the three channels of a pixel taken as fully correlated.
     double dual_error = 0;

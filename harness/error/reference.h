@@ -24,9 +24,9 @@ struct ReferenceTask {
     std::shared_ptr<const Scene> scene;
     std::uint32_t width = 0, height = 0, depth = 0;
     Backend backend = Backend::cpu;
-    std::map<std::string, std::string> axes = {};  // choices that replace those of reference_variant
-    double variance = 0;                           // largest variance per pixel and channel
-    std::uint64_t most_spp = 1;                    // largest spp of each half
+    std::map<std::string, std::string> axes = {};  // choices by axis that replace those of reference_variant
+    double variance = 0;                           // largest allowed variance per pixel and channel
+    std::uint64_t most_spp = 1;                    // largest samples per pixel of each half
     // The reference's name, "cornell_open/64x64/depth:8/cpu", followed by "/AXIS=CHOICE" for each of `axes`.
     std::string name() const;
 };
@@ -36,14 +36,14 @@ struct Reference {
     std::string scene, scene_hash;
     std::uint32_t width = 0, height = 0, depth = 0;
     bool is_closed_form = false;
-    std::string formula;             // of a closed form, else empty
-    std::uint64_t spp_per_half = 0;  // from here on: of rendered references
+    std::string formula;             // formula of a closed form, else empty
+    std::uint64_t spp_per_half = 0;  // samples per pixel of each half; 0 for a closed form
     std::string variant, variant_id, backend;
     std::uint64_t seeds[2] = {0, 0};
     std::string git_sha;
-    Image first, second;  // the halves; a closed form is in both
+    Image first, second;  // images of both halves; equal for a closed form
     ReferenceNoise noise;
-    std::string hash;  // hash of both halves' bits
+    std::string hash;  // hash of the bits of both halves
 
     Json provenance() const;
     Image mean() const;

@@ -185,9 +185,9 @@ private:
     // variance without a bias follows from the covariances.
     struct SquaredBias {
         double square = 0, variance = 0;
-        double more_variance = 0;  // bound on the added variance for a bias d: 4 d' C d
-        double noise = 0;          // trace of the covariance of the difference
-        double light = 0;          // squared mean of the baseline
+        double more_variance = 0;  // upper bound of the variance that a bias d adds, 4 d' C d
+        double noise = 0;          // variance of the difference of means, summed over channels
+        double light = 0;          // squared mean radiance of the baseline
         double pixels = 0;
         SquaredBias& operator+=(const SquaredBias& other) {
             square += other.square;
@@ -314,7 +314,7 @@ private:
     SameMeanOptions options_;
     BlockMeans tested_blocks_, baseline_blocks_;
     std::vector<PixelMoments> tested_pixels_, baseline_pixels_;
-    std::vector<Variances> tested_variances_, baseline_variances_;  // per pixel, mean over each block
+    std::vector<Variances> tested_variances_, baseline_variances_;  // mean variance of a pixel in each block
     SameMeanReport report_;
 };
 

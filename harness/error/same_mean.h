@@ -26,14 +26,14 @@ struct SameMeanOptions {
     double family_error = limits::family_error;
     // Whether the variants draw samples in the same way, from other random numbers, and so are black equally often.
     bool same_sampling = true;
-    double confidence = limits::confidence;  // of each interval by itself
+    double confidence = limits::confidence;  // confidence level of each interval by itself
 };
 
 struct Statistic {
     const char* name = "";
     double p = 1;
     bool applies = true;
-    std::string where = {};  // unit with the smallest p-value
+    std::string where = {};  // pixel, block or channel with the smallest p-value
 };
 
 struct ConfidenceInterval {
@@ -48,12 +48,12 @@ struct RelativeDifference {
 };
 
 struct SameMeanReport {
-    std::array<Statistic, 6> statistics;  // image, blocks, squares, pixel, support, independence
-    double level = 0;                     // p-values below it reject equality
+    std::array<Statistic, 6> statistics;  // of image, blocks, squares, pixel, support, independence
+    double level = 0;                     // significance level: a smaller p-value rejects equal means
     bool same() const;
     const Statistic& strongest() const;
 
-    RelativeDifference image;        // difference of the image mean over all channels
+    RelativeDifference image;        // difference of the image's mean over all channels
     RelativeDifference worst_block;  // difference in the block with the smallest p-value
     std::size_t worst_block_x = 0, worst_block_y = 0;
     std::size_t blocks_counted = 0, blocks = 0, pixels_counted = 0, pixels = 0;
@@ -62,7 +62,7 @@ struct SameMeanReport {
     double root_mean_square = 0;
     ConfidenceInterval root_mean_square_interval;
     std::size_t lit_in_tested_only = 0, lit_in_baseline_only = 0;
-    Dependence dependence;  // strongest dependence between samples
+    Dependence dependence;  // strongest dependence between samples of the tested variant
     // A line of text with every p-value, then every effect with its interval.
     std::string text() const;
 };

@@ -10,8 +10,8 @@ namespace pt {
 struct Launch {
     int rank = 0;
     int count = 1;
-    int local_rank = 0;   // rank among those on its host
-    int local_count = 1;  // number of ranks on its host
+    int local_rank = 0;   // rank of this process among those on its host
+    int local_count = 1;  // number of ranks on this process's host
     bool operator==(const Launch&) const = default;
 };
 

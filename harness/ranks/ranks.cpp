@@ -46,7 +46,7 @@ int wait_for(pid_t child, const Launch& launch) {
         return WEXITSTATUS(status);
     }
     if (WTERMSIG(status) == SIGINT || WTERMSIG(status) == SIGTERM ||
-        WTERMSIG(status) == SIGHUP) {  // the user stops the whole command
+        WTERMSIG(status) == SIGHUP) {  // the user is stopping all ranks
         return exit_interrupted;
     }
     say("ptbench: rank {} of {} on {} was killed: {}\n", launch.rank, launch.count, host_of_this_rank(),

@@ -57,8 +57,8 @@ RenderResult render_and_check(const Scene& scene, const RenderRequest& share) {
 }
 
 struct Share {
-    std::optional<RenderResult> result;  // none if the rank had no samples or failed
-    std::vector<std::int64_t> sums;      // sums of its film
+    std::optional<RenderResult> result;  // result of this rank; none if it had no samples or failed
+    std::vector<std::int64_t> sums;      // radiance sums of this rank's film
     Json facts;
 };
 

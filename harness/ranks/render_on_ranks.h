@@ -17,7 +17,7 @@ struct RankFacts {
 };
 
 struct RankedRender {
-    RenderResult result;  // times include the reduction; cpu_ms: of all ranks
+    RenderResult result;  // times include the reduction; cpu_ms is that of all ranks
     RankFacts ranks;
 };
 

@@ -15,11 +15,11 @@ namespace cwbvh = accelerator::cwbvh;
 template <int Threads, int BlocksPerSm, int SharedEntries, int Refill, int Vote, int Groups, bool Any = false>
 struct BatchPolicy : traversal::WarpPolicy<Refill, Vote> {
     static constexpr int threads = Threads;               // threads per block
-    static constexpr int blocks_per_sm = BlocksPerSm;     // resident blocks, which bounds registers per thread
-    static constexpr int shared_entries = SharedEntries;  // entries of each thread's stack in shared memory
+    static constexpr int blocks_per_sm = BlocksPerSm;     // resident blocks per multiprocessor, which bounds registers
+    static constexpr int shared_entries = SharedEntries;  // traversal stack entries per thread in shared memory
     // Triangle groups that a lane can postpone. With 2, a lane visits the next node while other lanes test triangles.
     static constexpr int groups = Groups;
-    static constexpr bool any = Any;  // occlusion test instead of closest hit
+    static constexpr bool any = Any;  // whether rays are occlusion tests
 };
 
 // A ray for the watertight triangle test (kernels/triangle.h) on the rows of a leaf slot. The operations and their
@@ -174,7 +174,7 @@ private:
     cwbvh::BoxRay box_ray_;
     PermutedRay ray_;
     Hit best_;
-    cwbvh::NodeGroup group_{};  // empty until a ray is fetched, since idle lanes vote too
+    cwbvh::NodeGroup group_{};  // empty until a ray is fetched: idle lanes are asked too
     cwbvh::SlotGroup pending_, later_;
     std::uint32_t index_;
     int depth_ = 0;

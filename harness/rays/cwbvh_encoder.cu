@@ -44,9 +44,9 @@ struct EncoderView {
     const GpuNode* nodes;
     const std::uint32_t* root;
     std::uint32_t* parents;
-    std::uint32_t* arrived;  // children of an inner node that have arrived
-    Cut* cuts;               // optimal cuts, by inner node
-    std::uint32_t* tasks;    // binary node of each wide node
+    std::uint32_t* arrived;  // number of children of an inner node that have arrived
+    Cut* cuts;               // optimal cuts of the subtrees, by inner node
+    std::uint32_t* tasks;    // index of the binary node for each wide node
     Node* wide;
     std::uint32_t* references;
     std::uint32_t* level_counts;  // number of wide nodes by level
@@ -192,7 +192,7 @@ struct GpuEncoderMemory {
     Memory<std::uint32_t> tasks;
     Memory<Node> wide;
     Memory<std::uint32_t> references;
-    Memory<std::uint32_t> counters;  // slot counter, then a counter per level
+    Memory<std::uint32_t> counters;  // counter of leaf slots, then of wide nodes in each level
 };
 
 GpuEncoder::GpuEncoder(std::uint32_t primitives) : memory_(std::make_unique<GpuEncoderMemory>(primitives)) {}

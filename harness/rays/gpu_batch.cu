@@ -24,7 +24,7 @@ std::uint32_t blocks_for(std::size_t count) { return static_cast<std::uint32_t>(
 
 struct PlainKernels {
     const char* accelerator;
-    bool has_persistent;  // cwbvh: has persistent_kernels and the GPU encoder
+    bool has_persistent;  // whether persistent kernels and a GPU encoder exist (cwbvh)
     void (*trace)(PlainView);
     void (*count)(PlainView, unsigned long long*);
 };
@@ -201,7 +201,7 @@ __global__ void box_triangles(const Triangle<float>* triangles, std::uint32_t co
 }
 
 struct DeviceBuilder {
-    std::string_view name;  // choice of the axis `builder`
+    std::string_view name;  // name of a choice of the axis `builder`
     void (builder::GpuTree::*build)(const Box*);
 };
 constexpr DeviceBuilder device_builders[] = {
@@ -284,7 +284,7 @@ DeviceBuild time_device_build(const std::string& name, std::span<const Triangle<
         events.start();
         encoder.encode(tree.device_nodes(), tree.device_root());
         const float encode = events.stop();
-        if (i == 0) {  // warm-up
+        if (i == 0) {  // the first build is a warm-up, not timed
             first = tree.download();
         } else {
             times.build_ms.push_back(static_cast<double>(build_ms));

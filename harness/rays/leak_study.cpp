@@ -16,7 +16,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::uint32_t inner_cubes = 256;
-constexpr std::size_t shown_leaks = 8;  // leaks listed per kernel
+constexpr std::size_t shown_leaks = 8;  // number of leaked rays that are listed per kernel
 
 // The squared distance of a point to a triangle (Ericson, "Real-Time Collision Detection", 2005, 5.1.5).
 double squared_distance(const Vec3d& p, const Triangle<float>& triangle) {

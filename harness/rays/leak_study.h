@@ -8,7 +8,7 @@
 namespace pt::rays {
 
 struct LeakStudy {
-    RayStudy trees;  // backend, accelerators and builders to test
+    RayStudy trees;  // the backend, accelerators and builders to test
     std::uint32_t log2_rays = 20;
     std::uint64_t first_ray = 0, seed = 1;
 };

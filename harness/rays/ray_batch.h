@@ -54,14 +54,14 @@ public:
     virtual std::vector<std::string> kernels(const RaySet& set) const = 0;
     // Selects the set of rays for the calls that follow; the set must outlive them.
     virtual void load(const RaySet& set) = 0;
-    virtual double trace(const std::string& kernel) = 0;  // elapsed milliseconds
-    virtual std::vector<Hit> hits() = 0;                  // hits of the last trace
-    virtual std::optional<Work> count() = 0;              // none if the accelerator has no counters
+    virtual double trace(const std::string& kernel) = 0;  // elapsed time in milliseconds
+    virtual std::vector<Hit> hits() = 0;                  // hits of the last traced batch
+    virtual std::optional<Work> count() = 0;              // traversal work; none without counters
 
     // Takes the source of leak rays (leak_rays.h), from which make_leak_rays generates batches on the tracer's device.
     virtual void take_leak_source(const LeakSource& source) = 0;
     virtual void make_leak_rays(std::uint64_t first, std::uint32_t count) = 0;
-    virtual LeakCounts leaks() = 0;  // leaks in the last trace
+    virtual LeakCounts leaks() = 0;  // leaks in the last traced batch
 };
 
 // Replaces `best` by a hit that is closer, or as close with a smaller primitive index.

@@ -11,16 +11,16 @@
 namespace pt::rays {
 
 struct RayCamera {
-    Vec3<float> eye, right, up, forward;  // directions: right x + up y + forward, x and y in [-1, 1]
+    Vec3<float> eye, right, up, forward;  // ray directions: right x + up y + forward, x and y in [-1, 1]
 };
 
 struct RayMesh {
     std::string name;
-    std::string said;  // remark for the reader; may be empty
+    std::string said;  // remark about the mesh for the reader; may be empty
     Mesh mesh;
     std::vector<Triangle<float>> triangles;
     RayCamera camera;
-    Vec3<float> low, high;  // bounding box
+    Vec3<float> low, high;  // bounding box of the mesh
 };
 
 // Loads the mesh that an argument names: a mesh of the OptiX probe ("sphere_262k"), a generator and its size

@@ -99,7 +99,7 @@ void measure_set(BatchTracer& tracer, const RaySet& set, SetState& state, int re
     tracer.load(set);
     const std::optional<Work> work = tracer.count();
     for (const std::string& kernel : tracer.kernels(set)) {
-        (void)tracer.trace(kernel);  // warm-up
+        (void)tracer.trace(kernel);  // warm-up, which is not timed
         std::vector<double> ms;
         for (int i = 0; i < repetitions; ++i) {
             ms.push_back(tracer.trace(kernel));

@@ -20,12 +20,12 @@ struct RayStudy {
     std::uint32_t log2_rays = 20;
     int repetitions = 9;
     std::uint32_t checked = 1024;    // rays of each set compared with brute force
-    std::vector<RaySet> given = {};  // rays to use instead of generated ones
+    std::vector<RaySet> given = {};  // ray sets to use instead of generated ones
 };
 
 // An acceleration tree over a mesh, as ray batches traverse it.
 struct Tree {
-    std::string accelerator, builder;  // empty for accelerators without a tree
+    std::string accelerator, builder;  // `builder` is empty for accelerators without a tree
     MeshGeometry geometry;
     MeshView view;
     MeetMesh<float> meet;

@@ -42,9 +42,9 @@ struct CounterFacts {
 };
 
 struct KernelFacts {
-    int registers = 0;             // registers per thread
-    std::size_t local_bytes = 0;   // local memory per thread
-    std::size_t shared_bytes = 0;  // shared memory per thread block
+    int registers = 0;             // registers of the kernel per thread
+    std::size_t local_bytes = 0;   // local memory of the kernel per thread
+    std::size_t shared_bytes = 0;  // static shared memory per thread block
 
     template <class Self, class Visit>
     static void fields(Self& self, const Visit& visit) {
@@ -57,7 +57,7 @@ struct KernelFacts {
 // A cell's use of GPU memory and its CUDA kernels (CudaFacts in renderer.h).
 struct DeviceUse {
     std::size_t device_bytes = 0, path_bytes = 0, path_state_bytes = 0;
-    std::uint32_t block = 0;  // threads per block
+    std::uint32_t block = 0;  // threads per block of the kernels
     double prepare_ms = 0;
     std::vector<std::string> options = {};
     std::map<std::string, KernelFacts> kernels = {};
@@ -127,14 +127,14 @@ struct ImageFacts {
 
 // The reference of a cell with checkpoints, and the metrics and biases of its errors.
 struct ConvergenceFacts {
-    std::vector<std::string> biases = {};  // declared reasons for a bias
+    std::vector<std::string> biases = {};  // declared reasons why the image may be biased
     std::vector<std::uint32_t> checkpoints = {};
     double expected_mse = 0;
     std::optional<ImageFacts> images = {};
     bool independent_samples = false;
-    std::map<std::string, std::string> metrics = {};  // definition by metric
-    Json reference = {};                              // from Reference::provenance()
-    std::optional<std::string> shared_with = {};      // cell with equal films and errors; in result files only
+    std::map<std::string, std::string> metrics = {};  // definition of each error metric, by name
+    Json reference = {};                              // the reference image, as Reference::provenance() describes it
+    std::optional<std::string> shared_with = {};  // another cell with the same films and errors; in result files only
 
     std::string reference_hash() const;
 
@@ -154,7 +154,7 @@ struct ConvergenceFacts {
 // The facts about a cell. Optional members are set once it has come that far: verified, then rendered at full size.
 struct CellFacts {
     CellStatus status = CellStatus::ok;
-    std::string reason = {};  // reason of a failure
+    std::string reason = {};  // why the cell failed
     std::optional<std::string> claim_check = {};
     std::optional<std::vector<std::string>> kernel_features = {};
     std::optional<std::string> specialisation_note = {};
@@ -163,9 +163,9 @@ struct CellFacts {
     std::optional<std::uint64_t> nonfinite = {}, negative = {}, saturated = {}, unfinished_walks = {};
     std::optional<CounterFacts> counters = {};
     std::optional<DeviceUse> cuda = {};
-    std::optional<MeshUse> meshes = {};  // set for scenes with meshes
+    std::optional<MeshUse> meshes = {};  // only for scenes with meshes
     std::optional<InstrumentedFacts> instrumented = {};
-    std::optional<ConvergenceFacts> convergence = {};  // set for cells with checkpoints
+    std::optional<ConvergenceFacts> convergence = {};  // only for cells with checkpoints
 
     void fail(std::string why) {
         status = CellStatus::failed;

@@ -12,12 +12,12 @@ namespace pt {
 
 struct ComparisonFacts {
     std::string study = {}, cell = {};
-    std::optional<std::string> baseline = {};                 // name of the baseline cell; null: none
-    std::optional<double> ratio = {};                         // of the median times per spp; below 1: faster
-    std::optional<std::array<double, 2>> interval = {};       // confidence interval of the ratio
-    std::optional<std::string> word = {};                     // verdict; null: there is no ratio
-    std::string reason_code = {};                             // why the verdict is UNSURE or null, or ""
-    std::optional<std::string> in_time = {}, in_cycles = {};  // verdicts on times and on cycles alone
+    std::optional<std::string> baseline = {};            // name of the baseline cell; null if there is none
+    std::optional<double> ratio = {};                    // ratio of median times per spp; below 1 the cell is faster
+    std::optional<std::array<double, 2>> interval = {};  // confidence interval of the ratio of times
+    std::optional<std::string> word = {};                // verdict on the ratio; null if there is no ratio
+    std::string reason_code = {};                        // why the verdict is UNSURE or null, or ""
+    std::optional<std::string> in_time = {}, in_cycles = {};  // verdicts on times alone and on clock cycles alone
 
     template <class Self, class Visit>
     static void fields(Self& self, const Visit& visit) {

@@ -18,10 +18,10 @@ struct RunIdentity {
     std::vector<std::string> cells = {};
     std::string host_name = {};
     Json machine = {};
-    std::optional<int> most_repetitions = {};            // limit where more samples may be taken
-    std::map<std::string, std::string> references = {};  // required reference by cell
+    std::optional<int> most_repetitions = {};            // limit of samples per cell where open verdicts may get more
+    std::map<std::string, std::string> references = {};  // description of the required reference, by cell
     int repetitions = 1;
-    std::map<std::string, std::string> scenes = {};  // hashes by scene name
+    std::map<std::string, std::string> scenes = {};  // content hash of each scene, by name
     std::uint64_t seed = 0;
     std::optional<std::string> shard = {};
     std::string suite = {};
@@ -47,8 +47,8 @@ struct RunIdentity {
 struct SessionFacts {
     std::string date = {};
     std::string host_name = {};
-    int process = 0;                          // process id
-    std::optional<std::size_t> samples = {};  // samples taken, with retakes; not in journals
+    int process = 0;                          // operating system's id of the process
+    std::optional<std::size_t> samples = {};  // number of samples taken, with retakes; in result files only
 
     template <class Self, class Visit>
     static void fields(Self& self, const Visit& visit) {
@@ -62,12 +62,12 @@ struct SessionFacts {
 
 // The member ptbench.run of a result file: what all shards of a run have in common, and which shard this file holds.
 struct RunRecord {
-    std::string identity = {};  // hash of the RunIdentity
+    std::string identity = {};  // hash of the run's identity
     std::uint64_t seed = 0;
     int repetitions = 1;
-    std::map<std::string, std::string> scenes = {};  // hashes by scene name
-    std::string references = {};                     // hash of all references
-    std::size_t cells = 0;                           // number of cells in the whole run
+    std::map<std::string, std::string> scenes = {};  // content hash of each scene, by name
+    std::string references = {};                     // hash of all required references
+    std::size_t cells = 0;                           // number of cells in the whole run, all shards together
     std::string cells_hash = {};
     std::optional<int> most_repetitions = {};
     std::optional<std::string> shard = {};

@@ -48,28 +48,29 @@ struct CheckpointFacts {
 };
 
 struct Sample {
-    double wall_ms = 0;  // wall time, the one that is compared
-    double cpu_ms = 0;   // CPU time of all threads
+    double wall_ms = 0;  // wall time of the render, the time that is compared
+    double cpu_ms = 0;   // CPU time of the render, all threads together
     std::optional<double> device_ms = {}, end_to_end_ms = {};
     std::uint64_t seed = 0;
     std::uint32_t spp = 0;
     std::uint64_t paths = 0, rays = 0, connections = 0, cache_hits = 0;
     double rays_per_second = 0;
     std::uint64_t launches = 0, graph_nodes = 0, loop_rounds = 0, host_waits = 0;
-    std::uint64_t order = 0;  // position among all samples of the run
-    double timestamp = 0;     // seconds since 1970
-    int clock_unknown = 0;    // 1: the clock is unknown
+    std::uint64_t order = 0;  // position of the sample among all samples of the run
+    double timestamp = 0;     // seconds since 1970 at the end of the sample
+    int clock_unknown = 0;    // 1 if the processor's clock could not be measured
     std::optional<double> clock_mhz_before = {}, clock_mhz_after = {};
     double foreign_cpu_ms = 0;  // CPU time of other processes; rounding can make it negative
     long involuntary_switches = 0;
     std::uint64_t throttled_periods = 0;  // scheduler periods in which a CPU quota was used up
     double throttled_ms = 0;
-    std::optional<int> ranks = {};  // number of MPI ranks if above 1
+    std::optional<int> ranks = {};  // number of MPI ranks if there are several
     std::optional<double> slowest_rank_ms = {}, fastest_rank_ms = {}, reduce_ms = {};
-    std::optional<std::uint32_t> devices = {};  // number of GPUs if above 1
+    std::optional<std::uint32_t> devices = {};  // number of GPUs if there are several
     std::optional<std::vector<double>> own_device_ms = {};
     std::optional<double> slowest_device_ms = {}, device_reduce_ms = {};
-    std::optional<std::vector<CheckpointFacts>> checkpoints = {};  // for cells with checkpoints
+    std::optional<std::vector<CheckpointFacts>> checkpoints =
+        {};  // times and errors at the checkpoints of a convergence cell
     std::string film_hash = {};
 
     // Visits the fields of a sample. Keys that begin with pt_ are those of a row of the result file, in the same order.
