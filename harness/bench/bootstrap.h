@@ -42,7 +42,7 @@ RatioEstimate ratio_estimate(const std::vector<double>& values, const std::vecto
 enum class Word { faster, slower, same, unsure };
 std::string to_text(Word word);
 
-// Why a verdict is UNSURE, or why there is none.
+// The reason why a verdict on a ratio of times is UNSURE, or why there is no verdict.
 enum class WordReason {
     none,
     few_samples,            // too few timed samples on one side of the ratio or both

@@ -65,8 +65,8 @@ private:
 // The folder for the images of a result, beside the result file. While an earlier result is kept, images are written to
 // a second folder, which replace_images later moves into the first.
 std::string images_folder(const std::string& result_file, bool keeps_earlier);
-// Moves the images from the second folder into the first, and removes those that an earlier result names (paths
-// relative to its folder). Other files in the folder stay.
+// Moves a run's images from their temporary folder into the result's folder, and removes the images that an earlier
+// result names (paths relative to its folder). Other files in the folder stay.
 void replace_images(const std::string& result_file, const std::vector<std::string>& earlier);
 // Writes a sample's images at its checkpoints and the reference image as .pfm to the folder that images_folder named.
 // Returns file names by spp and that of the reference, relative to the result file, as they are after replace_images.

@@ -55,7 +55,7 @@ std::string PhaseLines::due(double now) {
         return "";
     }
     const double elapsed = now - begun_;
-    // The pause until the next line is the same as in Progress.
+    // The pause until the next progress line is the same as in the class Progress.
     next_ = now + (is_terminal_ ? 0.2 : std::clamp(elapsed / 50, 10.0, 600.0));
     return fmt::format("{}: {}: {}", command_, what_, times(elapsed));
 }

@@ -38,8 +38,8 @@ private:
 // Shows long phases of a command on stderr from a thread of its own, which wakes up every quarter of a second.
 class PhaseWatch {
 public:
-    // Starts the thread. For tests, the environment variable PTBENCH_PATIENCE sets the seconds before a phase is shown;
-    // with 0 each phase is shown as it begins.
+    // Starts the thread that shows phases. For tests, the environment variable PTBENCH_PATIENCE sets the seconds before
+    // a phase is shown; with 0 each phase is shown as it begins.
     explicit PhaseWatch(const std::string& command);
     ~PhaseWatch();
     PhaseWatch(const PhaseWatch&) = delete;

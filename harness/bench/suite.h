@@ -137,8 +137,8 @@ AxisChoices all_choices(Backend backend = Backend::cpu);
 // A pairwise covering: variants that apply to a scene with these features and together contain every compatible pair of
 // choices on two axes. All combinations of choices would be too many.
 std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet features, Backend backend);
-// Selects, greedily, few variants from the coverings of several scenes, so that every choice that occurs in any
-// covering occurs once, with the scenes taking turns.
+// Selects few variants from the coverings of several scenes, shared evenly among the scenes, so that every choice that
+// occurs in any covering occurs at least once.
 std::vector<std::vector<Variant>> each_choice_once(std::vector<std::vector<Variant>> coverings);
 // Parses "NAME=c1,c2" or "NAME=all" (all choices of the backend) and adds it to `axes`. Throws InputError for an
 // unknown name, with the allowed names, and for an axis that `axes` already has.

@@ -162,7 +162,7 @@ private:
         const TakenSample sample = taken(cell, index);
         if (!sample.error.empty()) {
             time_left_.drop(cell.name);
-        } else {  // a full disk ends the run, not the cell
+        } else {  // a full disk ends the run, and is no failure of the cell
             if (cell.convergence && cell.convergence->images && index == 0) {
                 keep_images(cell, sample.snapshots);
             }

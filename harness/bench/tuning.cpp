@@ -30,8 +30,8 @@ std::string id_of_spelled_out(const JsonValue& name, Backend backend) {
             variant.set(axis_names[count], choice);
         }
     }
-    // An entry from a program with fewer axes would silently never match. Variants with the first 14 axes get the
-    // choice that stands for the older program on each later axis; files written with those axes have identities.
+    // A name from a program with fewer axes would silently match no variant. A name with the first 14 axes gets on each
+    // later axis the choice that changes nothing (`as_before`); files of programs with more axes have identities.
     constexpr std::size_t spelled_axes = 14;
     for (std::size_t i = count; count == spelled_axes && i < axis_count; ++i) {
         variant.set(axis_names[i], std::string(axis_table[i].as_before));

@@ -13,7 +13,7 @@
 namespace pt {
 
 struct TunedVariant {
-    std::string variant;                          // name with all tunables at their defaults, for people
+    std::string variant;                          // the variant's name with all tunables at their defaults
     std::string id;                               // identity by which an entry is found (variant_id)
     std::map<std::string, std::uint32_t> values;  // tuned values that differ from the defaults
     std::string scene;

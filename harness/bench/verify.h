@@ -12,7 +12,7 @@ namespace pt {
 struct Difference {
     std::uint32_t x = 0, y = 0;
     std::optional<std::uint32_t> sample;  // none if only the sum over samples differs
-    std::optional<std::uint32_t> bounce;  // smallest depth limit at which the sample differs
+    std::optional<std::uint32_t> bounce;  // smallest depth limit at which the sample's paths differ
     std::string text() const;
 };
 
@@ -32,8 +32,8 @@ public:
     // film is also compared with the CPU's. For a variant that rounds freely, the twin in exact arithmetic must match
     // the reference's bits, and the variant's mean its twin's mean. Precondition: the variant applies to the scene.
     Verdict check(const Variant& variant);
-    // The cheaper check for large sizes: faults, bits and work counts only (of the twin, for a variant that rounds
-    // freely), without means and without a comparison with the CPU.
+    // Verifies a variant at a large size, where only faults, bits and work counts are compared (those of the twin, for
+    // a variant that rounds freely), and neither means nor the CPU's film.
     Verdict check_film(const Variant& variant);
 
 private:
@@ -50,8 +50,8 @@ private:
 
     struct MeanCheck {
         std::string failure = {};  // how the means differ; empty if they agree
-        double detectable = 0;     // smallest relative bias of the mean that would fail
-        double effect = 0;         // relative change of the mean against the plain choice
+        double detectable = 0;     // smallest relative bias of the image mean that would fail
+        double effect = 0;         // relative change that the choice makes to the image mean
     };
     MeanCheck check_statistical(const Variant& variant);
     const MeanCheck& mean_check(const Variant& variant);

@@ -23,7 +23,7 @@ std::string on_ranks(const std::string& machine);
 
 // Runs `program`, which must not throw, on rank 0 (or in a single process) while other ranks serve it, and returns its
 // exit code on every rank. To be called before any thread or output. Throws InputError on rank 0 if this build has no
-// MPI; ranks of another build are an exit code.
+// MPI; returns exit_bad_input if the ranks run different builds.
 int run_on_ranks(const std::function<int()>& program);
 
 }  // namespace pt

@@ -1,5 +1,6 @@
-// Encoding runs in two phases: a bottom-up pass computes the optimal cuts of the binary tree (the second child to
-// arrive continues with the parent), then wide nodes are emitted from the root down, one kernel launch per level.
+// Encodes a binary tree as a cwbvh on the GPU in two phases: a bottom-up pass computes the optimal cuts (the second
+// child to arrive continues with the parent), then wide nodes are emitted from the root down, one kernel launch per
+// level.
 #include "harness/rays/cwbvh_encoder.h"
 
 #include <stdexcept>

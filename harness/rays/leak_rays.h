@@ -85,7 +85,7 @@ PT_HD inline Ray leak_ray(const LeakView& view, std::uint64_t number) {
         origin.z += cube.half * (2.0f * random.unit() - 1.0f);
     }
     Vec3<float> direction = kind == 5 ? b - a : leak_target(kind, a, b, random) - origin;
-    if (kind == 6) {  // one component of the direction is +0 or -0
+    if (kind == 6) {  // axis_plane: one component of the direction is +0 or -0
         const std::uint32_t axis = random.below(3);
         const float zero = random.below(2) == 0 ? 0.0f : -0.0f;
         const Vec3<float> flat{axis == 0 ? zero : direction.x, axis == 1 ? zero : direction.y,

@@ -61,7 +61,7 @@ public:
     // Takes the source of leak rays (leak_rays.h), from which make_leak_rays generates batches on the tracer's device.
     virtual void take_leak_source(const LeakSource& source) = 0;
     virtual void make_leak_rays(std::uint64_t first, std::uint32_t count) = 0;
-    virtual LeakCounts leaks() = 0;  // leaks in the last traced batch
+    virtual LeakCounts leaks() = 0;  // rays that leaked in the last traced batch
 };
 
 // Replaces `best` by a hit that is closer, or as close with a smaller primitive index.

@@ -43,8 +43,8 @@ struct CounterFacts {
 
 struct KernelFacts {
     int registers = 0;             // registers of the kernel per thread
-    std::size_t local_bytes = 0;   // local memory of the kernel per thread
-    std::size_t shared_bytes = 0;  // static shared memory per thread block
+    std::size_t local_bytes = 0;   // bytes of local memory per thread
+    std::size_t shared_bytes = 0;  // bytes of shared memory per thread block
 
     template <class Self, class Visit>
     static void fields(Self& self, const Visit& visit) {

@@ -71,7 +71,7 @@ bool is_contended(const Sample& sample) {
 
 bool is_disturbed(const Sample& sample, Backend backend) {
     const bool was_late = 1 - sample.device_ms.value_or(0) / sample.wall_ms > limits::most_host_share;
-    // The device's clock goes on while a kernel waits for an answer of a busy host.
+    // Device time includes the time in which a kernel waits for an answer of a busy host.
     const bool was_waited_for = sample.host_waits > 0;
     return is_contended(sample) && (backend != Backend::cuda || was_late || was_waited_for);
 }
