@@ -11,7 +11,7 @@
 
 namespace pt {
 
-// The most samples that a cell may have with these additional ones, as a multiple of the run's repetitions.
+// The most samples that a cell may get while its verdict is open, as a multiple of the run's repetitions.
 inline constexpr int most_times_repetitions = 4;
 
 struct WantedSamples {

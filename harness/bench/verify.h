@@ -12,7 +12,7 @@ namespace pt {
 struct Difference {
     std::uint32_t x = 0, y = 0;
     std::optional<std::uint32_t> sample;  // none if only the sum over samples differs
-    std::optional<std::uint32_t> bounce;  // smallest depth limit at which the sample's paths differ
+    std::optional<std::uint32_t> bounce;  // smallest depth at which the sample differs between the variants
     std::string text() const;
 };
 

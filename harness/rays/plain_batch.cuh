@@ -60,8 +60,8 @@ __global__ void count_work(const __grid_constant__ PlainView batch, unsigned lon
     }
 }
 
-// Brute force: keys[ray] becomes the minimum of (bits of t, primitive) over all hits, and must start as that of {t_max,
-// no_primitive}. A thread block takes 128 rays and every gridDim.y-th triangle.
+// Tests every triangle for each ray: keys[ray], initially the key of {t_max, no_primitive}, becomes the smallest key
+// (bits of t, then primitive) of all hits. A thread block takes 128 rays and every gridDim.y-th triangle.
 __global__ void brute_force(const Ray* rays, std::uint32_t count, const Triangle<float>* triangles,
                             std::uint32_t triangle_count, unsigned long long* keys) {
     const std::uint32_t index = blockIdx.x * blockDim.x + threadIdx.x;
