@@ -15,16 +15,16 @@ namespace {
 
 struct BenchmarkFlag {
     std::string_view name;
-    std::string_view values;   // a regular expression; empty: the flag is refused
-    std::string_view allowed;  // in words
-    bool may_be_bare = false;  // without a value
+    std::string_view values;   // regular expression for values; empty: ptbench refuses the flag
+    std::string_view allowed;  // allowed values in words, for error messages
+    bool may_be_bare = false;  // whether the flag may be given without a value
 };
 
 constexpr std::string_view any_truth = "true|false|yes|no|on|off|1|0";
 constexpr std::string_view any_format = "console|json|csv";
 constexpr std::string_view any_seconds = "[0-9]+([.][0-9]*)?([eE][-+]?[0-9]+)?s?";
 
-// The flags of Google Benchmark 1.7.1 and later versions, with what ptbench has in their place.
+// The flags of Google Benchmark 1.7.1 and later, with the ptbench option that replaces a refused one.
 constexpr std::array known_flags{
     BenchmarkFlag{"list_tests", "", "--dry-run, which lists the cells"},
     BenchmarkFlag{"dry_run", "", "--dry-run, which lists the cells"},

@@ -7,8 +7,8 @@
 
 namespace pt {
 
-// Throws InputError for a flag that is none of Google Benchmark's, for one that would change what is measured, and for
-// a value that the flag cannot have. `flags`: "--benchmark_NAME=VALUE", or without a value where it is true or false.
+// Checks flags of the form "--benchmark_NAME=VALUE", or "--benchmark_NAME" for a boolean. Throws InputError for a flag
+// that Google Benchmark does not have, a value that a flag cannot have, and a flag that would change what is measured.
 void check_benchmark_flags(const std::vector<std::string>& flags);
 
 // The environment variables that Google Benchmark takes for its flags: "BENCHMARK_FILTER" and so on.

@@ -1,6 +1,7 @@
-// Ratios of medians with their intervals, and the verdict that they allow. The interval is the percentile bootstrap of
-// the median (Efron 1979). A run's verdicts are computed here, once: its file holds them. Pairs across files and files
-// that hold none are judged by analysis/ptbench/stats/estimates.py, by the same limits.
+// Ratios of median times with bootstrap confidence intervals (percentile bootstrap of the median, Efron 1979), and the
+// verdicts that the intervals allow. Verdicts within a run are computed here and stored in its result file; pairs of
+// cells across files, and files without verdicts, are judged by analysis/ptbench/stats/estimates.py, with the same
+// limits.
 #pragma once
 
 #include <cstddef>
@@ -12,10 +13,10 @@
 
 namespace pt {
 
-// The random numbers of a bootstrap, of one seed: one set of samples always has one interval.
+// The random number generator of a bootstrap, with a fixed seed: the same samples always have the same interval.
 class BootstrapRandom {
 public:
-    // A whole number from 0 to `count` - 1. Some are likelier than others by a share of count / 2^64 at most.
+    // Returns a random whole number from 0 to `count` - 1; the probabilities differ by a share of count / 2^64 at most.
     // Precondition: 1 <= count < 2^32.
     std::uint32_t below(std::uint32_t count);
 
@@ -29,55 +30,55 @@ struct RatioInterval {
 
 struct RatioEstimate {
     double value = 1;
-    std::optional<RatioInterval> interval = {};  // 95 %; a side of one sample has none
-    std::size_t samples = 0;                     // of the side that has fewer
+    std::optional<RatioInterval> interval = {};  // 95 % confidence interval; none where one side has a single sample
+    std::size_t samples = 0;                     // number of samples on the side of the ratio that has fewer
 };
 
 // The median of some values. Precondition: there is at least one.
 double median_of(std::vector<double> values);
-// Median of `values` over the median of `baseline`. Precondition: at least one of each.
+// The ratio of the median of `values` to the median of `baseline`. Precondition: both hold at least one value.
 RatioEstimate ratio_estimate(const std::vector<double>& values, const std::vector<double>& baseline);
 
 enum class Word { faster, slower, same, unsure };
-// The verdict's word as results show it, "FASTER" for instance.
 std::string to_text(Word word);
 
-// Why a verdict is UNSURE, or why there is none.
+// The reason why a verdict on a ratio of times is UNSURE, or why there is no verdict.
 enum class WordReason {
     none,
-    few_samples,            // on one side or both
-    wide,                   // the interval reaches both sides of a limit
+    few_samples,            // too few timed samples on one side of the ratio or both
+    wide,                   // the confidence interval contains a limit of the verdict
     contended,              // other processes took CPU time during too many samples
-    throttled,              // a quota of CPU time did, or other processes
-    clocks_differed,        // the ratio in cycles has another word
+    throttled,              // a CPU quota, perhaps with other processes, took CPU time
+    clocks_differed,        // ratios of times and of cycles have different verdicts
     no_baseline,            // no cell has the baseline's choice and all else equal
-    baseline_not_measured,  // that cell has no times
+    baseline_not_measured,  // the baseline cell has no times
 };
-// The reason's code in a result file, "few_samples" for instance; of none it is "".
+// The code of a verdict's reason in a result file, "few_samples" for instance; "" for `none`.
 std::string to_code(WordReason reason);
 
 struct TimeVerdict {
     Word word = Word::unsure;
     WordReason reason = WordReason::none;
-    Word in_time = Word::unsure;         // whatever the clocks and other processes did
-    std::optional<Word> in_cycles = {};  // the word on the ratio in cycles, where the clocks are known
+    Word in_time = Word::unsure;         // verdict on times alone, whatever the clocks did
+    std::optional<Word> in_cycles = {};  // verdict on cycles alone, where clocks are known
 };
-// The reason of an unsure verdict in words. `samples` is those of the ratio.
+// The reason of an UNSURE verdict in words. `samples` is the number of samples behind the ratio.
 std::string in_words(const TimeVerdict& verdict, std::size_t samples);
 
-// The samples of one side of a ratio.
+// The timed samples of one of the two cells whose ratio is taken.
 struct Times {
     std::vector<double> ms_per_spp;
-    std::vector<double> cycles;  // millions a sample per pixel; empty where a clock was not measured
-    bool is_throttled = false;   // a quota of CPU time disturbed one of them
-    bool is_contended = false;   // other processes disturbed more than limits::most_disturbed_share of them
+    std::vector<double> cycles;  // millions of cycles per spp; empty if a clock is unknown
+    bool is_throttled = false;   // whether a CPU quota disturbed any of the samples
+    bool is_contended = false;   // whether more than most_disturbed_share of the samples were disturbed
 };
 
-// The verdict on an interval of a ratio, however many samples are behind it.
+// The verdict on the confidence interval of a ratio, whatever the number of samples.
 Word word_of(const RatioInterval& interval);
-// The interval as "[0.9938, 1.0102]", in the digits that show on which side of the verdict's limits each end lies.
+// The interval as "[0.9938, 1.0102]", with as many digits as show on which side of the verdict's limits each end lies.
 std::string interval_text(const RatioInterval& interval);
-// The verdict that the times allow: cycles must not contradict them, and contended samples allow none.
+// The verdict on a ratio of times. It is UNSURE where the ratio in clock cycles says otherwise, or where other
+// processes disturbed too many samples.
 TimeVerdict verdict_of(const RatioEstimate& ratio, const Times& times, const Times& baseline);
 
 }  // namespace pt

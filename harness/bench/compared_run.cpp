@@ -20,7 +20,7 @@ bool is_axis(const std::string& name) {
 
 using Choices = std::map<std::string, std::string>;
 
-// Empty on an axis that a file of an earlier program does not have.
+// The choice on an axis; empty for an axis that the older program behind a result file did not have.
 std::string choice_on(const std::string& axis, const Choices& choices) {
     const auto choice = choices.find(axis);
     return choice == choices.end() ? "" : choice->second;
@@ -52,7 +52,7 @@ std::optional<Question> question_of_tunable(const std::string& name, const Compa
     return Question{name, std::to_string(first.tunables.at(name)), true};
 }
 
-// The cell's choice on the question's axis, or its value of the question's tunable; empty: it has no such tunable.
+// The cell's choice on the compared axis, or its value of the compared tunable; empty if it has no such tunable.
 std::string value_of(const ComparedCell& cell, const Question& question) {
     if (!question.is_tunable) {
         return choice_on(question.axis, cell.axes);
@@ -61,7 +61,7 @@ std::string value_of(const ComparedCell& cell, const Question& question) {
     return value == cell.tunables.end() ? "" : std::to_string(value->second);
 }
 
-// A sort key says how a sort works: against a variant without a sort it may be any.
+// Whether an axis can be ignored when cells are matched: the sort key says nothing about a variant that does not sort.
 bool says_nothing(std::string_view axis, const Question& question) {
     return axis == axes::sort_key && question.axis == axes::sorting && question.baseline == "none";
 }
@@ -74,11 +74,11 @@ bool is_same_setting(const ComparedCell& cell, const ComparedCell& other, const 
            });
 }
 
-// How two cells are tuned differently, in tunables that both have and that the question is not about.
+// How the tuning of two cells differs, in tunables that both have and that the study does not compare.
 struct TuningDifference {
-    bool is_comparable = true;  // values are equal, or both cells are at their choices' standards
+    bool is_comparable = true;  // whether the values are equal or both cells have standard values
     int differences = 0;
-    int others_alone = 0;  // values of the other's that are not standard and that this cell does not have
+    int others_alone = 0;  // tuned values of the other cell that this cell does not have
 };
 
 TuningDifference compare_tuning(const ComparedCell& cell, const ComparedCell& other, const Question& question) {
@@ -127,7 +127,7 @@ ComparedCell compared_cell(const Cell& cell) {
     return compared;
 }
 
-// The tunables that a variant's shown name gives: those that are not at their standards.
+// Finds the tunables in a variant's shown name, which lists only those that are not at their standards.
 std::set<std::string> tuned_in(const std::string& shown, const std::map<std::string, std::uint32_t>& tunables) {
     std::set<std::string> tuned;
     std::istringstream words(shown);
@@ -196,7 +196,7 @@ ComparedRun compared_run(const Plan& plan, const Journal& journal) {
 }
 
 ComparedRun compared_run(const OrderedJson& rows, const OrderedJson& cells, const OrderedJson& baselines) {
-    std::map<std::size_t, std::vector<Sample>> samples;  // by the cell's number
+    std::map<std::size_t, std::vector<Sample>> samples;  // samples by the cell's number (family_index)
     for (const OrderedJson& row : rows) {
         if (is_row_of_sample(row)) {
             samples[row.at("family_index").get<std::size_t>()].push_back(sample_of_row(row));

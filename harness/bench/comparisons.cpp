@@ -132,7 +132,7 @@ private:
         return fmt::format("{} {}x{}, depth {}, {} spp on {}", cell.scene, cell.width, cell.height, cell.depth,
                            cell.spp, to_string(cell.backend));
     }
-    // The cells with those of a group side by side, and groups in the order of their first cells.
+    // Sorts table rows so that cells of one scene and setting are adjacent; groups keep the order of their first cells.
     static ComparedCells ordered(const ComparedCells& cells) {
         std::map<std::string, std::size_t> ranks;
         for (const ComparedCell* const cell : cells) {

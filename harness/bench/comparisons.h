@@ -1,5 +1,5 @@
-// The verdicts on the cells that are held against each other, which a result file holds, and the table of these that
-// stands at a run's end.
+// The verdicts of a run's comparisons, which the result file stores, and the table of verdicts that is printed at the
+// end of a run.
 #pragma once
 
 #include <optional>
@@ -13,28 +13,27 @@ namespace pt {
 
 using Cells = std::vector<const Cell*>;
 
-// The plan's cells of a study.
 Cells cells_of_study(const Plan& plan, const std::string& study);
-// The times of a cell's samples. Precondition: it has some.
+// Collects the times of a cell's samples. Precondition: the journal has samples of the cell.
 Times times_of(const Cell& cell, const Journal& journal);
 
-// A cell held against its study's baseline.
+// The comparison of a cell with the baseline of its study.
 struct Comparison {
     std::string study;
     std::string cell;
-    std::optional<std::string> baseline = {};  // its cell; nothing: there is none
+    std::optional<std::string> baseline = {};  // name of the baseline cell, if there is one
     std::optional<RatioEstimate> ratio = {};
     TimeVerdict verdict = {};
 
     ComparisonFacts facts() const;
 };
-// Every measured cell of each study that compares choices but for its baselines, in the order of the studies and the
-// run's cells.
+// Compares every measured cell of each study with its study's baseline cell, except the baselines themselves. The order
+// is that of the studies and of the run's cells.
 std::vector<Comparison> comparisons_of(const ComparedRun& run, const std::vector<Study>& studies);
 std::vector<Comparison> comparisons_of(const Plan& plan, const Suite& suite, const Journal& journal);
 
-// A line a cell, by study and scene: median, ratio to the baseline, interval and verdict; below it why verdicts are
-// unsure. Cells without samples are left out, but for those that failed. `comparisons` are the run's.
+// The table of verdicts, one line per cell, grouped by study and scene: median time, ratio to the baseline, confidence
+// interval and verdict, and below it why verdicts are UNSURE. Cells without samples are left out unless they failed.
 std::string verdict_table(const Plan& plan, const Suite& suite, const Journal& journal,
                           const std::vector<Comparison>& comparisons);
 

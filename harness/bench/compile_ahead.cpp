@@ -45,7 +45,7 @@ public:
             ends_[1] = -1;
         }
     }
-    // Reads the next number; false when every writer is gone.
+    // Reads the next number from the pipe; false once all writers have closed it.
     bool read(std::uint32_t& value) const { return ::read(ends_[0], &value, sizeof value) == sizeof value; }
 
 private:
@@ -54,7 +54,7 @@ private:
 
 using Programs = std::vector<std::pair<std::string, cuda::ProgramToCompile>>;
 
-// A program that takes a minute and begins last would keep the others waiting.
+// Sorts programs so that slow ones are compiled first: a program that takes a minute should not start last.
 Programs longest_first(const cuda::ProgramsToCompile& programs) {
     Programs ordered(programs.begin(), programs.end());
     std::stable_sort(ordered.begin(), ordered.end(),
@@ -62,7 +62,7 @@ Programs longest_first(const cuda::ProgramsToCompile& programs) {
     return ordered;
 }
 
-// Numbers that processes take one after the other from memory that they share.
+// A counter in memory that several processes share; each number is taken once.
 class SharedCounter {
 public:
     SharedCounter() {
@@ -82,13 +82,13 @@ private:
     std::atomic<std::uint32_t>* next_ = nullptr;
 };
 
-constexpr std::uint32_t is_refused = 1u << 31;  // beside a program's number
+constexpr std::uint32_t is_refused = 1u << 31;  // flag in a child's report, beside the program's index
 
-// Compiles a share of the programs in a child process: NVRTC compiles one program at a time in a process, whatever the
-// threads (CUDA 13.0). The child calls nothing of CUDA but the compiler, and leaves without running what its parent
-// registered to run at exit.
+// Compiles a share of the programs in a child process, because NVRTC compiles only one program at a time per process,
+// whatever the number of threads (CUDA 13.0). The child calls nothing of CUDA but the compiler, and exits without
+// running its parent's atexit handlers.
 [[noreturn]] void compile_share(const Programs& programs, const SharedCounter& next, int done, pid_t parent) {
-    // A share holds the locks of its parent's files: one that outlived it would keep a resumed run from them.
+    // The child inherits the locks on its parent's files; if it outlived the parent, a resumed run could not lock them.
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     std::signal(SIGINT, SIG_DFL);
     std::signal(SIGTERM, SIG_DFL);
@@ -101,7 +101,7 @@ constexpr std::uint32_t is_refused = 1u << 31;  // beside a program's number
             std::uint32_t report = i;
             try {
                 programs[i].second.compile();
-            } catch (const std::exception&) {  // reported by who needs the program
+            } catch (const std::exception&) {  // the error is reported by whoever needs the program
                 report |= is_refused;
             }
             (void)!::write(done, &report, sizeof report);

@@ -10,15 +10,15 @@ namespace {
 
 constexpr long long largest_spp = 1LL << 31;
 
-// A sample's first-bounce cache, kernels and bits show in so few samples; verification and the instrumented pass of a
-// cell with checkpoints would else take as long as its timed samples.
+// The number of samples in the verification and instrumented pass of a cell with checkpoints. They suffice to test
+// cache, kernels and bits, and the full number would take as long as a timed sample.
 constexpr std::uint32_t prepared_samples = 64;
 
 std::uint64_t read_most(const JsonValue& value) {
     return static_cast<std::uint64_t>(value.whole(1, largest_spp, "a whole number from 1 to 2147483648"));
 }
 
-// A number, or an object with one by backend: what a GPU renders is compared with more samples.
+// Reads `variance`: a number, or an object with a number for each backend, since a GPU renders more samples.
 void read_variance(const JsonValue& value, ConvergenceSettings& settings) {
     const auto variance = [](const JsonValue& v) { return v.number(1e-300, 1e300, "a number above 0"); };
     if (!value.json().is_object()) {

@@ -1,4 +1,4 @@
-// A covering set of variants by greedy search: Cohen, Dalal, Fredman and Patton 1997 ("The AETG system").
+// Covering sets of variants by greedy search (Cohen, Dalal, Fredman and Patton 1997, "The AETG system").
 #include <algorithm>
 #include <random>
 #include <set>
@@ -9,12 +9,12 @@ namespace pt {
 
 namespace {
 
-// A choice of an axis, both by number: of the axis in axis_names, and of the choice among those to cover.
+// A choice of an axis by numbers: the axis's index in axis_names, and the choice's index among those to cover.
 struct NumberedChoice {
     std::size_t axis, choice;
 };
 
-// The choices to cover, and which pairs of two axes' choices have met in a variant.
+// The choices to cover, and which pairs of choices on two axes already occur in a variant.
 class Pairs {
 public:
     explicit Pairs(std::vector<std::vector<std::string>> names) : names_(std::move(names)) {
@@ -30,7 +30,7 @@ public:
     bool have_met(const NumberedChoice& one, const NumberedChoice& other) const {
         return met_[place(one)][place(other)];
     }
-    // How many pairs of the variant have not met.
+    // The number of pairs in a variant that no earlier variant has.
     std::size_t new_in(const Variant& variant) const {
         const std::vector<std::size_t> places = places_of(variant);
         std::size_t count = 0;
@@ -61,16 +61,16 @@ private:
         return places;
     }
 
-    std::vector<std::vector<std::string>> names_;  // by axis
-    std::vector<std::size_t> first_;               // by axis: the place of its first choice among all
-    std::vector<std::vector<bool>> met_;           // by two places, the lower axis first
+    std::vector<std::vector<std::string>> names_;  // names of the choices to cover, by axis
+    std::vector<std::size_t> first_;               // by axis: index of the axis's first choice among all choices
+    std::vector<std::vector<bool>> met_;           // whether two choices have met in a variant, by their indices
 };
 
 }  // namespace
 
 std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet features, Backend backend) {
-    constexpr int completions = 60;  // tried for a pair; the baseline's is one of them
-    std::mt19937 random(1);          // the set is the same every time
+    constexpr int completions = 60;  // variants tried for each pair, the first from the baseline
+    std::mt19937 random(1);          // fixed seed, so that the set of variants is always the same
     const Variant baseline = expand({}, backend).front();
     std::vector<Variant> variants;
     Variant plainest = baseline;
@@ -90,7 +90,7 @@ std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet featu
             for (const NumberedChoice& wanted : {one, other}) {
                 variant.set(axis_names[wanted.axis], pairs.names(wanted.axis)[wanted.choice]);
             }
-            // What is asked in no time comes first: most completions of a late pair have nothing new.
+            // The cheap test comes first, because most candidates for a late pair have no new pairs.
             if (const std::size_t gain = pairs.new_in(variant);
                 gain > best_gain && why_not_applicable(variant, features, backend).empty()) {
                 best = variant;
@@ -100,7 +100,8 @@ std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet featu
         for (int completion = 0; completion < completions; ++completion) {
             Variant variant = plainest;
             for (std::size_t axis = 0; axis < std::size(axis_names); ++axis) {
-                // Half of the axes stay where they are in the baseline: choices exclude each other too often.
+                // Each axis stays at its baseline with probability 1/2, because random choices exclude each other too
+                // often.
                 if (completion > 0 && random() % 2 == 0) {
                     const std::vector<std::string>& of_axis = pairs.names(axis);
                     variant.set(axis_names[axis], of_axis[random() % of_axis.size()]);
@@ -108,8 +109,8 @@ std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet featu
             }
             consider(variant);
         }
-        // A choice that needs several others is rarely met by chance: one more step from the baseline, or from a
-        // variant that has what it needs.
+        // A choice that needs several others is rarely hit at random, so one more choice is added to the baseline, or
+        // the pair to a variant found before.
         for (std::size_t axis = 0; axis < std::size(axis_names) && best_gain == 0; ++axis) {
             for (const std::string& name : pairs.names(axis)) {
                 Variant variant = plainest;
@@ -157,8 +158,8 @@ void add_choices(const Variant& variant, SeenChoices& seen) {
 
 }  // namespace
 
-// Greedily, the scenes in turn: next comes the scene's variant with the most choices that have not been seen, and of
-// several the first.
+// Selects variants greedily, with the scenes taking turns: next comes the scene's first variant with the most choices
+// that have not occurred yet.
 std::vector<std::vector<Variant>> each_choice_once(std::vector<std::vector<Variant>> left) {
     SeenChoices seen;
     std::vector<std::vector<Variant>> variants(left.size());

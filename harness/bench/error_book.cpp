@@ -14,7 +14,7 @@ namespace pt {
 
 namespace {
 
-// Means of the first half of the samples and of the rest, from the sums at both ends.
+// The images of the first half of a film's samples and of the rest, by subtraction of the sums.
 Halves halves_of(const Film& half, const Film& whole) {
     Halves halves{image_of(half), {}};
     const double unit = 1 / (whole.scale() * static_cast<double>(whole.samples() - half.samples()));

@@ -1,5 +1,5 @@
-// What a run of error against time knows of its references and of the errors of its films: films with the same bits
-// have one error, computed once.
+// The reference images of a convergence study (error against time) and the errors of its films. Films with the same
+// bits have the same error, which is computed once.
 #pragma once
 
 #include <map>
@@ -13,43 +13,42 @@
 
 namespace pt {
 
-// The state of a render at one of its checkpoints, copied.
+// A copy of a render's film and times at a checkpoint.
 struct Snapshot {
     std::uint32_t samples;
     double wall_ms, device_ms, cpu_ms;
     Film film;
 };
 
-// The part of the smallest expected mse that a reference's own noise may add to mse_dual (ReferenceNoise::dual_error).
-// mse_dual is right in the mean whatever the reference's noise (docs/numerics.md 1.2); only this spread is left.
+// The largest standard error that a noisy reference image may add to mse_dual (ReferenceNoise::dual_error), as a share
+// of the smallest expected mse. The noise biases nothing, it only spreads mse_dual (docs/numerics.md 1.2).
 inline constexpr double allowed_reference_error = 0.05;
 
 class ErrorBook {
 public:
-    // Collects the reference tasks of the plan's cells. Of several for the same reference the most demanding counts.
+    // Collects the reference tasks of the plan's cells; of several for one reference the strictest requirements count.
     ErrorBook(const Plan& plan, ReferenceMaker maker);
 
-    // Makes or loads every reference, to its task's variance. If that fails, reference() throws with the reason.
+    // Renders every reference image, or loads it from the cache, up to its task's variance. reference() throws
+    // failures.
     void make_references();
-    // Renders a reference on until its error is no more than `dual_error`, or it has the task's most_spp.
+    // Adds samples to a reference image until its dual_error is at most `dual_error`, or it has the task's most_spp.
     void improve(const std::string& name, double dual_error);
-    // The reference of a cell. Throws std::runtime_error that says why there is none.
+    // The reference image of a cell. Throws std::runtime_error that says why there is none.
     const Reference& reference(const Cell& cell) const;
 
-    // The error (mse_dual) that the cell is expected to have at its spp, extrapolated as 1/spp from a film of fewer
-    // samples.
+    // The mse_dual that the cell is expected to have at its spp, extrapolated as 1/spp from a film with fewer samples.
     double expected_mse(const Cell& cell, const Film& film) const;
-    // Why the reference is too noisy for a cell with this expected mse, with the spp that would do; empty: it is not.
+    // Says why a cell's reference image is too noisy for this expected mse, and which spp would do; empty if it is not.
     std::string refusal(const Cell& cell, double expected_mse) const;
 
-    // The facts of a cell in a result file besides its errors.
-    // Their `expected_mse` is left open.
+    // What a result file says about a cell's reference and metrics; `expected_mse` is not set.
     ConvergenceFacts cell_facts(const Cell& cell) const;
-    // The checkpoints of a sample, without `shared`, which the result file adds.
+    // The times and errors of a sample at its checkpoints. `shared` is not set; the result file adds it.
     std::vector<CheckpointFacts> rows(const Cell& cell, const std::vector<Snapshot>& snapshots);
 
 private:
-    // A film with its hash: that of all samples so far or, where it was kept, of their first half.
+    // A film with its hash, either of all samples so far or of their first half.
     struct Hashed {
         const Snapshot* snapshot = nullptr;
         std::string hash;
@@ -57,20 +56,20 @@ private:
     std::optional<Errors> errors_at(const Cell& cell, const Hashed& whole, const Hashed& half);
 
     ReferenceMaker maker_;
-    std::map<std::string, ReferenceTask> tasks_;  // by reference
+    std::map<std::string, ReferenceTask> tasks_;  // tasks by name of the reference
     std::map<std::string, Reference> references_;
     std::map<std::string, std::string> failures_;
-    std::map<std::string, std::optional<Errors>> known_;  // by reference, samples and film
+    std::map<std::string, std::optional<Errors>> known_;  // errors by reference, sample count and film hash
 };
 
-// The folder of a result's images, beside the result. While an earlier result is kept, the images go to a second
-// folder, which replace_images empties into the first.
+// The folder for the images of a result, beside the result file. While an earlier result is kept, images are written to
+// a second folder, which replace_images later moves into the first.
 std::string images_folder(const std::string& result_file, bool keeps_earlier);
-// Puts the images in the second folder into the first, in place of those that an earlier result names, relative to its
-// own folder. Whatever else lies there stays.
+// Moves a run's images from their temporary folder into the result's folder, and removes the images that an earlier
+// result names (paths relative to its folder). Other files in the folder stay.
 void replace_images(const std::string& result_file, const std::vector<std::string>& earlier);
-// Writes a sample's images at its checkpoints and the reference as .pfm to a folder that images_folder named. Returns
-// the images' names by spp and the reference's, relative to the result file, as they are after replace_images.
+// Writes a sample's images at its checkpoints and the reference image as .pfm to the folder that images_folder named.
+// Returns file names by spp and that of the reference, relative to the result file, as they are after replace_images.
 ImageFacts write_images(const std::string& images_folder, const Cell& cell, const Reference& reference,
                         const std::vector<Snapshot>& snapshots);
 

@@ -23,8 +23,8 @@ double mean_of(const std::vector<double>& values) {
     return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-// Percentiles of a bootstrap over `count` seeds, taken further out for few seeds (Hesterberg 2015): they make up for a
-// spread that few values tell too small, and for the tails of Student's t.
+// Percentiles of a bootstrap over `count` seeds, moved outwards for few seeds (Hesterberg 2015). This corrects the
+// underestimated spread of small samples and adds the tails of Student's t.
 RatioInterval expanded_interval(std::vector<double> drawn, std::size_t count) {
     const double n = static_cast<double>(count);
     const double tail = normal_upper(std::sqrt(n / (n - 1)) * student_t_deviate(0.025, n - 1));
@@ -34,7 +34,7 @@ RatioInterval expanded_interval(std::vector<double> drawn, std::size_t count) {
             drawn[static_cast<std::size_t>(std::ceil((1 - tail) * last))]};
 }
 
-// Mean error times median time over the seeds that were drawn.
+// Mean error times median time of the seeds drawn by the bootstrap.
 double work_of(const std::vector<double>& errors, const std::vector<double>& ms,
                const std::vector<std::uint32_t>& drawn) {
     double error = 0;
@@ -78,7 +78,7 @@ std::vector<std::string> settings_in_which_differ(const Cell& cell, const Cell& 
             names.emplace_back(axis);
         }
     }
-    // A scene of the reference's name with an ending is that ending in every scene.
+    // Scene names are compared by what follows the reference scene's name, so that variants of several scenes match.
     const auto scene_of = [](const Cell& c) {
         const std::string& name = c.scene->name;
         const std::string head = c.convergence->reference.scene->name + "_";
@@ -118,7 +118,7 @@ std::optional<ErrorEfficiency> LastErrors::efficiency_by_rel_mse(const LastError
 
 namespace {
 
-// The errors of a cell; nothing where it has failed, a sample has no errors, or there is one seed alone.
+// The errors of a cell at its last checkpoint; none if it failed, a sample has no errors, or there is only one seed.
 std::optional<LastErrors> errors_of(const Cell& cell, const Journal& journal) {
     if (journal.has_failed(cell.name)) {
         return std::nullopt;
@@ -141,7 +141,7 @@ std::optional<LastErrors> errors_of(const Cell& cell, const Journal& journal) {
     return found;
 }
 
-// The cell that makes the same render as this one without checkpoints.
+// The cell that makes the same render without checkpoints; null if there is none.
 const Cell* companion_of(const Plan& plan, const Cell& cell) {
     const std::string name = cell.name.substr(0, cell.name.size() - checkpoints_suffix.size());
     const auto found =

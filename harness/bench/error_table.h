@@ -1,6 +1,6 @@
-// What a study of error against time says at the end of a run: each cell's error at its last checkpoint, and what that
-// is worth in time. The numbers are those of analysis/ptbench/convergence/last_errors.py, so the table says what the
-// pages drawn from the file will say.
+// The table of a convergence study (error against time) at the end of a run: each cell's error at its last checkpoint,
+// and its efficiency. The numbers are those of analysis/ptbench/convergence/last_errors.py, so the table agrees with
+// the pages drawn from the result file.
 #pragma once
 
 #include <optional>
@@ -12,34 +12,34 @@
 
 namespace pt {
 
-// Efficiency of a cell beside its baseline: the baseline's error times time over the cell's.
+// The efficiency of a cell relative to its baseline: the baseline's error x time over the cell's.
 struct ErrorEfficiency {
     double value = 1;
-    std::optional<RatioInterval> interval = {};  // 95 %, bootstrap over seeds
+    std::optional<RatioInterval> interval = {};  // 95 % confidence interval, bootstrap over seeds
 };
 
-// The errors of a cell that has samples, at its last checkpoint, with one value for each seed.
+// The errors of a cell's samples at the last checkpoint, one value for each seed.
 struct LastErrors {
     const Cell* cell = nullptr;
-    std::vector<double> mse = {}, rel_mse = {};  // against both halves of the reference; may be below 0
-    std::vector<double> ms_per_spp = {};         // of the same renders without checkpoints where those were timed
-    bool is_contended = false;                   // those times
+    std::vector<double> mse = {}, rel_mse = {};  // mse_dual and rel_mse_dual of each seed; may be below 0
+    std::vector<double> ms_per_spp = {};         // times of renders without checkpoints, if measured
+    bool is_contended = false;                   // whether other processes disturbed too many of the times
 
-    // The efficiency beside a baseline; nothing where either side's mean error is not above 0, or their seeds are not
-    // the same.
+    // The efficiency relative to a baseline. None where the mean error of either side is not above 0, or where the two
+    // have different numbers of seeds.
     std::optional<ErrorEfficiency> efficiency_by_mse(const LastErrors& baseline) const;
     std::optional<ErrorEfficiency> efficiency_by_rel_mse(const LastErrors& baseline) const;
 };
 
-// The errors of those of a study's cells that have errors and at least two seeds, with the times of `plan`'s cells
-// without checkpoints where every one of them has such.
+// The last errors of a study's cells, for cells with errors from at least two seeds. Times are those of the plan's
+// cells without checkpoints if all of these cells have such a companion.
 std::vector<LastErrors> last_errors(const Plan& plan, const Cells& cells, const Journal& journal);
-// The cell with the plain estimator that is most like the other cells of the group; null where there is none.
+// Picks the baseline of a group: the plainest estimator, among equals the cell most like the others; null if empty.
 const LastErrors* baseline_of(const std::vector<LastErrors>& group, const Journal& journal);
-// Groups cells of one image (the reference's scene and depth, resolution and backend), in the order of the cells.
+// Groups cells that render the same image (scene and depth of the reference, resolution, backend), in cell order.
 std::vector<Cells> by_image(const Cells& cells);
 
-// A line a cell, image by image; cells that failed say so.
+// The table of errors, one line per cell, grouped by image; cells that failed are marked as FAILED.
 std::string error_table(const Plan& plan, const Cells& cells, const Journal& journal);
 
 }  // namespace pt

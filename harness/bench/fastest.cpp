@@ -19,7 +19,8 @@ std::vector<std::string> accelerators_by_speed(Backend backend) {
                                    : std::vector<std::string>{"cwbvh", "bvh2"};
 }
 
-// The choice of light_sampling whose weights are bounded near a lamp too, and than which none is much better anywhere.
+// The light_sampling for commands that name none: its weights stay bounded close to a light, and no other choice is
+// much better on any scene.
 constexpr const char* best_light_sampling = "auto";
 
 bool any_applies(const AxisChoices& axes, const TunableValues& tunables, const Scene& scene, Backend backend) {

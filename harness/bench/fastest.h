@@ -1,34 +1,33 @@
-// The choices of a call that leaves them open: the fastest that are known of its backend.
+// Choices for a command that leaves them open: the fastest ones known on its backend.
 #pragma once
 
 #include "harness/bench/suite.h"
 
 namespace pt {
 
-// Triangles of all objects together from which on a call that names no accelerator gets a tree. With fewer every
-// triangle is tried in turn, as the baseline does.
+// The number of triangles in a scene from which on a command that names no accelerator gets an acceleration tree.
+// Smaller scenes test every triangle in turn, as the baseline does.
 inline constexpr std::uint64_t fewest_for_a_tree = 256;
 
-// `axes` with the accelerator that was found to be fastest over large meshes, of those that go with the rest, if the
-// scene has that many triangles and `axes` names none; beyond most_objects_in_turn objects with meshes also with a tree
-// over them, unless `axes` names `levels`. Else `axes`.
+// Adds the accelerator that was found to be fastest on large meshes, if it applies together with the other choices, the
+// scene has at least fewest_for_a_tree triangles and `axes` names no accelerator. With more than most_objects_in_turn
+// mesh objects, adds a top-level tree too, unless `axes` names `levels`.
 AxisChoices with_tree(const AxisChoices& axes, const TunableValues& tunables, const Scene& scene, Backend backend);
 
-// What with_tree added, for people: "accelerator=bvh8 for its 81920 triangles"; empty: nothing.
+// The choices that with_tree added, as "accelerator=bvh8 for its 81920 triangles"; empty if it added none.
 std::string tree_in_words(const AxisChoices& axes, const TunableValues& tunables, const Scene& scene, Backend backend);
 
-// `variant` with points on lights drawn by the choice that was found to leave the least error in a time
-// (docs/findings/error_against_time.md), if it connects vertices to lights, `axes` names no light_sampling, and that
-// choice applies to the scene. Else `variant`.
+// Returns `variant` with the light_sampling that was found to leave the least error in a given time
+// (docs/findings/error_against_time.md), or `variant` itself where `axes` names light_sampling or that choice does not
+// apply.
 Variant with_light_sampling(Variant variant, const AxisChoices& axes, FeatureSet scene, Backend backend);
 
-// What with_light_sampling added to this variant, for people: "light_sampling=auto for its connections"; empty:
-// nothing.
+// The choice that with_light_sampling made, as "light_sampling=auto for its connections"; empty if it made none.
 std::string light_sampling_in_words(const Variant& variant, const AxisChoices& axes);
 
-// Integrators by speed, as docs/findings/cpu.md and docs/findings/schedulers.md found them. Of these the first that
-// applies to the scene together with the choices and tunables of `axes` and `tunables`, all else at its baseline; where
-// none does, the baseline. Precondition: one choice an axis, one value a tunable, and no integrator among them.
+// The variant with the fastest integrator (docs/findings/cpu.md, docs/findings/schedulers.md) that applies to the scene
+// with the given choices and tunables, and all else at the baseline; the baseline integrator where none applies.
+// Precondition: one choice per axis, one value per tunable, and no integrator among them.
 Variant fastest_variant(const AxisChoices& axes, const TunableValues& tunables, FeatureSet scene, Backend backend);
 
 }  // namespace pt

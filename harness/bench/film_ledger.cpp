@@ -15,20 +15,21 @@ namespace {
 
 bool stops_matter(const Cell& cell) { return cell.convergence && stops_change_film(cell.variant, cell.backend); }
 
-// The name of the group of cells whose films must be equal bit for bit.
+// The name of a bitwise group: the cells whose films must be equal bit for bit.
 std::string bitwise_group(const Cell& cell) {
     std::string name = setting_in(cell.name);
     if (cell.convergence && !stops_matter(cell)) {
         name.erase(name.rfind('/'));
     }
-    // The variant is in the name, since two kernels that round freely need not agree: each is a group of its own.
+    // The reference variant is in the name because kernels that round freely need not agree: each is its own reference
+    // and so forms a group of its own.
     return bitwise_reference(cell).spelled_out() + name;
 }
 
 bool is_its_own_reference(const Cell& cell) { return bitwise_reference(cell) == cell.variant; }
 
-// The reference that is rendered for every seed. It has a tree where there are meshes, because every triangle in turn
-// takes hours.
+// The reference that is rendered for every seed. On meshes it uses an acceleration tree, because testing every triangle
+// would take hours.
 Variant quick_reference(const Cell& cell) {
     return is_its_own_reference(cell) ? cell.variant : fast_reference_on(*cell.scene, cell.variant, cell.backend);
 }
@@ -84,7 +85,7 @@ bool FilmLedger::differ(const Entry& entry) {
                        [&](const Seen& seen) { return !(seen.imprint == right); });
 }
 
-// Judges films that differ. Before any cell is blamed, the reference that takes long has the last word.
+// Compares a group's films with the reference. Before a cell is blamed, the slow plain reference must confirm it.
 std::vector<FailedCell> FilmLedger::judge(Entry& entry, const Cell& cell, std::uint32_t samples, std::uint64_t seed,
                                           const std::string& place) {
     if (const Variant plain = bitwise_reference(cell); differ(entry) && !(entry.reference == plain)) {
@@ -125,7 +126,7 @@ std::vector<FailedCell> FilmLedger::note_twin(const Cell& cell, const Imprint& f
 std::vector<FailedCell> FilmLedger::note_prepared(const Cell& rendered, const Variant& reference, const Cell& blamed,
                                                   const Imprint& found) {
     const std::uint32_t spp = rendered.samples_to_prepare();
-    // A film that depends on where the render stops would be another film without the sample's checkpoints.
+    // Checkpoints may change the film (stops_matter), so a preparation without them forms an entry of its own.
     const std::string part = spp != rendered.spp || stops_matter(rendered) ? fmt::format("/first:{}", spp) : "";
     Entry& entry = entries_[{bitwise_group(rendered) + part, 0}];
     if (!entry.right) {

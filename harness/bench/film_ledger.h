@@ -1,6 +1,6 @@
-// Holds the films of a run's cells, and the work that they took, to those of the reference variant, sample by sample.
-// Sample i has the same seed in all cells, so all cells of a bitwise group must leave the same. Whoever comes first is
-// not the truth: what the reference leaves is, and it is rendered to know it.
+// Compares films and work counts of a run's cells with those of the reference variant, sample by sample. Sample i has
+// the same seed in all cells, so cells of a bitwise group must leave equal films. The film that came first is not taken
+// as right: the reference variant is rendered to know the right one.
 #pragma once
 
 #include <cstddef>
@@ -18,14 +18,13 @@
 
 namespace pt {
 
-// The variant whose bits the cell's film must have. One that rounds freely is held to itself: its film must be the same
-// every time.
+// The variant whose film a cell must match bit for bit. A cell that rounds freely (relaxed floating point) is its own
+// reference: its film must be the same every time.
 Variant bitwise_reference(const Cell& cell);
 
-// A sample in words, as "sample 2 (seed 3)".
 std::string sample_in_words(std::size_t index, std::uint64_t seed);
 
-// A cell whose film or work is found wrong, and why.
+// A cell whose film or work count is wrong, and the reason.
 struct FailedCell {
     const Cell* cell = nullptr;
     std::string reason;
@@ -33,25 +32,24 @@ struct FailedCell {
 
 class FilmLedger {
 public:
-    // Renders `variant` at the cell's own size and with its checkpoints, and returns the imprint. Throws what a render
-    // throws.
+    // Renders `variant` at the cell's resolution and with its checkpoints, and returns the imprint (film hash and work
+    // counts). Throws what a render throws.
     using Render =
         std::function<Imprint(const Cell& cell, const Variant& variant, std::uint32_t samples, std::uint64_t seed)>;
 
-    // Starts with the samples that are in the journal: seen in an earlier process, and believed no more than others.
-    // `plan` must outlive it. Sample i has the seed `first_seed` + i.
+    // Starts the ledger with the samples in the journal, which earlier processes took and which are checked like all
+    // others. `plan` must outlive the ledger. Sample i has the seed `first_seed` + i.
     FilmLedger(const Plan& plan, const Journal& journal, std::uint64_t first_seed, Render render = render_imprint);
 
-    // Notes what a cell's sample left. Returns the cells that turn out wrong, each once for a sample: this one, or
-    // others that were noted before. The reference is rendered for each seed of a group; for a cell of more samples
-    // than are prepared (Cell::prepared_spp), whose renders take long, only where two of its group differ. Throws
-    // std::runtime_error where the reference cannot be rendered.
+    // Records the imprint of a cell's sample and returns the cells found wrong: this one, or cells recorded before. The
+    // reference is rendered once for each seed of a group; for long cells (spp above Cell::prepared_spp) only if two
+    // films of the group differ. Throws std::runtime_error if the reference cannot be rendered.
     std::vector<FailedCell> note_sample(const Cell& cell, std::size_t index, const Imprint& found);
-    // Notes a render with the first sample's seed and samples_to_prepare(), which is always held to the reference.
-    // Returns the cells that failed by it.
+    // Records a preparatory render (first seed, samples_to_prepare() samples), which is always compared with the
+    // reference. Returns the cells that are wrong.
     std::vector<FailedCell> note_preparation(const Cell& cell, const Imprint& found);
-    // Notes such a render of the exact twin of a cell that rounds freely; only the twin's bits can be held to the
-    // reference. Returns the cells that failed by it.
+    // Records a preparatory render of the exact twin of a cell that rounds freely, because only the twin's bits can be
+    // compared with the reference. Returns the cells that are wrong.
     std::vector<FailedCell> note_twin(const Cell& cell, const Imprint& found);
 
 private:
@@ -61,8 +59,8 @@ private:
     };
     struct Entry {
         std::optional<Imprint> right = {};
-        Variant reference = {};  // which left it
-        std::string of = {};     // its name
+        Variant reference = {};  // reference variant that rendered the right imprint
+        std::string of = {};     // name of the reference variant
         std::vector<Seen> seen = {};
     };
     static Imprint render_imprint(const Cell& cell, const Variant& variant, std::uint32_t samples, std::uint64_t seed);
@@ -75,7 +73,7 @@ private:
 
     std::uint64_t first_seed_;
     Render render_;
-    std::map<std::pair<std::string, std::size_t>, Entry> entries_;  // by group and index of the sample
+    std::map<std::pair<std::string, std::size_t>, Entry> entries_;  // seen films by bitwise group and sample index
 };
 
 }  // namespace pt

@@ -9,20 +9,20 @@
 
 namespace pt {
 
-// The film, and the work that any way to make it takes: every integrator on both backends counts it alike. (A cached
-// first bounce traces fewer rays; the hits that it takes from its cache are counted in their place.) Not how often a
-// queue was compacted or sorted, or what was launched: those are a choice's own.
+// The film hash of a render and the work counts that every integrator on both backends counts alike. (A cached first
+// bounce traces fewer rays; its cache hits are added to the rays.) Compactions, sorts and kernel launches are left out,
+// since they depend on the variant.
 struct Imprint {
-    std::string film;               // hash
-    std::uint64_t paths = 0;        // started
-    std::uint64_t rays = 0;         // traced, and first hits that a cache had
-    std::uint64_t connections = 0;  // of the rays, those to lights
+    std::string film;               // hash of the film's bits
+    std::uint64_t paths = 0;        // number of paths started
+    std::uint64_t rays = 0;         // rays traced, plus first hits taken from a cache
+    std::uint64_t connections = 0;  // shadow rays to lights, which `rays` includes
 
     bool operator==(const Imprint&) const = default;
 };
 Imprint imprint_of(const RenderResult& result);
 Imprint imprint_of(const Sample& sample);
-// What differs from what is right, as "film 1f.., not 3a..; 20475 rays, not 20478"; empty: nothing.
+// Lists how an imprint differs from the right one, as "film 1f.., not 3a..; 20475 rays, not 20478", or "" if equal.
 std::string difference(const Imprint& found, const Imprint& right);
 
 }  // namespace pt

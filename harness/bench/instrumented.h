@@ -1,4 +1,4 @@
-// What a cell's instrumented pass says: where the time goes, what was counted and what the image is; never a result.
+// The results of a cell's instrumented pass: stage times, counters and image properties. They are not timed samples.
 #pragma once
 
 #include "harness/bench/facts/cell.h"
@@ -6,7 +6,7 @@
 
 namespace pt {
 
-// Adds what the pass found to what is known of the cell.
+// Adds the results of the instrumented pass to the facts of a cell.
 void add_facts(CellFacts& facts, const Cell& cell, const RenderResult& result);
 
 }  // namespace pt

@@ -16,13 +16,13 @@ namespace pt {
 
 namespace {
 
-// The string under `key`, or "" if there is none.
+// The string member `key` of a journal line; "" if there is none.
 std::string text_in(const Json& line, const char* key) {
     const auto member = line.find(key);
     return member != line.end() && member->is_string() ? member->get<std::string>() : "";
 }
 
-// The JSON of a line; null where it is none.
+// Parses a journal line; null if it is no JSON.
 Json parse_line(const std::string& line, const std::string& file) {
     try {
         return parse_json(line, file);
@@ -32,7 +32,7 @@ Json parse_line(const std::string& line, const std::string& file) {
 }
 
 std::string shown(const Json* value) {
-    // Names of cells differ anywhere, and are longer than what describe() shows.
+    // Cell names are shown in full: they may differ at any position, and describe() shortens them.
     const bool is_name = value != nullptr && value->is_string();
     return value == nullptr ? "none"
            : is_name        ? value->dump(-1, ' ', false, Json::error_handler_t::replace)
@@ -87,7 +87,7 @@ Json without(Json object, const std::vector<std::string>& keys) {
     return object;
 }
 
-// The error for a damaged line: what was found, and how to keep the lines before it.
+// The error for a damaged line of the journal, which says how to keep the lines before it.
 InputError damaged(const std::string& file, std::size_t line, const std::string& found) {
     const std::string keep =
         line == 1 ? "" : fmt::format("keep the {} before it (head -n {}) to go on from there, or ", line - 1, line - 1);
@@ -199,11 +199,12 @@ void Journal::append(const Json& line) {
     LineSeal seal = seal_;
     const std::string text = seal.seal(line.dump()) + "\n";
     const off_t end = ::lseek(locked_.descriptor(), 0, SEEK_END);
-    // One write: a line is whole, or it is the last and cut off.
+    // A line is written by a single call, so that only the last line of the file can be incomplete.
     const ssize_t written = ::write(locked_.descriptor(), text.data(), text.size());
     if (written != static_cast<ssize_t>(text.size())) {
         std::string why = written < 0 ? std::strerror(errno) : "disk full";
-        if (written > 0 && ::ftruncate(locked_.descriptor(), end) != 0) {  // no half line in front of the next one
+        if (written > 0 &&
+            ::ftruncate(locked_.descriptor(), end) != 0) {  // an incomplete line must not precede the next one
             why += fmt::format("; {}", std::strerror(errno));
         }
         throw MachineError(

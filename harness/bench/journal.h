@@ -1,5 +1,5 @@
-// The journal of a run: one JSON line a fact, written as soon as it is known, so that a killed run loses at most the
-// sample in flight. The result file is made from it, and --resume goes on from it. Each line has a checksum.
+// The journal of a run: a JSON line for every fact, written at once, so that a killed run loses at most the sample in
+// flight. The result file is made from the journal, and --resume continues from it. Each line carries a checksum.
 #pragma once
 
 #include <map>
@@ -17,44 +17,43 @@ namespace pt {
 
 class Journal {
 public:
-    // Opens `file` and locks it. A journal that is there already must be resumed (same `identity`, but for the keys
-    // `that_may_differ`) or is refused; a last line that was cut off is dropped. Throws InputError (unfinished run,
-    // damaged line, other identity: what differs), MachineError (cannot write).
+    // Opens and locks the journal `file`. An existing journal must be resumed, with an equal `identity` except for the
+    // keys in `that_may_differ`; an incomplete last line is dropped. Throws InputError (unfinished run, damaged line,
+    // or another identity, with the difference) and MachineError (cannot write).
     Journal(std::string file, const Json& identity, bool resume, const std::vector<std::string>& that_may_differ = {});
 
-    // Adds one sample of a cell; samples come in the order of their index.
+    // Appends a sample of a cell; samples are added in the order of their index.
     void add_sample(const std::string& cell, const Sample& sample);
-    // A sample again: it takes the place of the cell's sample with its seed, which retaken() has from then on.
-    // Precondition: there is one.
+    // Replaces the cell's sample with the same seed; retaken() then returns the replaced one. Precondition: the journal
+    // has such a sample.
     void retake_sample(const std::string& cell, const Sample& sample);
-    // Sets the facts that are known of a cell besides its samples; a later call replaces an earlier one.
+    // Sets the facts about a cell other than its samples; a later call replaces an earlier one.
     void set_cell(const std::string& cell, const CellFacts& facts);
-    // Begins a session: facts about the process that takes the samples that follow.
+    // Begins a session: the process that takes all samples that follow.
     void add_session(const SessionFacts& facts);
 
     const std::vector<Sample>& samples(const std::string& cell) const;
-    // The samples whose places later ones took, in the order in which those came.
+    // The samples of a cell that retakes replaced, in the order of the retakes.
     const std::vector<Sample>& retaken(const std::string& cell) const;
     const CellFacts* cell(const std::string& cell) const;
-    // Whether the facts that are known of the cell say that it is good, or that it failed; a cell that nothing is known
-    // of is neither.
+    // Whether the journal says that the cell is good, or has failed. Both are false for a cell that it does not know.
     bool is_ok(const std::string& cell) const;
     bool has_failed(const std::string& cell) const;
-    // Each session with the number of the samples that it took, those again too.
+    // All sessions, each with the number of samples that it took, retakes included.
     const std::vector<SessionFacts>& sessions() const { return sessions_; }
     std::size_t sample_count() const;
     const std::string& file() const { return file_; }
-    // The size of the last line, which a kill had cut off, so that it was dropped; 0: there was none.
+    // The size in bytes of an incomplete last line that was dropped on opening; 0 if there was none.
     std::size_t dropped_bytes() const { return dropped_bytes_; }
 
-    // The file's descriptor, and the text of these lines if they were added next, for a crash handler, which can write
-    // a text that is there and no more.
+    // The file descriptor of the journal, and the text that these lines would have if they were appended next. A crash
+    // handler needs both, because it can only write a text that exists already.
     int descriptor() const { return locked_.descriptor(); }
     std::string next_lines(const std::vector<Json>& lines) const;
     static Json session_line(const SessionFacts& facts);
     static Json cell_line(const std::string& cell, const CellFacts& facts);
 
-    // Removes the file; call when the result file is in place.
+    // Removes the journal file; to be called when the result file is complete.
     void finish();
 
 private:
@@ -66,25 +65,25 @@ private:
     void keep_sample(const std::string& cell, const Sample& sample);
     void keep_retake(const std::string& cell, const Sample& sample);
     void count_sample();
-    // The cell's sample that has the seed of `sample`, or null.
+    // The cell's sample with the seed of `sample`; null if there is none.
     Sample* taken_before(const std::string& cell, const Sample& sample);
     void keep_session(SessionFacts facts);
 
     std::string file_;
     LockedFile locked_;
-    LineSeal seal_;  // of the last line in the file
+    LineSeal seal_;  // checksum state after the last line of the file
     std::size_t dropped_bytes_ = 0;
     std::map<std::string, std::vector<Sample>> samples_, retaken_;
     std::map<std::string, CellFacts> cells_;
     std::vector<SessionFacts> sessions_;
 };
 
-// Gives a journal that is there another name, so that a run can start over and nothing is lost; returns that name.
-// Throws MachineError if another run is writing it.
+// Renames an existing journal, so that a run can start over and nothing is lost; returns the new name. Throws
+// MachineError if another process is writing the journal.
 std::string set_journal_aside(const std::string& file);
 
-// What differs between two identities, key by key, "seed: 1, here 2; ..": at most three things and the number of the
-// others. Empty: nothing does.
+// Lists how two identities differ, key by key, as "seed: 1, here 2; ..": at most three differences and the number of
+// further ones. Empty if they are equal.
 std::string difference(const Json& there, const Json& here);
 
 }  // namespace pt

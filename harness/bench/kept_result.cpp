@@ -9,12 +9,12 @@ namespace pt {
 
 namespace {
 
-// The JSON of a file; is_discarded() if it holds something else.
+// Parses a file as JSON; the value is_discarded() if the file holds something else.
 Json parsed(const std::string& file) { return Json::parse(read_earlier_output(file, largest_result), nullptr, false); }
 
 const std::string status_place = std::string("/context/") + CallContext::status_key;
 
-// The text at a place of a document, or "".
+// The string at a JSON pointer of a document; "" if there is none.
 std::string text_at(const Json& document, const std::string& pointer) {
     const Json::json_pointer place(pointer);
     return document.is_object() && document.contains(place) && document.at(place).is_string()
@@ -32,7 +32,7 @@ void add_images(std::vector<std::string>& names, const Json& cell) {
     if (!cell.is_object() || !cell.contains(place)) {
         return;
     }
-    const Json flat = cell.at(place).flatten();  // named, so that it outlives the loop over it
+    const Json flat = cell.at(place).flatten();  // a named variable, because it must outlive the loop
     for (const auto& [key, name] : flat.items()) {
         if (name.is_string()) {
             names.push_back(name.get<std::string>());

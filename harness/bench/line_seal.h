@@ -1,6 +1,6 @@
-// Lines of JSON that carry a checksum, so that a line that was changed, lost, moved or doubled is found when the file
-// is read: the last member of each line, "check", is the FNV-1a of the line's text without it, begun with the checksum
-// of the line before. analysis/ptbench/io/line_seal.py reads the same.
+// JSON lines with a chained checksum, by which a reader finds a line that was changed, lost, moved or doubled. The last
+// member of each line, "check", is the FNV-1a hash of the rest of the line, seeded with the previous line's checksum.
+// analysis/ptbench/io/line_seal.py reads the same format.
 #pragma once
 
 #include <cstdint>
@@ -13,13 +13,14 @@ namespace pt {
 
 class LineSeal {
 public:
-    // The next line, without its end, of the text of an object. Precondition: it has a member, and ends with "}".
+    // Returns the text of a JSON object as the next line, with its checksum and without a newline. Precondition: the
+    // object has a member, and the text ends with "}".
     std::string seal(std::string_view object);
-    // What is wrong with `line` as the next one, in words; empty: it is as seal() made it.
+    // Says what is wrong with `line` as the next line; empty if seal() made it.
     std::string fault(std::string_view line);
 
 private:
-    std::uint64_t before_ = fnv1a_start;  // the checksum of the line before
+    std::uint64_t before_ = fnv1a_start;  // checksum of the previous line
 };
 
 }  // namespace pt

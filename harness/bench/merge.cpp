@@ -21,7 +21,7 @@ using OrderedJson = nlohmann::ordered_json;
 
 constexpr const char* a_shard = "a result of `ptbench run --shard`";
 
-// The facts that all shards of one run have in common.
+// The facts that must be equal in all shards of a run.
 Json common_of(const OrderedJson& result) {
     Json machine = Json::object();
     for (const auto& [key, value] : result.at("context").items()) {
@@ -70,8 +70,8 @@ ShardResult read_shard(const std::string& file) {
     return shard;
 }
 
-// Calls `read()`, which reads of a result what only another program, or an editor, can have written otherwise; what it
-// throws becomes an InputError that names the file.
+// Calls `read`, which reads a shard's result, and turns a JSON exception (another program or an editor changed the
+// file) into an InputError that names the file.
 template <class Read>
 auto guarded(const std::string& file, const Read& read) {
     try {
@@ -98,7 +98,7 @@ void check_same_run(const std::vector<ShardResult>& shards) {
     }
 }
 
-// One shard's file under several names counts once. Precondition: sorted by their index.
+// Removes shards that were given twice under different file names. Precondition: shards are sorted by index.
 void drop_copies(std::vector<ShardResult>& shards) {
     const auto is_copy = [](const ShardResult& kept, const ShardResult& next) {
         const bool is_one = kept.shard.index == next.shard.index && kept.result == next.result;
@@ -110,7 +110,7 @@ void drop_copies(std::vector<ShardResult>& shards) {
     shards.erase(std::unique(shards.begin(), shards.end(), is_copy), shards.end());
 }
 
-// Checks that no shard is missing. Precondition: they are of one run, sorted by their index.
+// Checks that every shard of the run is present. Precondition: shards are of one run and sorted by index.
 void check_complete(const std::vector<ShardResult>& shards) {
     for (std::size_t i = 1; i < shards.size(); ++i) {
         if (shards[i].shard.index == shards[i - 1].shard.index) {
@@ -147,7 +147,7 @@ std::filesystem::path images_of(const std::string& result_file) {
     return std::filesystem::path(result_file).stem().string() + "_images";
 }
 
-// The name of an image beside `out` for one beside the shard's file.
+// Renames an image from the shard's image folder into that of `out`, and records the file to copy.
 std::string moved(const OrderedJson& name, const ShardResult& shard, const std::string& out, Merged& merged) {
     const std::filesystem::path old = name.get<std::string>();
     if (old.is_absolute() || old.parent_path() != images_of(shard.file)) {
@@ -195,10 +195,10 @@ OrderedJson merged_context(const std::vector<ShardResult>& shards, const std::st
         }
         date = std::max(date, shard.result.at("context").at(CallContext::date_key).get<std::string>());
     }
-    context[CallContext::date_key] = date;  // of the run's end
+    context[CallContext::date_key] = date;  // date at which the last shard ended
     context[BenchmarkContext::host_name_key] = fmt::format("{}", fmt::join(hosts, ", "));
     context[CallContext::command_line_key] = command_line;
-    context.erase(CallContext::rank_hosts_key);  // each shard's
+    context.erase(CallContext::rank_hosts_key);  // host names of ranks are listed for each shard instead
     return context;
 }
 
@@ -216,7 +216,7 @@ OrderedJson merged_run(const std::vector<ShardResult>& shards) {
     return run;
 }
 
-// For each cell of the whole run, its shard and its number there.
+// For each cell of the whole run, the shard that holds it, and the cell's number in that shard.
 using Places = std::vector<std::pair<const ShardResult*, std::size_t>>;
 
 Places places_of(const std::vector<ShardResult>& shards) {
@@ -238,7 +238,7 @@ void add_rows(OrderedJson& rows, const ShardResult& shard, std::size_t number, s
     }
 }
 
-// The samples of all shards that were taken again.
+// The replaced samples of all shards.
 OrderedJson merged_retakes(const std::vector<ShardResult>& shards) {
     OrderedJson samples = OrderedJson::array();
     std::size_t most = 0;
@@ -264,7 +264,7 @@ std::vector<Study> studies_of(const OrderedJson& own) {
     return studies;
 }
 
-// The verdicts on the cells of all shards. A shard's own are left: what a study is held against may be another shard's.
+// The verdicts on the cells of all shards. They are computed again, because a cell's baseline may be in another shard.
 OrderedJson merged_comparisons(const OrderedJson& rows, const OrderedJson& own) {
     const ComparedRun run = compared_run(rows, own.at("cells"), own.at("baselines"));
     OrderedJson comparisons = OrderedJson::array();
@@ -290,10 +290,10 @@ Merged merge_parsed(const std::vector<ShardResult>& shards, const std::string& o
     OrderedJson own = shards.front().result.at("ptbench");
     own["run"] = merged_run(shards);
     own["cells"] = std::move(cells);
-    if (own.contains("retakes")) {  // of one program all have them
+    if (own.contains("retakes")) {  // shards of one program all have retakes, or none has
         own["retakes"] = merged_retakes(shards);
     }
-    if (own.contains("comparisons")) {  // a program that wrote none leaves the verdicts to whoever reads the file
+    if (own.contains("comparisons")) {  // results of older programs have no comparisons
         own["comparisons"] = merged_comparisons(rows, own);
     }
     own["shards"] = std::move(parts);

@@ -1,4 +1,4 @@
-// Puts the results of a run's shards together to what one run would have written.
+// Merges the results of a run's shards into the result that an undivided run would have written.
 #pragma once
 
 #include <string>
@@ -12,22 +12,22 @@ namespace pt {
 struct ShardResult {
     std::string file;
     Shard shard;
-    std::vector<std::size_t> positions;  // of its cells in the whole run
+    std::vector<std::size_t> positions;  // positions of the shard's cells in the whole run
     nlohmann::ordered_json result;
 };
 
-// Every shard of one run, in their order. Throws InputError for a file that is none, an unfinished, missing or second
-// shard, and one of another machine, build, scene or command (what differs).
+// Reads the results of all shards of a run, sorted by shard. Throws InputError for a file that is no shard's result, an
+// unfinished, missing or duplicate shard, and one of another machine, build, scene or command (the difference).
 std::vector<ShardResult> read_shards(const std::vector<std::string>& files);
 
 struct Merged {
     nlohmann::ordered_json result;
-    // Files to copy, each from and to: the images that cells name, beside the new result as they were beside the old.
+    // Image files to copy, as pairs of source and target: cells name them relative to their result file, old and new.
     std::vector<std::pair<std::string, std::string>> copies;
 };
 
-// Rows and cells in the order of the whole run. What is a machine's own and a shard's own (host, date, command, load)
-// is under ptbench.shards; the context is the first one's.
+// Merges shards; rows and cells are in the order of the whole run. What belongs to one machine or shard (host, date,
+// command, load) goes to ptbench.shards; the context is that of the first shard.
 Merged merge(const std::vector<ShardResult>& shards, const std::string& out, const std::string& command_line);
 
 }  // namespace pt

@@ -10,7 +10,7 @@ namespace pt {
 
 namespace {
 
-// The figures that are not called as what they compare.
+// What each figure compares, for figures with another name than the axis or tunable that they compare.
 const std::map<std::string, Compared> figures{
     {"remaining_paths", {live_paths, ""}},
     {"sorting_by_depth", {axes::sorting, along_depth}},

@@ -1,5 +1,5 @@
-// What suites of before 1.1 say otherwise: they name the figure that a study is drawn as, where a suite now says what
-// the study compares.
+// Reads studies of suite files from before ptbench 1.1. Those name the figure that a study is drawn as, where later
+// files say what the study compares.
 #pragma once
 
 #include <string>
@@ -14,8 +14,8 @@ struct Compared {
     std::string compares, along;
 };
 
-// What a study with this figure compares. `own_tunables` are the study's. Throws InputError for a name that no figure
-// had.
+// What a study with this figure compares. `own_tunables` are the tunables that the study names. Throws InputError for
+// an unknown figure.
 Compared compared_by_figure(const JsonValue& figure, const std::vector<std::string>& own_tunables);
 
 }  // namespace pt

@@ -1,6 +1,6 @@
-// What a command is at, on stderr, for whoever waits: nothing of a phase that is over within two seconds; then how long
-// it has taken and, where that is known, what is left. On a terminal one line that is written over, in a log now and
-// then a line: "render: reading the scene: 0:12 so far", "render: rendering: 0:12 elapsed, about 1:40 left".
+// Shows on stderr which phase a command is in: nothing for the first two seconds, then the elapsed time and, where it
+// can be told, the remaining time. A terminal gets one line that is overwritten, a log gets a line from time to time:
+// "render: reading the scene: 0:12 so far", "render: rendering: 0:12 elapsed, about 1:40 left".
 #pragma once
 
 #include <condition_variable>
@@ -11,19 +11,19 @@
 
 namespace pt {
 
-// The lines alone; times are seconds of any clock.
+// Composes the lines about a command's phases, without printing them. Times are in seconds of any clock.
 class PhaseLines {
 public:
     static constexpr double default_patience = 2;
 
     PhaseLines(std::string command, bool is_terminal, double patience = default_patience);
-    // A phase begins, and whatever came before it has ended. `expected`: how long it is taken to last.
+    // Begins a phase and ends the previous one. `expected` is the expected duration in seconds.
     void begin(const std::string& what, std::optional<double> expected, double now);
-    // Tells that a share of the phase is done, from 0 to 1.
+    // Records which share of the phase is done, from 0 to 1.
     void reached(double share, double now);
     void end() { is_over_ = true; }
 
-    // The line about the phase that is due now; empty: none is.
+    // The progress line that is due at the time `now`; empty if none is.
     std::string due(double now);
 
 private:
@@ -35,10 +35,11 @@ private:
     std::optional<double> expected_;
 };
 
-// Tells phases that last, by a thread of its own, which sleeps but for some microseconds every quarter of a second.
+// Shows long phases of a command on stderr from a thread of its own, which wakes up every quarter of a second.
 class PhaseWatch {
 public:
-    // PTBENCH_PATIENCE in the environment, in seconds, is for tests: with 0 each phase is told as it begins.
+    // Starts the thread that shows phases. For tests, the environment variable PTBENCH_PATIENCE sets the seconds before
+    // a phase is shown; with 0 each phase is shown as it begins.
     explicit PhaseWatch(const std::string& command);
     ~PhaseWatch();
     PhaseWatch(const PhaseWatch&) = delete;
@@ -46,7 +47,7 @@ public:
 
     void begin(const std::string& what, std::optional<double> expected = {});
     void reached(double share);
-    // Ends the phase: nothing is told until the next one begins, and a line that stands on the terminal is gone.
+    // Ends the phase: nothing is shown until the next one begins, and the terminal's line is erased.
     void end();
 
 private:

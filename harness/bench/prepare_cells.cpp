@@ -15,7 +15,7 @@ namespace pt {
 
 namespace {
 
-// The size at which a cell is verified before it is timed: enough pixels to meet every object, few enough to be quick.
+// The size at which a cell is verified: at most 48 pixels on the longer side, enough to see every object, and quick.
 RenderSettings verification_settings(RenderSettings settings) {
     const double shrink = std::min(1.0, 48.0 / std::max(settings.width, settings.height));
     settings.width = std::max(1u, static_cast<std::uint32_t>(std::lround(settings.width * shrink)));
@@ -25,26 +25,26 @@ RenderSettings verification_settings(RenderSettings settings) {
 
 constexpr std::uint32_t verification_spp = 2;
 
-// The place that is named where a preparation went wrong.
+// The words by which an error message names a failed preparation.
 constexpr const char* the_preparation = "a render before the timed ones";
 
-// How long a cell's preparation takes beside those of other cells.
+// The relative cost of a cell's preparation, for the estimate of the remaining time.
 double size_of(const Cell& cell) {
     return static_cast<double>(cell.settings.width) * cell.settings.height * cell.samples_to_prepare();
 }
 
-// Prepares cells, and remembers what those of one scene and size have in common.
+// Prepares cells, with one Verifier for all cells with the same scene, size and depth.
 class CellPreparer {
 public:
     CellPreparer(std::uint64_t seed, FilmLedger& films, ErrorBook& errors)
         : seed_(seed), films_(films), errors_(errors) {}
 
     struct Prepared {
-        CellFacts facts;                      // what the journal shall know of the cell
-        std::vector<FailedCell> others = {};  // that turned out wrong meanwhile
+        CellFacts facts;                      // facts about the prepared cell, for the journal
+        std::vector<FailedCell> others = {};  // other cells that this preparation showed to be wrong
     };
 
-    // A choice that throws fails its cell, not the run.
+    // Prepares a cell; an exception fails the cell, not the run.
     Prepared prepare(const Cell& cell) {
         Verifier& verifier = verifier_of(cell);
         Prepared prepared;
@@ -80,7 +80,8 @@ private:
     }
 
     void add_instrumented_pass(const Cell& cell, Prepared& prepared) {
-        // Queues grow and pages are touched in a first render: not in one whose stages are looked at.
+        // A first render grows queues and touches pages, which the stage times of the instrumented render must not
+        // include.
         (void)render_named(*cell.scene,
                            request(cell, cell.variant, traits_of(cell.variant, cell.backend).devices.count));
         RenderRequest instrumented = request(cell, cell.variant, cell.samples_to_prepare());
@@ -96,8 +97,7 @@ private:
         }
     }
 
-    // Whether the film and the work at full size are right and, for a variant that rounds freely, those of its exact
-    // twin.
+    // Compares film and work at full size with the reference, for a variant that rounds freely those of its exact twin.
     bool has_the_bits(const Cell& cell, const RenderResult& result, Prepared& prepared) {
         std::vector<FailedCell> failed = films_.note_preparation(cell, imprint_of(result));
         if (fp_relaxed(cell.variant, cell.backend)) {
@@ -118,7 +118,6 @@ private:
         return prepared.facts.status == CellStatus::ok;
     }
 
-    // The request of a render at the cell's own size.
     RenderRequest request(const Cell& cell, const Variant& variant, std::uint32_t samples) const {
         RenderRequest request{
             .variant = variant, .backend = cell.backend, .settings = cell.settings, .samples = samples};
@@ -129,7 +128,7 @@ private:
     std::uint64_t seed_;
     FilmLedger& films_;
     ErrorBook& errors_;
-    std::map<std::string, Verifier> verifiers_;  // by scene, size and depth
+    std::map<std::string, Verifier> verifiers_;  // verifiers by scene, size and depth
 };
 
 std::vector<const Cell*> unknown_cells(const Plan& plan, const Journal& journal) {
@@ -144,7 +143,7 @@ std::vector<const Cell*> unknown_cells(const Plan& plan, const Journal& journal)
 
 void add_compilations(const Cell& cell, std::vector<CompileTask>& tasks) {
     tasks.push_back({.scene = cell.scene.get(), .variant = cell.variant});
-    // The variants that the cell's samples are held to (FilmLedger) are compiled too.
+    // The reference variants that samples are compared with (FilmLedger) are compiled too.
     const Variant twin = exact_twin(cell.variant, cell.backend);
     tasks.push_back({.scene = cell.scene.get(), .variant = fast_reference_on(*cell.scene, twin, cell.backend)});
 }

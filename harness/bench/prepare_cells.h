@@ -1,5 +1,5 @@
-// What comes before a cell's timed samples: its kernels are compiled, it is verified at a small size and takes its
-// instrumented pass at its own.
+// Prepares cells before their timed samples: compiles kernels, verifies each cell at a small size and runs its
+// instrumented pass at full size.
 #pragma once
 
 #include "harness/bench/compile_ahead.h"
@@ -11,12 +11,12 @@
 
 namespace pt {
 
-// Prepares the cells that the journal does not know yet, until an interrupt. A cell that fails has its reason in the
-// journal. `seed` is that of sample 0.
+// Prepares the cells that are not in the journal yet, until an interrupt. The reason of a failure goes to the journal.
+// `seed` is the seed of sample 0.
 void prepare_cells(const Plan& plan, std::uint64_t seed, RunJournal& journal, FilmLedger& films, ErrorBook& errors,
                    const Interrupt& interrupt, Progress::Lines lines);
 
-// The kernels of every cell, for those who compile them elsewhere (compile_for). The plan must outlive them.
+// The kernels of every cell of a plan as tasks for compile_for. The plan must outlive the tasks.
 std::vector<CompileTask> compilations_of(const Plan& plan);
 
 }  // namespace pt

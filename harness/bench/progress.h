@@ -1,5 +1,5 @@
-// How far a command is, on stderr: on a terminal a bar that is written over, "time [#####---] 12/40  0:31 elapsed,
-// about 2:10 left  CELL"; in a log now and then a line, "[12/40] time: 0:31 elapsed, about 2:10 left  CELL".
+// Shows the progress of a command on stderr: on a terminal as a bar that is overwritten, "time [#####---] 12/40 0:31
+// elapsed, about 2:10 left CELL"; in a log as occasional lines, "[12/40] time: 0:31 elapsed, about 2:10 left CELL".
 #pragma once
 
 #include <cstddef>
@@ -10,22 +10,21 @@
 
 namespace pt {
 
-// Seconds of a clock that is never set, for durations. It counts from no date.
+// Seconds of a monotonic clock with an arbitrary start.
 double steady_seconds();
 
-// How long what is left will take, from what was measured: steps of one name are taken to last as long as those before
-// them; steps of a name that has none yet, as long as their size says at the rate of the names that have.
+// Estimates the remaining time of a list of named steps. A step is expected to take the mean of the measured steps with
+// its name; where none was measured, a time in proportion to its size, at the rate of the other names.
 class TimeLeft {
 public:
-    // Tells that `steps` of this name are to come; `size`, above 0, is how large each of them is beside those of other
-    // names.
+    // Adds `steps` expected steps with this name. `size`, above 0, is the size of a step relative to other names.
     void expect(const std::string& name, std::size_t steps, double size);
-    // A step was measured: one of those to come, or (`was_expected` false) one of an earlier session.
+    // Records a measured step. `was_expected` is false for a step of an earlier session, not counted by `expect`.
     void took(const std::string& name, double seconds, bool was_expected = true);
-    // Takes a step out of the estimate: it will not come after all.
+    // Removes an expected step from the estimate, because it will not be done.
     void drop(const std::string& name);
 
-    // Seconds that are left; nothing if nothing was measured yet.
+    // The estimated remaining time in seconds; none as long as nothing was measured.
     std::optional<double> seconds() const;
 
 private:
@@ -33,7 +32,7 @@ private:
         std::size_t left = 0;
         double size = 1;
         std::size_t measured = 0;
-        double total = 0;  // seconds
+        double total = 0;  // seconds that the measured steps took
     };
     std::map<std::string, Name> names_;
 };
@@ -42,14 +41,13 @@ class Progress {
 public:
     enum class Lines { shown, hidden };
 
-    // `what` names the phase; `total` steps are expected. Nothing is shown in the first `patience` seconds, and so
-    // nothing at all of what takes no longer.
+    // Starts the display of the phase `what` with `total` steps. Nothing is shown in the first `patience` seconds.
     Progress(std::string what, std::size_t total, Lines lines = Lines::shown, double patience = 0);
-    // Tells that a step of that name begins: a terminal says so, a log does not.
+    // Shows on a terminal that a step with this name begins; a log gets no line.
     void begin(const std::string& name);
-    // Tells that the step is done. The steps so far are taken to say how long the others last.
+    // Counts a step as done. The remaining time is estimated from the mean of the steps so far.
     void step(const std::string& name);
-    // Tells that the step is done. `seconds_left` is called only where a line is shown.
+    // Counts a step as done. `seconds_left` estimates the remaining time, and is called only if a line is shown.
     void step(const std::string& name, const std::function<std::optional<double>()>& seconds_left);
 
 private:
@@ -62,15 +60,15 @@ private:
     double patience_;
     std::size_t done_ = 0;
     double start_;
-    double last_shown_ = -1e9;    // long ago
-    std::optional<double> left_;  // seconds, as last told
+    double last_shown_ = -1e9;    // time of the last shown line in seconds; initially long ago
+    std::optional<double> left_;  // the last estimate of the remaining time in seconds
     bool is_terminal_;
 };
 
-// Takes away what stands on a terminal's line.
+// The terminal's escape sequence that erases the current line.
 inline constexpr const char* erase_line = "\r\033[K";
 
-// Prints a line on stderr, in the place of a bar that may stand there; the bar goes on below.
+// Prints a line on stderr in place of the progress bar, which continues below the line.
 void say_below_progress(const std::string& line);
 
 // A duration as "0:07", "12:34" or "3:04:05".

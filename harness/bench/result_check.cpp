@@ -60,12 +60,12 @@ private:
             fail(cell, fmt::format("sample {} with {}", index, fault), "what a render can leave");
         }
         counted_[{cells_.at(cell).at("cell").get<std::string>(), index}] = seed_and_film(sample);
-        if (cells_.at(cell).at("status") != "failed") {  // that it differs may be why
+        if (cells_.at(cell).at("status") != "failed") {  // a failed cell may have failed because of a wrong film
             check_film(sample, cell, index);
         }
     }
 
-    // A sample of the file, and what is wrong with it.
+    // Reads a sample from a result file, with a description of what is wrong with it.
     static std::pair<Sample, std::string> read_sample(const OrderedJson& json) {
         try {
             const Sample sample = sample_of_result(Json(json));
@@ -76,7 +76,7 @@ private:
     }
     static Json seed_and_film(const Sample& sample) { return {sample.seed, sample.film_hash}; }
 
-    // A sample whose place another took: of the same seed, and so with the same film.
+    // Checks a replaced sample: it must have the seed and the film of the sample that replaced it.
     void check_retaken(const OrderedJson& retake) {
         const std::string name = retake.at("cell");
         const std::size_t index = retake.at("repetition_index");
@@ -123,9 +123,9 @@ private:
     const std::string& file_;
     const OrderedJson& result_;
     const OrderedJson& cells_;
-    std::vector<std::set<std::size_t>> indices_;                        // of each cell's samples
-    std::map<std::pair<std::string, std::size_t>, Json> counted_;       // seed and film, by cell and index
-    std::map<std::string, std::pair<std::string, std::size_t>> films_;  // the first of a group, and its cell
+    std::vector<std::set<std::size_t>> indices_;                        // indices of the samples found, by cell
+    std::map<std::pair<std::string, std::size_t>, Json> counted_;       // seed and film hash by cell and sample index
+    std::map<std::string, std::pair<std::string, std::size_t>> films_;  // first film of a bitwise group, and its cell
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
-// What contradicts itself in samples and results: of the rules of `python3 -m ptbench validate` (analysis/ptbench/io/
-// consistency.py) those that a run needs before it goes on with a journal, and before it removes one.
+// Consistency checks of samples and results. They are those rules of `python3 -m ptbench validate`
+// (analysis/ptbench/io/consistency.py) that a run needs before it continues with a journal, and before it removes one.
 #pragma once
 
 #include <string>
@@ -8,9 +8,9 @@
 
 namespace pt {
 
-// Throws InputError where a result of a run contradicts itself: each cell that is `ok` has every sample once, with
-// times that can be, the cells that claim the reference's bits have one film a seed, and of the first seed the film
-// that they were prepared with. Throws nlohmann's exceptions where a key is missing.
+// Throws InputError where a result contradicts itself. Every `ok` cell must have each sample once, with plausible
+// times; cells that claim the reference's bits must have equal films for each seed, and for the first seed the film of
+// their preparation. Throws nlohmann's exceptions if a key is missing.
 void check_result(const std::string& file, const nlohmann::ordered_json& result);
 
 }  // namespace pt

@@ -97,7 +97,7 @@ OrderedJson failed_row(const std::string& cell, std::size_t family, int repetiti
     return row;
 }
 
-// Every tunable of the cell's choices with the value that it had.
+// The values of all tunables of a cell, standard values included.
 OrderedJson tunables_json(const Cell& cell) {
     OrderedJson json = OrderedJson::object();
     for (const Tunable& t : tunables_of(cell.variant, cell.backend)) {
@@ -106,7 +106,7 @@ OrderedJson tunables_json(const Cell& cell) {
     return json;
 }
 
-// What is known of the cell, and that the run ended before it had all of that.
+// Adds the facts about a cell from the journal, with the status "interrupted" if the run ended too early for it.
 void add_known(OrderedJson& json, const Cell& cell, const Journal& journal, int repetitions, std::string shared_with) {
     const CellFacts* known = journal.cell(cell.name);
     if (known == nullptr) {
@@ -166,8 +166,8 @@ Aggregates aggregate(std::vector<double> values) {
 
 namespace {
 
-// Films with the same bits have the same errors: which cell's they are. A sample's owner is the first cell of the plan
-// that has its films, seed by seed.
+// Films with the same bits have the same errors; this map says which cell owns them. The owner is the first cell of the
+// plan with these films at all checkpoints.
 class SharedErrors {
 public:
     SharedErrors(const Plan& plan, const Journal& journal) {
@@ -180,7 +180,7 @@ public:
         }
     }
 
-    // The sample with the mark at each of its checkpoints.
+    // Returns the sample with `shared` set at each of its checkpoints.
     Sample marked(const Journal& journal, const Cell& cell, Sample sample) const {
         const bool shared = owner(journal, cell, sample) != cell.name;
         for (CheckpointFacts& checkpoint : sample.checkpoints.value()) {
@@ -188,7 +188,7 @@ public:
         }
         return sample;
     }
-    // The cell whose errors all samples have; empty: they are its own, or several cells'.
+    // The cell that owns the errors of all samples of `cell`; empty if that is `cell` itself, or if there are several.
     std::string shared_with(const Journal& journal, const Cell& cell) const {
         std::set<std::string> names;
         for (const Sample& sample : journal.samples(cell.name)) {
@@ -204,7 +204,7 @@ private:
         for (const CheckpointFacts& checkpoint : sample.checkpoints.value()) {
             text += fmt::format("/{}:{}", checkpoint.spp, checkpoint.film_hash);
         }
-        // Cells without independent halves have no bias2 to share, so they have a key of their own.
+        // Cells without independent halves have no bias2, so they cannot share errors with cells that have it.
         return text + (facts.independent_samples ? "" : "/dependent");
     }
     const std::string& owner(const Journal& journal, const Cell& cell, const Sample& sample) const {
@@ -260,7 +260,7 @@ Disturbance disturbance_of(const Plan& plan, const Journal& journal) {
     }
     Disturbance found;
     for (const auto& [sample, backend] : samples) {
-        const bool contended = is_disturbed(*sample, backend);  // so that the time may be wrong for it
+        const bool contended = is_disturbed(*sample, backend);  // other processes may have falsified the time
         const bool low_clock = has_low_clock(*sample, highest);
         found.samples += 1;
         found.disturbed += contended || low_clock ? 1u : 0u;
@@ -288,7 +288,7 @@ namespace {
 
 constexpr const char* what_ptbench_wrote = "what ptbench wrote; remove the file to start over";
 
-// What a run reads of each cell of a study of error has to be there.
+// Throws InputError if the journal lacks facts or errors that a run needs to continue.
 void check_cells_are_whole(const Plan& plan, const Journal& journal) {
     for (const Cell& cell : plan.cells) {
         const CellFacts* const facts = journal.cell(cell.name);

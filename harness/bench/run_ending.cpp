@@ -23,7 +23,7 @@ namespace {
 
 struct Outcome {
     std::size_t failed = 0;
-    std::size_t unfinished = 0;  // cells that lack samples, and have not failed
+    std::size_t unfinished = 0;  // cells that have not failed but lack samples
 };
 
 Outcome outcome_of(const RunEnding& ending, const Journal& journal) {
@@ -50,8 +50,7 @@ int end_without_result(const RunEnding& ending, const Journal& journal) {
     return end_interrupted(ending);
 }
 
-// Why the journal must outlive the result that was made from it; empty: the result is on the disk, and holds what a run
-// can have found.
+// Says why the journal must be kept; empty if the result file was read back unchanged and does not contradict itself.
 std::string fault_of_result(const std::string& file, const std::string& text) {
     try {
         if (read_earlier_output(file, largest_result) != text) {
@@ -66,7 +65,6 @@ std::string fault_of_result(const std::string& file, const std::string& text) {
     return "";
 }
 
-// Writes the result file, and returns its text.
 std::string write_result(const RunEnding& ending, const Journal& journal, const std::vector<Comparison>& comparisons,
                          bool completed) {
     RunFacts facts = ending.facts;
@@ -108,7 +106,7 @@ int end_run(const RunEnding& ending, RunJournal& journal) {
     const Outcome outcome = outcome_of(ending, known);
     const bool completed = outcome.unfinished == 0;
     if (!completed && ::isatty(STDERR_FILENO) != 0) {
-        say("\n");  // after the line of progress that stands there
+        say("\n");  // moves the cursor below the progress line
     }
     if (!completed && (known.sample_count() == 0 || ending.earlier.is_kept())) {
         return end_without_result(ending, known);

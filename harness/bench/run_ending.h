@@ -1,5 +1,5 @@
-// How a run ends, complete or interrupted: the result file, the table of verdicts, what can be trusted of it and how to
-// go on.
+// The end of a run, complete or interrupted: writes the result file, and prints the table of verdicts, what was
+// disturbed, and how to continue.
 #pragma once
 
 #include <string>
@@ -11,20 +11,20 @@
 namespace pt {
 
 struct RunEnding {
-    const Plan& plan;  // what was to be run
+    const Plan& plan;  // the cells that the run was to measure
     const Suite& suite;
     EarlierResult earlier;
-    std::string out;   // the result file
-    RunFacts facts;    // `date` and `completed` are those of the end
-    bool was_resumed;  // the command line says so already
+    std::string out;   // name of the result file to write
+    RunFacts facts;    // facts about the run; the end sets `date` and `completed`
+    bool was_resumed;  // whether the command line has --resume already
 };
 
-// The call that goes on with the run.
+// The command line that continues an interrupted run.
 std::string command_to_go_on(const RunEnding& ending);
 
-// Writes and prints it; removes the journal of a run that is complete, once the result is read again from the disk and
-// does not contradict itself (exit_check_failed otherwise). A run that is not complete leaves an earlier result as it
-// is. Returns the exit code. Throws MachineError where the result cannot be written.
+// Writes and prints the result and returns the exit code. The journal of a complete run is removed only after the
+// result was read back from disk and does not contradict itself (exit_check_failed otherwise). An incomplete run leaves
+// an earlier result as it is. Throws MachineError if the result cannot be written.
 int end_run(const RunEnding& ending, RunJournal& journal);
 
 }  // namespace pt

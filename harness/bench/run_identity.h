@@ -1,5 +1,4 @@
-// What makes two runs one: a run goes on, is found to be done, or is put together from shards only where all of this is
-// equal.
+// The identity of a run: a run is resumed, counted as done already, or merged from shards only if identities are equal.
 #pragma once
 
 #include "harness/bench/facts/run.h"
@@ -12,16 +11,16 @@ struct RunSettings {
     Backend backend = Backend::cpu;
     std::uint64_t seed = 1;
     int repetitions = 1;
-    int most_repetitions = 1;  // where more samples may be taken for open verdicts
+    int most_repetitions = 1;  // limit of samples per cell where open verdicts may get more
     Shard shard = {};
 };
 
-// Machine, build, the host's name, the settings, and of the whole plan (whatever the shard) the content of every scene,
-// every cell and every reference.
+// The identity of a run: machine, build, host name, the settings, and the hash of every scene, all cells and all
+// references of the whole plan (not only of the shard).
 RunIdentity identity_of(const Plan& whole, const RunSettings& settings);
 
-// The part of a run's identity that a result file keeps: lists as hashes, and as its identity the hash of all but the
-// host's name and the shard. It has no positions and no sessions yet.
+// The part of a run's identity that a result file keeps: hashes instead of lists, and a hash of everything except the
+// host name and the shard. Positions and sessions are not set.
 RunRecord record_of(const RunIdentity& identity);
 
 }  // namespace pt

@@ -75,8 +75,8 @@ SessionFacts RunJournal::session_facts() const {
     return {.date = iso_date(), .host_name = host_name_, .process = ::getpid()};
 }
 
-// Begins a session with the first fact that this process finds: a run that is refused, or has nothing to do, leaves no
-// trace.
+// Begins a session with this process's first entry, so that a run that is refused or complete leaves the journal as it
+// is.
 void RunJournal::begin_session() {
     if (!std::exchange(has_session_, true)) {
         journal_.add_session(session_facts());

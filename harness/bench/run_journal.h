@@ -1,4 +1,4 @@
-// The journal while a run goes on: one thread adds what it finds, and another may end the run meanwhile.
+// The journal as a run uses it: one thread appends to it, and another thread may end the run at any time.
 #pragma once
 
 #include <mutex>
@@ -13,31 +13,30 @@ namespace pt {
 
 class RunJournal {
 public:
-    // Opens the journal of a run, as Journal's constructor does. `go_on`: the command that goes on with the run, for
-    // what a crash says.
+    // Opens the journal like Journal's constructor. `go_on` is the command that continues the run, for crash messages.
     RunJournal(std::string file, const RunIdentity& identity, bool resume,
                const std::vector<std::string>& that_may_differ, std::string go_on);
 
     const Journal& known() const { return journal_; }
-    // Whether the cell is prepared and may be timed.
+    // Whether a cell is prepared and may be timed.
     bool is_ok(const Cell& cell) const;
-    // Why the cell, which must be known, has failed; empty: it has not.
+    // The reason why a cell failed; empty if it did not. Precondition: the journal knows the cell.
     std::string failure(const Cell& cell) const;
 
     void set_cell(const Cell& cell, const CellFacts& facts);
-    // Notes a failure of a cell that is known.
+    // Marks a cell that the journal knows as failed.
     void set_failed(const Cell& cell, const std::string& reason);
-    // Notes a failure of a cell that has not failed yet, and says so on stderr.
+    // Marks a cell that has not failed yet as failed, and reports the failure on stderr.
     void fail(const Cell& cell, const std::string& reason);
     void add_sample(const Cell& cell, const Sample& sample);
     void retake_sample(const Cell& cell, const Sample& sample);
-    // While what this returns lives, a crash leaves the cell as failed ("crashed in PLACE: SIGNAL") and says how to go
-    // on.
+    // While the returned object lives, a crash of the process marks the cell as failed ("crashed in PLACE: SIGNAL") and
+    // prints how to continue.
     LastLine fails_if_crashed(const Cell& cell, const std::string& place) const;
 
-    // Ends all changes: a thread that adds to the journal from now on waits until the process ends.
+    // Stops all changes to the journal: a thread that appends after this waits until the process ends.
     void close() { mutex_.lock(); }
-    // Removes the journal's file, once the result file is in place.
+    // Removes the journal file; to be called when the result file is complete.
     void finish() { journal_.finish(); }
 
 private:
@@ -47,7 +46,7 @@ private:
     Journal journal_;
     std::string host_name_;
     std::string go_on_;
-    std::mutex mutex_;  // held while the journal changes
+    std::mutex mutex_;  // locked while the journal changes
     bool has_session_ = false;
 };
 

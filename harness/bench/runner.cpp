@@ -50,7 +50,7 @@ void apply_filter(Plan& plan, const std::string& filter) {
     }
 }
 
-// Halves of a reference are independent of what is compared with them: no sample may have one's seed.
+// Checks that no sample has a seed of the reference images, whose halves must be independent of what is compared.
 void check_seeds(const Plan& plan, std::uint64_t first, int repetitions) {
     const bool has_errors = std::any_of(plan.cells.begin(), plan.cells.end(),
                                         [](const Cell& cell) { return cell.convergence.has_value(); });
@@ -62,19 +62,19 @@ void check_seeds(const Plan& plan, std::uint64_t first, int repetitions) {
     }
 }
 
-// Whether the result of this very run is there, and no journal: a run that was killed as it ended, or called again.
+// Whether the complete result of this very run exists and its journal does not (killed at its end, or called again).
 bool is_done(const RunOptions& options, const EarlierResult& earlier) {
     return options.resume && !std::filesystem::exists(journal_of(options)) && earlier.is_of_this_run &&
            earlier.is_complete;
 }
 
-// Whether the journal of an unfinished run makes room for this one: --overwrite alone asks for a new run.
+// Whether an unfinished run's journal is set aside for a new run: --overwrite without --resume asks for that.
 bool starts_over(const RunOptions& options) {
     return options.overwrite && !options.resume && std::filesystem::exists(journal_of(options));
 }
 
-// An earlier result may only be replaced where the call says so, or where it is this run's own. (A journal without
-// --resume and --overwrite is refused when it is opened.)
+// Throws InputError if an existing result may not be replaced: --overwrite must be given, or the result must be this
+// run's own. (A journal without --resume or --overwrite is refused when it is opened.)
 void check_result_file(const RunOptions& options, const EarlierResult& earlier) {
     const bool has_journal = std::filesystem::exists(journal_of(options)) && !starts_over(options);
     if (has_journal && !options.resume && earlier.is_kept() && !earlier.is_of_this_run) {
@@ -87,7 +87,7 @@ void check_result_file(const RunOptions& options, const EarlierResult& earlier) 
     }
 }
 
-// Google Benchmark empties its --benchmark_out when it begins.
+// Refuses an existing file for --benchmark_out, because Google Benchmark truncates it at once.
 void check_benchmark_out(const std::vector<std::string>& flags) {
     constexpr std::string_view flag = "--benchmark_out=";
     for (const std::string& argument : flags) {
@@ -104,7 +104,7 @@ void check_benchmark_out(const std::vector<std::string>& flags) {
     }
 }
 
-// The part of the run's identity that a result keeps and, for a shard, its cells' positions in the whole plan.
+// The run's identity for its result file, and for a shard the positions of its cells in the whole plan.
 RunRecord record_of(const RunIdentity& identity, const Shard& shard, const std::vector<std::size_t>& positions) {
     RunRecord record = record_of(identity);
     if (!shard.is_whole()) {
@@ -113,13 +113,13 @@ RunRecord record_of(const RunIdentity& identity, const Shard& shard, const std::
     return record;
 }
 
-// A host's name may differ where the call says so: the result keeps the names, session by session.
+// The keys of a run's identity that may differ on --resume: the host name, with --other-host. Sessions keep the names.
 std::vector<std::string> that_may_differ(const RunOptions& options) {
     return options.other_host ? std::vector<std::string>{RunIdentity::host_name_key} : std::vector<std::string>{};
 }
 
-// While it lives, a run that does not end after an interrupt is ended by `end`, on another thread and for good, while a
-// render goes on that nobody waits for any more.
+// During its lifetime, `end` ends a run that is overdue after an interrupt. It runs on another thread and ends the
+// process, while the render that is still in flight is abandoned.
 class EndWhenOverdue {
 public:
     EndWhenOverdue(Interrupt& interrupt, std::function<int()> end) : interrupt_(interrupt) {
@@ -141,12 +141,12 @@ int decide_seconds_of(const Suite& suite, const RunOptions& options) {
     return options.decide_seconds >= 0 ? options.decide_seconds : suite.decide_seconds;
 }
 
-// The most samples that a cell may come to have.
+// The most samples that a cell may get, including those for open verdicts.
 int most_repetitions(const Suite& suite, const RunOptions& options) {
     return repetitions_of(suite, options) * (decide_seconds_of(suite, options) > 0 ? most_times_repetitions : 1);
 }
 
-// Sample i has the seed of the first and i: a line that was lost or stands twice would shift all that follow.
+// Checks that sample i has the seed first_seed + i, which a lost or duplicate line of the journal would change.
 void check_sample_seeds(const Plan& plan, const Journal& journal, std::uint64_t first_seed, int repetitions) {
     for (const Cell& cell : plan.cells) {
         const std::vector<Sample>& samples = journal.samples(cell.name);
@@ -173,7 +173,7 @@ void say_what_was_dropped(const Journal& journal) {
     }
 }
 
-// Checks what several ranks cannot run, and says so before anything is run.
+// Refuses variants that cannot be split over MPI ranks, before anything is run.
 void check_ranks(const Plan& plan) {
     for (const Cell& cell : plan.cells) {
         const std::string reason = why_not_split(cell.variant, cell.backend);
@@ -184,7 +184,7 @@ void check_ranks(const Plan& plan) {
     require_equal_machines(plan.cells.front().backend);
 }
 
-// Says which cells of a run that goes on failed or crashed in an earlier process: they are not tried again.
+// Reports cells that failed or crashed in an earlier process of this run; they are not tried again.
 void say_what_failed_before(const Plan& plan, const RunJournal& journal) {
     for (const Cell& cell : plan.cells) {
         const bool is_known = journal.known().cell(cell.name) != nullptr;
@@ -194,13 +194,13 @@ void say_what_failed_before(const Plan& plan, const RunJournal& journal) {
     }
 }
 
-// A launcher kills what has not ended a second after Ctrl-C.
+// The time that a render may continue after Ctrl-C. MPI launchers kill processes after a second.
 std::chrono::milliseconds grace_of(const RunOptions& options) {
     constexpr std::chrono::milliseconds most_under_a_launcher(200);
     return ranks().count > 1 ? std::min(options.grace, most_under_a_launcher) : options.grace;
 }
 
-// Runs the plan of `ending`, a part of the run of this identity.
+// Runs the plan of `ending`, which is the whole run or one shard of it.
 int run_part(const RunEnding& ending, const RunIdentity& identity, const RunOptions& options) {
     const Plan& plan = ending.plan;
     const Progress::Lines lines = options.quiet ? Progress::Lines::hidden : Progress::Lines::shown;
@@ -260,7 +260,7 @@ std::string describe_plan(const Plan& plan, int repetitions) {
 }
 
 Plan plan_run(const Suite& suite, const RunOptions& options) {
-    // Without the backend there is no machine to have been tuned (a plan may be listed anywhere).
+    // Without the backend this machine cannot have been tuned; a plan may be listed on any machine.
     const bool is_there = options.backend == Backend::cpu || cuda::not_available().empty();
     const Tuning tuning =
         options.untuned || !is_there ? Tuning() : Tuning::load(tuning_file(options.backend), options.backend);

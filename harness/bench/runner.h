@@ -1,5 +1,5 @@
-// Runs a plan through Google Benchmark: verifies every cell, takes its instrumented pass, then its timed samples,
-// interleaved; every fact goes to the journal at once, and the result file is made from the journal.
+// Runs a plan: verifies every cell, runs its instrumented pass, then has Google Benchmark take the timed samples of all
+// cells interleaved. Every fact is appended to the journal at once, and the result file is made from the journal.
 #pragma once
 
 #include <chrono>
@@ -13,33 +13,32 @@ namespace pt {
 
 struct RunOptions {
     Backend backend = Backend::cpu;
-    std::string out;           // result file
-    std::string command_line;  // for the record, and to go on with
-    int repetitions = 0;       // 0: the suite's
-    int retakes = -1;          // of disturbed samples, at most so many a cell; -1: as many as it has repetitions
-    int decide_seconds = -1;   // more samples for open verdicts, for so long; -1: the suite's
+    std::string out;           // name of the result file
+    std::string command_line;  // command line, for the result and to continue the run
+    int repetitions = 0;       // samples per cell; 0: the suite's number
+    int retakes = -1;          // retakes of disturbed samples per cell; -1: as many as repetitions
+    int decide_seconds = -1;   // time limit for samples that settle open verdicts; -1: the suite's
     bool resume = false;
-    // A result that is there may be replaced, when the new one is complete; without `resume` the journal of an
-    // unfinished run makes room for a new run, and is kept under another name.
+    // Allows an existing result to be replaced once the new one is complete, and, without `resume`, a new run beside an
+    // unfinished one, whose journal is kept under another name.
     bool overwrite = false;
-    bool other_host = false;  // resume although the host has another name
-    bool quiet = false;       // no progress on stderr
+    bool other_host = false;  // allow --resume although the host name differs
+    bool quiet = false;       // show no progress on stderr
     Shard shard = {};
-    std::string reference_cache = {};  // folder that keeps references; empty: none are kept
-    bool untuned = false;              // leave tunables at their standards, whatever was found on this machine
-    std::uint64_t seed = 1;            // of sample 0; sample i has seed + i
-    std::string filter = {};           // regular expression on cell names; empty: all
-    std::vector<std::string> benchmark_flags = {};  // --benchmark_*, passed on
-    // Time that a sample in flight has to end after an interrupt.
+    std::string reference_cache = {};               // folder of cached reference images; empty: no cache
+    bool untuned = false;                           // keep tunables at their standards, ignoring tuned values
+    std::uint64_t seed = 1;                         // seed of sample 0; sample i has `seed` + i
+    std::string filter = {};                        // regular expression on cell names; empty: all
+    std::vector<std::string> benchmark_flags = {};  // --benchmark_* flags for Google Benchmark
+    // How long a sample in flight may continue after an interrupt.
     std::chrono::milliseconds grace = std::chrono::seconds(1);
 };
 
-// Returns an exit code: 0, 1 if a cell failed, exit_interrupted. Throws InputError, MachineError.
+// Runs a suite and returns an exit code: 0, 1 if a cell failed, or exit_interrupted. Throws InputError, MachineError.
 int run_suite(const Suite& suite, const RunOptions& options);
 
-// The cells that run_suite would run in all its shards. Throws InputError, also where no cell is left.
+// The plan of a whole run, in all shards. Throws InputError, also if the plan has no cells.
 Plan plan_run(const Suite& suite, const RunOptions& options);
-// The cells and what does not apply, as text.
 std::string describe_plan(const Plan& plan, int repetitions);
 
 }  // namespace pt

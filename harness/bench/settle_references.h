@@ -1,4 +1,4 @@
-// Between preparation and timing: references are made as accurate as the errors that the cells will have ask for.
+// Between preparation and timing, makes the reference images as accurate as the expected errors of the cells demand.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace pt {
 
-// Cells that ask for more than their task's most_spp allows are refused, in the journal and on stderr. Throws
-// InputError, with the name of the result file, where samples in the journal were compared with another reference.
+// Refuses cells whose reference would need more than the task's most_spp, in the journal and on stderr. Throws
+// InputError with the result file's name if samples in the journal were compared with another reference.
 void settle_references(const Plan& plan, const std::string& result_file, RunJournal& journal, ErrorBook& errors,
                        const Interrupt& interrupt);
 

@@ -12,7 +12,7 @@ namespace pt {
 
 namespace {
 
-// A forest in which every cell points towards its group's first one.
+// Disjoint sets of cells (union-find); the representative of a group is its first cell.
 class Groups {
 public:
     explicit Groups(std::size_t size) : parents_(size) { std::iota(parents_.begin(), parents_.end(), 0); }
@@ -23,7 +23,7 @@ public:
         }
         return cell;
     }
-    // Joins a cell to the group of its key: cells of equal keys are one group.
+    // Adds a cell to the group of all cells with the same key.
     void join(std::map<std::string, std::size_t>& known, const std::string& key, std::size_t cell) {
         const std::size_t a = first_of(known.try_emplace(key, cell).first->second);
         const std::size_t b = first_of(cell);
@@ -34,7 +34,7 @@ private:
     std::vector<std::size_t> parents_;
 };
 
-// The part of a cell's name after the variant, but for checkpoints: a cell and its twin without them are compared.
+// The part of a cell's name after the variant, without the suffix for checkpoints, so that companions have the same.
 std::string setting_of(const Cell& cell) {
     const std::string setting = setting_in(cell.name);
     return setting.substr(0, setting.find("/checkpoints:"));

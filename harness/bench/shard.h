@@ -1,5 +1,5 @@
-// A part of a run for one of several equal machines. Cells whose times or errors are compared with each other stay in
-// one shard, so that no comparison within a scene and setting is between two machines.
+// Shards: parts of a run for several equal machines. Cells whose times or errors are compared stay in one shard, so
+// that no comparison within a scene and setting is made across two machines.
 #pragma once
 
 #include <string>
@@ -10,24 +10,24 @@
 namespace pt {
 
 struct Shard {
-    std::uint32_t index = 1;  // from 1
-    std::uint32_t count = 1;  // 1: the whole run
+    std::uint32_t index = 1;  // number of this shard, from 1 to `count`
+    std::uint32_t count = 1;  // number of shards; 1: the run is not divided
 
     bool is_whole() const { return count == 1; }
     std::string name() const;  // "2/4"
 };
 
-// Reads a shard, "2/4" for the second of four; throws InputError.
+// Parses a shard, "2/4" for the second of four. Throws InputError.
 Shard parse_shard(const std::string& text);
 
-// The groups of a plan, each as the positions of its cells: cells of one scene, backend, resolution, depth and spp, and
-// cells that share a reference, are together. In the order of their first cells.
+// Groups the cells of a plan that must stay in one shard, as positions in the plan: cells with the same scene, backend,
+// resolution, depth and spp, and cells that share a reference. Ordered by the first cell of each group.
 std::vector<std::vector<std::size_t>> groups_of(const Plan& plan);
 
-// The positions in the plan of a shard's cells, increasing. The largest groups (pixels times samples) are placed first,
-// each into the shard that has the least so far. Throws InputError if there are more shards than groups.
+// The positions in the plan of a shard's cells, increasing. Groups are distributed greedily, the largest (pixels times
+// samples) first, each to the shard with the least work. Throws InputError for more shards than groups.
 std::vector<std::size_t> positions_of(const Plan& plan, const Shard& shard);
-// The plan with these cells only; what does not apply stays.
+// The part of a plan with the cells at these positions; the list of what does not apply is kept.
 Plan part_of(const Plan& plan, const std::vector<std::size_t>& positions);
 
 }  // namespace pt

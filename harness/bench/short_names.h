@@ -1,5 +1,5 @@
-// What a cell is called where people look on: its variant, its scene, and of its settings those that differ within the
-// run. Files and filters have the whole name (Cell::name).
+// Short names of cells for progress displays: variant, scene, and only those settings that differ within the run. Files
+// and filters use the full name (Cell::name).
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@ namespace pt {
 class ShortNames {
 public:
     explicit ShortNames(const Plan& plan);
-    // A cell's short name, as "wavefront layout=soa, cornell_open, depth 4".
+    // The short name of a cell, as "wavefront layout=soa, cornell_open, depth 4".
     std::string of(const Cell& cell) const;
 
 private:

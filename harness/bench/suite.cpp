@@ -21,7 +21,7 @@ namespace pt {
 
 namespace {
 
-// The choices of an axis on any backend, each name once; those that this build lacks too.
+// The distinct choices of an axis on all backends, including choices that this build leaves out.
 std::vector<std::string> names_on_any_backend(std::string_view axis) {
     std::set<std::string> names;
     for (const Backend backend : all_backends) {
@@ -37,7 +37,7 @@ std::vector<std::string> names_on_any_backend(std::string_view axis) {
     return {names.begin(), names.end()};
 }
 
-// The tunables of every choice, so a name may be there several times.
+// The tunables of all choices on all backends; a name occurs once for each choice that has it.
 std::vector<Tunable> tunables_on_any_backend() {
     std::vector<Tunable> all;
     for (const Backend backend : all_backends) {
@@ -59,7 +59,7 @@ std::vector<std::string> names_of(const std::vector<const Choice*>& choices) {
     return names;
 }
 
-// The image sizes of a study; {0, 0} stands for the scene's own size.
+// The resolutions of a study; {0, 0} stands for the scene's own.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> sizes_of(const Study& study, Backend backend) {
     if (const auto own = study.sizes_on.find(backend); own != study.sizes_on.end()) {
         return own->second;
@@ -88,7 +88,7 @@ Cell make_cell(const std::shared_ptr<const Scene>& scene, Backend backend, const
     return cell;
 }
 
-// Two studies may ask for one cell, which has one reference: as good as the better of the two.
+// Merges two requests for the same cell, of two studies. The more accurate of the two references is kept.
 void merge(Cell& known, const Cell& other, const std::string& study) {
     known.prepared_spp =
         known.samples_to_prepare() >= other.samples_to_prepare() ? known.prepared_spp : other.prepared_spp;
@@ -106,9 +106,9 @@ void merge(Cell& known, const Cell& other, const std::string& study) {
     kept.images = kept.images || added.images;
 }
 
-using Scenes = std::map<std::string, std::shared_ptr<const Scene>>;  // by name or file
+using Scenes = std::map<std::string, std::shared_ptr<const Scene>>;  // loaded scenes by name or file
 
-// Every scene that a suite names, loaded once.
+// Loads each scene that a suite names once.
 Scenes scenes_of(const Suite& suite) {
     std::vector<std::string> names;
     const auto add = [&](const std::string& name) {
@@ -159,7 +159,7 @@ void check_choices(const AxisChoices& axes, const std::string& file, const std::
 
 namespace {
 
-// Adds choices of an axis. `list`: choices with commas between them, or "all".
+// Adds choices to an axis. `list` holds choices separated by commas, or "all".
 void add_choices(AxisChoices& axes, const std::string& axis, const std::string& list, const char* option,
                  Backend backend) {
     std::vector<std::string> names;
@@ -204,7 +204,8 @@ AxisChoices parse_axis_arguments(const std::vector<std::string>& arguments, cons
     return axes;
 }
 
-// Choices may allow different values of a tunable of one name: what some of them allow is not applicable to the others.
+// Choices may allow different values of a tunable with the same name. A value that only some of them allow passes; it
+// does not apply to the others.
 void check_tunable(const std::string& name, std::uint32_t value, const std::string& file, const std::string& place) {
     std::set<std::string> known, ranges;
     for (const Tunable& tunable : tunables_on_any_backend()) {
@@ -265,8 +266,8 @@ AxisChoices all_choices(Backend backend) {
 
 namespace {
 
-// What a tunable is in a variant that does not name it: the standard of the choice that has it, which another choice of
-// the same axis need not share. Where none of the variant's has it, the first of the backend's that does.
+// The value of a tunable in a variant that does not name it: the standard of the variant's choice that has the tunable
+// (choices of an axis may differ), or of the backend's first choice that has it. None if there is no such choice.
 std::optional<std::uint32_t> default_value_of(const Variant& variant, const std::string& name, Backend backend) {
     std::vector<Tunable> tunables;
     for (const std::string_view axis : axis_names) {
@@ -282,7 +283,7 @@ std::optional<std::uint32_t> default_value_of(const Variant& variant, const std:
                                       : std::nullopt;
 }
 
-// Every variant of `variants` with every value of a tunable. Standards are left out: one variant has one name.
+// Combines every variant with every value of a tunable. The standard value is left out, so that a variant has one name.
 std::vector<Variant> with_values(const std::vector<Variant>& variants, const std::string& name,
                                  const std::vector<std::uint32_t>& values, Backend backend) {
     std::vector<Variant> next;
@@ -351,7 +352,6 @@ std::vector<std::uint32_t> Study::spps_for(Backend backend) const {
 
 namespace {
 
-// The tunables that a study names, in any of its sets.
 std::set<std::string> named_tunables(const Study& study) {
     std::set<std::string> named;
     for (const auto& [tunable, values] : study.tunables) {
@@ -374,7 +374,7 @@ void check_reference(const ReferenceTask& task, const std::string& study) {
     }
 }
 
-// Puts a plan together, each cell once.
+// Makes the plan of a suite, in which each cell occurs once.
 class PlanMaker {
 public:
     PlanMaker(const Suite& suite, Backend backend, const Tuning& tuning)
@@ -395,7 +395,7 @@ public:
     }
 
 private:
-    // The study's variants with the best that is known for what the call left open, of which plan_.chosen tells.
+    // The study's variants, with the best known choices for what the command left open; plan_.chosen lists those.
     std::vector<Variant> best_known(Study study, const Scene& scene) {
         const std::string tree = tree_in_words(study.axes, study.tunables, scene, backend_);
         if (!tree.empty()) {
@@ -416,7 +416,7 @@ private:
         return variants;
     }
 
-    // Adds a variant's cells at every size, depth and number of samples.
+    // Adds the cells of a variant, for every resolution, depth and number of samples.
     void add_variant(const Study& study, const std::shared_ptr<const Scene>& scene, const Variant& variant) {
         if (Reason reason = reason_not_applicable(variant, features_of(*scene), backend_); !reason.empty()) {
             plan_.not_applicable.push_back({study.name, scene->name, backend_, variant, std::move(reason)});
@@ -434,8 +434,8 @@ private:
         }
     }
 
-    // Adds the asked cell with checkpoints, for its error over time, at the depth at which its variant has the mean
-    // that is asked for; and, if need be, the cell without checkpoints.
+    // Adds the cell with checkpoints at the depth at which its variant has the expectation of plain paths of the
+    // requested depth, and, if the study wants it, the cell without checkpoints.
     void add_cells_with_error(const Study& study, const Cell& asked) {
         const ConvergenceSettings& settings = *study.convergence;
         const std::uint32_t depth = asked.settings.depth;
@@ -476,7 +476,7 @@ private:
     const Tuning& tuning_;
     Scenes scenes_;
     Plan plan_;
-    std::unordered_map<std::string, std::size_t> positions_;  // of cells, by name
+    std::unordered_map<std::string, std::size_t> positions_;  // index of each cell in the plan, by cell name
 };
 
 }  // namespace

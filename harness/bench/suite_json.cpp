@@ -1,4 +1,4 @@
-// Reads suites from their files.
+// Parses suite files (JSON).
 #include "harness/bench/suite.h"
 
 #include <algorithm>
@@ -53,7 +53,7 @@ std::pair<std::uint32_t, std::uint32_t> read_size(const JsonValue& value) {
             static_cast<std::uint32_t>(sides[1].whole(1, 8192, "a whole number from 1 to 8192"))};
 }
 
-// Reads a size, [width, height], or an array of such.
+// Reads a resolution, [width, height], or an array of resolutions.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> read_sizes(const JsonValue& value) {
     if (!value.json().is_array() || value.json().empty() || !value.json().front().is_array()) {
         return {read_size(value)};
@@ -66,7 +66,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> read_sizes(const JsonValue&
     return sizes;
 }
 
-// Reads a study's sizes, or an object with some by backend: a GPU needs more pixels than a CPU to be busy.
+// Reads a study's resolutions, or an object with those of each backend, because a GPU needs more pixels to be busy.
 void read_resolution(const JsonValue& value, Study& study) {
     if (value.json().is_object()) {
         const JsonObject object(value, {"cpu", "cuda"});
@@ -102,8 +102,8 @@ TunableValues read_tunables(const JsonValue& value) {
     return tunables;
 }
 
-// A number, an array of such, or an object with one by backend: a GPU needs more samples than a CPU for a time that can
-// be measured.
+// Reads `spp`: a number, an array of numbers, or an object with a number for each backend, because a GPU needs more
+// samples per pixel for a measurable time.
 void read_spp(const JsonValue& value, Study& study) {
     const auto count = [](const JsonValue& v) {
         return static_cast<std::uint32_t>(v.whole(1, 1000000, "a whole number from 1 to 1000000"));
@@ -172,7 +172,7 @@ Compared read_compared(const JsonObject& object, bool is_convergence) {
         if (object.has(older_figure_key)) {
             (void)object.at(older_figure_key).one_of({"convergence"});
         }
-        return {};  // the type says what is compared, and the keys of the other type are refused
+        return {};  // a convergence study compares errors and has no `compares`
     }
     if (object.has(older_figure_key)) {
         return compared_by_figure(object.at(older_figure_key), tunables_in(object));
@@ -206,7 +206,7 @@ std::vector<VariantSet> read_variants(const JsonValue& value) {
     return sets;
 }
 
-// The object's keys are those of its type; what only the other type has is named as such.
+// A study as an object with the keys that its type allows; keys of the other type are refused by name.
 JsonObject study_object(const JsonValue& value) {
     std::vector<std::string> keys{"name",     "type",       "title", "scenes", "axes",          "tunables",
                                   "variants", "resolution", "depth", "spp",    older_figure_key};
@@ -251,7 +251,7 @@ Study read_study(const JsonValue& value) {
     return study;
 }
 
-// A study of error brings another one, of its cells without checkpoints.
+// A convergence study adds another study, of its cells without checkpoints, whose name must be free.
 void check_names(const Suite& suite, const std::string& file) {
     for (std::size_t i = 0; i < suite.studies.size(); ++i) {
         const std::string twin = suite.studies[i].name + std::string(without_checkpoints_suffix);

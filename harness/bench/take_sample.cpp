@@ -20,7 +20,7 @@ namespace pt {
 
 namespace {
 
-// The clock of the backend's processor in MHz; nothing where it cannot be known.
+// The clock of the backend's processor in MHz; none if it cannot be measured.
 std::optional<double> clock_mhz(Backend backend) {
     return backend == Backend::cuda ? cuda::measure_clock_mhz() : clock_of(measure_clock_evidence());
 }
@@ -151,7 +151,7 @@ void SampleTaker::warm_up(const Cell& cell, RenderRequest request) {
     }
 }
 
-// What is wrong with a sample's film or counters, or nothing.
+// Says what is wrong with a sample's film or counters; empty if nothing is.
 std::string SampleTaker::fault(const Cell& cell, std::size_t index, const RenderResult& result,
                                std::vector<FailedCell>& others) {
     // With several ranks, each has checked its own counters.
@@ -159,13 +159,12 @@ std::string SampleTaker::fault(const Cell& cell, std::size_t index, const Render
         ranks().count == 1 && !missing.empty()) {
         return fmt::format("{}: {}", place_of(index), missing);
     }
-    // The number of paths is checked whatever the claim, also for a variant that rounds freely, whose rays cannot be
-    // held to anybody else's.
+    // The number of paths is checked for every variant, also for one that rounds freely, whose rays have no reference.
     const std::uint64_t paths = std::uint64_t{cell.settings.width} * cell.settings.height * cell.spp;
     if (result.work.paths != paths) {
         return fmt::format("{}: {} paths, not {}", place_of(index), result.work.paths, paths);
     }
-    // Every film of a group has the same bits and took the same work, seed by seed, at full size too.
+    // Films and work counts of a bitwise group must be equal for each seed, at full size too.
     std::string wrong;
     for (FailedCell& failed : films_.note_sample(cell, index, imprint_of(result))) {
         if (failed.cell == &cell) {
@@ -174,7 +173,7 @@ std::string SampleTaker::fault(const Cell& cell, std::size_t index, const Render
             others.push_back(std::move(failed));
         }
     }
-    // A sample that is not finite is no failure where errors are measured: it makes them null, with a count.
+    // Where errors are measured, non-finite samples do not fail the cell: they are counted, and the errors are null.
     FilmFaults faults = result.film.faults();
     faults.nonfinite = cell.convergence ? 0 : faults.nonfinite;
     return !wrong.empty() || faults.none() ? wrong : fmt::format("{}: {}", place_of(index), faults_text(faults));

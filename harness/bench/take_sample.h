@@ -1,5 +1,5 @@
-// One timed sample of a cell: a render with what is measured around it, after a warm-up where it is the first of the
-// cell in this process.
+// Takes a timed sample of a cell: a render and what is measured around it. The first sample of a cell in a process
+// follows a warm-up render.
 #pragma once
 
 #include <set>
@@ -12,21 +12,20 @@
 namespace pt {
 
 struct TakenSample {
-    std::string error = {};                // why the sample failed; empty: it did not
-    Sample facts = {};                     // for the journal
-    std::vector<Snapshot> snapshots = {};  // of a cell with checkpoints
-    std::vector<FailedCell> others = {};   // cells whose earlier samples it shows to be wrong
+    std::string error = {};                // reason of a failure; empty if there is none
+    Sample facts = {};                     // times and counters of the sample, for the journal
+    std::vector<Snapshot> snapshots = {};  // films at the checkpoints, if the cell has any
+    std::vector<FailedCell> others = {};   // cells whose earlier samples this sample showed to be wrong
 };
 
 class SampleTaker {
 public:
-    // Takes samples, which are numbered (pt_order) on from those that are in the journal.
+    // A taker that continues the numbering (pt_order) of the samples in the journal.
     SampleTaker(const Plan& plan, const Journal& journal, std::uint64_t first_seed, FilmLedger& films,
                 ErrorBook& errors);
 
-    // The cell's sample `index`. What a render throws is its error.
+    // Takes the cell's sample `index`. An exception of the render becomes the sample's error.
     TakenSample take(const Cell& cell, std::size_t index);
-    // The sample in words, as "sample 2 (seed 3)".
     std::string place_of(std::size_t index) const { return sample_in_words(index, first_seed_ + index); }
 
 private:
@@ -37,8 +36,8 @@ private:
     std::uint64_t first_seed_;
     FilmLedger& films_;
     ErrorBook& errors_;
-    std::set<std::string> warm_;  // cells
-    std::uint64_t order_ = 0;     // of the next sample, among those of all cells
+    std::set<std::string> warm_;  // names of the cells that had a warm-up render
+    std::uint64_t order_ = 0;     // position of the next sample among those of all cells
 };
 
 }  // namespace pt

@@ -16,22 +16,21 @@ namespace pt {
 
 namespace {
 
-// Google Benchmark's own table is as wide as our names are long, and under interleaving in the order in which cells
-// happen to end: a run prints its own from the journal.
+// Suppresses Google Benchmark's table, which long cell names make too wide and interleaving leaves unsorted. A run
+// prints a table of its own from the journal.
 class QuietReporter : public benchmark::BenchmarkReporter {
 public:
     bool ReportContext(const Context&) override { return true; }
     void ReportRuns(const std::vector<Run>&) override {}
 };
 
-// Milliseconds that a sample may take, told from the instrumented pass.
+// The expected duration of a sample in milliseconds, from the instrumented pass.
 double pass_ms(const Cell& cell, const Journal& journal) {
     const std::optional<InstrumentedFacts>& pass = journal.cell(cell.name)->instrumented;
     const double wall = pass ? pass->wall_ms : 0;
     return std::max(1e-6, wall * cell.spp / cell.samples_to_prepare());
 }
 
-// The samples that a run has still to take, and how long they will take.
 struct Ahead {
     std::size_t samples = 0;
     TimeLeft time = {};
@@ -52,7 +51,7 @@ Ahead ahead_of(const std::vector<const Cell*>& cells, const Journal& journal, in
     return ahead;
 }
 
-// What Google Benchmark calls, and where its samples go.
+// Takes the samples for which Google Benchmark calls, and appends them to the journal.
 class CellTimer {
 public:
     CellTimer(Ahead ahead, ShortNames names, const TimingOptions& options, RunJournal& journal, SampleTaker& taker,
@@ -67,8 +66,8 @@ public:
           errors_(errors),
           interrupt_(interrupt) {}
 
-    // The loop is entered whatever happens, and a failure stays for all later repetitions: Google Benchmark 1.7.1
-    // aborts the process otherwise (google/benchmark#2206).
+    // The loop must be entered even after an error, and an error must stay for all later repetitions, because Google
+    // Benchmark 1.7.1 aborts the process otherwise (google/benchmark#2206).
     void benchmark_cell(benchmark::State& state, const Cell& cell, std::size_t index) {
         for (auto iteration : state) {
             (void)iteration;
@@ -86,8 +85,8 @@ public:
         }
     }
 
-    // The disturbed samples of the cells once more: in one round each, as long as its cell has retakes left, in an
-    // order that mixes the cells. Returns whether there was one.
+    // Retakes each disturbed sample once, in random order over all cells, as long as its cell has retakes left. Returns
+    // whether there was any.
     bool retake_round(const std::vector<const Cell*>& cells, int most, std::mt19937& random) {
         std::vector<std::pair<const Cell*, std::size_t>> again;
         for (const Cell* const cell : cells) {
@@ -112,7 +111,7 @@ public:
         return !again.empty();
     }
 
-    // Samples beyond those that every cell has, in an order that mixes the cells, until the time is over.
+    // Takes samples beyond the repetitions, in random order over all cells, until the time is used up.
     void take_more(const std::vector<WantedSamples>& wanted, double seconds, std::mt19937& random) {
         std::vector<const Cell*> turns;
         for (const WantedSamples& one : wanted) {
@@ -137,7 +136,7 @@ public:
     }
 
 private:
-    // A sample that may go into the journal; another one's error is there already.
+    // Takes a sample, which may go to the journal if it has no error; an error is in the journal already.
     TakenSample taken(const Cell& cell, std::size_t index) {
         TakenSample sample = [&] {
             const LastLine last_line = journal_.fails_if_crashed(cell, taker_.place_of(index));
@@ -156,14 +155,14 @@ private:
         return sample;
     }
 
-    // Returns what went wrong, or nothing.
+    // Takes a sample and records it; returns the error, or "" if there was none.
     std::string take_sample(const Cell& cell, std::size_t index) {
         progress_.begin(names_.of(cell));
         const double start = steady_seconds();
         const TakenSample sample = taken(cell, index);
         if (!sample.error.empty()) {
             time_left_.drop(cell.name);
-        } else {  // a disk that is full ends the run, not the cell
+        } else {  // a full disk ends the run, and is no failure of the cell
             if (cell.convergence && cell.convergence->images && index == 0) {
                 keep_images(cell, sample.snapshots);
             }
@@ -192,7 +191,7 @@ private:
 };
 
 void register_cell(const Cell& cell, CellTimer& timer) {
-    // Google Benchmark enters the function once a repetition: the counter is the sample's index.
+    // Google Benchmark calls the function once per repetition, so a counter gives the sample's index.
     benchmark::RegisterBenchmark(cell.name.c_str(),
                                  [&timer, &cell, next = std::make_shared<std::size_t>(0)](benchmark::State& state) {
                                      timer.benchmark_cell(state, cell, (*next)++);
@@ -243,7 +242,7 @@ void time_cells(const Plan& plan, const Suite& suite, const TimingOptions& optio
     const bool own_format = std::any_of(options.benchmark_flags.begin(), options.benchmark_flags.end(),
                                         [](const std::string& flag) { return flag.starts_with("--benchmark_format"); });
     benchmark::RunSpecifiedBenchmarks(own_format ? nullptr : &reporter);
-    std::mt19937 random;  // of one seed: a run is the same every time, but for what disturbs it
+    std::mt19937 random;  // fixed seed, so that samples have the same order in every run
     const auto retake = [&] {
         while (timer.retake_round(cells, options.most_retakes, random)) {
         }

@@ -1,5 +1,5 @@
-// Has Google Benchmark take the timed samples of a run, all cells interleaved: a cell is a benchmark, a sample is one
-// of its repetitions.
+// Has Google Benchmark take the timed samples of a run, interleaved over all cells: a cell is a benchmark, and a sample
+// is one of its repetitions.
 #pragma once
 
 #include <string>
@@ -14,20 +14,20 @@ namespace pt {
 
 struct TimingOptions {
     int repetitions = 1;
-    int most_retakes = 0;                           // a cell
-    int decide_seconds = 0;                         // more samples for open verdicts, for so long
-    std::vector<std::string> benchmark_flags = {};  // --benchmark_*
-    std::string images_folder = {};                 // of the cells whose images are kept
+    int most_retakes = 0;                           // largest number of retakes of disturbed samples per cell
+    int decide_seconds = 0;                         // time limit for samples that settle open verdicts
+    std::vector<std::string> benchmark_flags = {};  // --benchmark_* flags of the command line
+    std::string images_folder = {};                 // folder for kept images of cells
     Progress::Lines lines = Progress::Lines::shown;
 };
 
-// Sets Google Benchmark's flags; throws InputError for one that it does not know. Once in a process, before time_cells.
+// Initialises Google Benchmark with flags, once in a process, before time_cells. Throws InputError for unknown flags.
 void initialize_benchmark(int repetitions, const std::vector<std::string>& flags);
 
-// The samples that the journal lacks of cells that are good, until an interrupt; then those again that were disturbed
-// (is_disturbed), round after round until none is, or the cell has been given most_retakes; then more of the cells
-// whose verdicts are open (samples_to_decide), for decide_seconds, and of these the disturbed again. A cell that fails
-// has its reason in the journal. Throws MachineError where a sample cannot be written.
+// Takes the samples that the journal lacks of good cells, then retakes disturbed samples (is_disturbed) until none is
+// left or a cell reaches most_retakes, then takes further samples for open verdicts (samples_to_decide) within
+// decide_seconds, and retakes those that were disturbed. An interrupt stops it. The reason of a cell's failure goes to
+// the journal. Throws MachineError if a sample cannot be written.
 void time_cells(const Plan& plan, const Suite& suite, const TimingOptions& options, RunJournal& journal,
                 SampleTaker& taker, const ErrorBook& errors, const Interrupt& interrupt);
 

@@ -19,7 +19,7 @@ namespace pt {
 
 namespace {
 
-// The identity of a variant in a file older than identities: its name spells every choice, joined by dots.
+// The identity of a variant in an old tuning file without identities, whose name spells out all choices with dots.
 std::string id_of_spelled_out(const JsonValue& name, Backend backend) {
     Variant variant;
     std::istringstream choices(name.text());
@@ -30,8 +30,8 @@ std::string id_of_spelled_out(const JsonValue& name, Backend backend) {
             variant.set(axis_names[count], choice);
         }
     }
-    // An entry of a program with fewer axes would never be found again, in silence. The axes after these have
-    // identities that leave out what is as it was before them, and their files have identities.
+    // A name from a program with fewer axes would silently match no variant. A name with the first 14 axes gets on each
+    // later axis the choice that changes nothing (`as_before`); files of programs with more axes have identities.
     constexpr std::size_t spelled_axes = 14;
     for (std::size_t i = count; count == spelled_axes && i < axis_count; ++i) {
         variant.set(axis_names[i], std::string(axis_table[i].as_before));
@@ -169,14 +169,13 @@ std::vector<std::uint32_t> candidates(const Tunable& tunable) {
     };
     const std::uint32_t range = tunable.highest - tunable.lowest;
     if (tunable.highest <= 64) {
-        // Over a short range values lie evenly.
+        // Short ranges are tried in even steps.
         const std::uint32_t steps = std::min<std::uint32_t>(8, range);
         for (std::uint32_t step = 0; step <= steps; ++step) {
             offer(tunable.lowest + std::uint64_t{range} * step / std::max(1u, steps));
         }
     } else {
-        // Values lie by factors of two round the standard over a wide range or, where the standard is none, down from
-        // the end.
+        // Long ranges are tried in factors of two around the standard or, if that is 0, from the upper end down.
         for (std::uint64_t factor = 1; factor <= 16; factor *= 2) {
             if (tunable.default_value == 0) {
                 offer(tunable.highest / factor);

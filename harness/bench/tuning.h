@@ -1,6 +1,6 @@
-// The values of tunables that were found to be fastest on a machine, by variant: results/MACHINE/tuning.json, written
-// by `ptbench autotune` and used by `ptbench run` and `render` where nothing else is asked for. A tuned variant's name
-// says so, as the name of every variant with tunables that are not at their default does.
+// Tuned values of tunables, the fastest ones found on a machine for each variant: results/MACHINE/tuning.json, written
+// by `ptbench autotune` and used by `ptbench run` and `render` for tunables that the user does not set. The name of a
+// variant shows every tunable that is not at its default.
 #pragma once
 
 #include <map>
@@ -13,27 +13,26 @@
 namespace pt {
 
 struct TunedVariant {
-    std::string variant;                          // its name with every tunable at its default, for people
-    std::string id;                               // what it is found by (variant_id)
-    std::map<std::string, std::uint32_t> values;  // those that are not
-    // The scene and settings that were rendered to find the values.
+    std::string variant;                          // the variant's name with all tunables at their defaults
+    std::string id;                               // identity by which an entry is found (variant_id)
+    std::map<std::string, std::uint32_t> values;  // tuned values that differ from the defaults
     std::string scene;
     std::uint32_t width = 0, height = 0, depth = 0, spp = 0;
-    double standard_ms = 0, tuned_ms = 0;  // a render, medians on the device's clock
+    double standard_ms = 0, tuned_ms = 0;  // median device times of a render, default and tuned values
 };
 
 class Tuning {
 public:
-    // An absent file is an empty tuning. Throws InputError for a file that is not a tuning.
+    // Loads a tuning file; a missing file gives an empty tuning. Throws InputError for a malformed file.
     static Tuning load(const std::string& file, Backend backend);
-    // Replaces the entry of a variant, or adds one.
+    // Adds the entry of a tuned variant, or replaces it.
     void put(const TunedVariant& tuned);
-    // Writes the file. Throws MachineError if it cannot be written.
+    // Writes the tuning file. Throws MachineError if it cannot be written.
     void save(const std::string& file, const std::string& machine) const;
 
-    // Finds the variant of an identity; null if it was never tuned.
+    // The entry of a variant identity; null if that variant was never tuned.
     const TunedVariant* find(const std::string& id) const;
-    // The variant with the values found for it, but for tunables in `named` and those that it has a value for already.
+    // The variant with its tuned values, except for tunables in `named` and those that already have a value.
     Variant applied(const Variant& variant, const std::set<std::string>& named) const;
     const std::vector<TunedVariant>& entries() const { return entries_; }
 
@@ -45,8 +44,8 @@ private:
 // The file of tuned values for this machine: results/MACHINE/tuning.json beside scenes/.
 std::string tuning_file(Backend backend);
 
-// Values of a tunable worth trying, in increasing order, the standard among them; empty for a tunable that sets what is
-// computed.
+// Values of a tunable that autotune tries, in increasing order, the standard included; none for a tunable that changes
+// the computed result.
 std::vector<std::uint32_t> candidates(const Tunable& tunable);
 
 }  // namespace pt

@@ -23,7 +23,7 @@ RenderResult render_samples(const Scene& scene, const RenderSettings& settings, 
                                 .film_samples = film_samples});
 }
 
-// What is wrong with a render whatever it is compared with; empty: nothing.
+// Faults that a render can show without a comparison: bad film values, missing work, a wrong path count; empty if none.
 std::string fault_of(const RenderResult& result, const Variant& variant, Backend backend,
                      const RenderSettings& settings, std::uint32_t spp) {
     if (const FilmFaults& faults = result.film.faults(); !faults.none()) {
@@ -48,7 +48,7 @@ bool same_pixel(const Film& a, const Film& b, std::size_t pixel) {
     return true;
 }
 
-// The mean of each channel of each 16x16 block, and as the last entries the means of the whole image.
+// The channel means of each 16x16 block, followed by the channel means of the whole image.
 std::vector<double> block_means(const Film& film) {
     const std::uint32_t columns = (film.width() + 15) / 16;
     const std::uint32_t rows = (film.height() + 15) / 16;
@@ -73,7 +73,7 @@ std::vector<double> block_means(const Film& film) {
 constexpr int batches = 24;
 constexpr double failing_t = 7;
 
-// The block means of batches of samples, seed by seed.
+// The block means of several independent renders with the seeds 1000, 1001, ...
 std::vector<std::vector<double>> batch_means(const Scene& scene, RenderSettings settings, const Variant& variant,
                                              Backend backend, std::uint32_t spp) {
     std::vector<std::vector<double>> means;
@@ -86,8 +86,8 @@ std::vector<std::vector<double>> batch_means(const Scene& scene, RenderSettings 
 
 struct PairedDifference {
     double mean_a = 0, mean_b = 0;
-    double difference = 0;  // mean of a - b
-    double error = 0;       // its standard error, from the spread of the differences
+    double difference = 0;  // mean of the paired differences a - b
+    double error = 0;       // standard error of the mean difference
 };
 
 PairedDifference paired_difference(const std::vector<std::vector<double>>& a, const std::vector<std::vector<double>>& b,
@@ -96,7 +96,7 @@ PairedDifference paired_difference(const std::vector<std::vector<double>>& a, co
     double squares = 0;
     for (std::size_t batch = 0; batch < a.size(); ++batch) {
         const double difference = a[batch][entry] - b[batch][entry];
-        const double delta = difference - result.difference;  // Welford
+        const double delta = difference - result.difference;  // Welford's online algorithm for mean and variance
         const auto count = static_cast<double>(batch + 1);
         result.difference += delta / count;
         squares += delta * (difference - result.difference);
@@ -157,9 +157,8 @@ RenderResult Verifier::render_part(const Variant& variant, std::uint32_t first, 
     return render_samples(scene_, settings_, variant, backend_, first, count, spp_);
 }
 
-// The CPU's reference variant is the same mathematics in the same rounding, so all films should be equal bit for bit.
-// What is allowed is a sample in 1e5 that went another way (docs/numerics.md 4): pixels that differ are counted, each
-// for one sample at least.
+// The CPU's reference variant computes the same in the same rounding, so films should be equal bit for bit. One sample
+// in 1e5 may take another path (docs/numerics.md 4): every pixel that differs counts as one sample.
 const Verifier::CpuCheck& Verifier::against_cpu(const Variant& reference_variant) {
     const auto known = against_cpu_.find(reference_variant);
     if (known != against_cpu_.end()) {
@@ -172,12 +171,12 @@ const Verifier::CpuCheck& Verifier::against_cpu(const Variant& reference_variant
     }
     for (const std::string_view axis : axis_names) {
         if (Registry::instance().find(axis, plain[axis], Backend::cpu) == nullptr) {
-            return check;  // no such choice there
+            return check;  // the CPU backend lacks one of the variant's choices
         }
     }
     plain = fast_reference_on(scene_, plain, Backend::cpu);
     if (!why_not_applicable(plain, features_of(scene_), Backend::cpu).empty()) {
-        return check;  // matrices in double precision
+        return check;  // does not apply on the CPU: matrices in double precision
     }
     check.is_made = true;
     const RenderResult expected = render_samples(scene_, settings_, plain, Backend::cpu, 0, spp_, spp_);
@@ -195,11 +194,10 @@ const Verifier::CpuCheck& Verifier::against_cpu(const Variant& reference_variant
     return check;
 }
 
-// Paired test of the image mean and of 16x16-block means, between `variant` and the one whose expectation it claims
-// (Descriptor::mean_of), over batches with their own seeds. Both sides have the same seeds: numbers are keyed by their
-// purpose, so what the two share cancels and only what they do differently is left in the spread. 24 batches leave 23
-// degrees of freedom; at |t| > 7 the chance of a false alarm is 4e-7 a statistic, 1e-4 for 64 blocks. Seeds are fixed:
-// the verdict is the same every time.
+// Paired t-test of the image mean and the 16x16-block means, between `variant` and the variant whose expectation it
+// claims (Descriptor::mean_of), over 24 batches. Both sides have the same seeds and random numbers are keyed by their
+// purpose, so only what the two do differently contributes to the spread. With 23 degrees of freedom, |t| > 7 has a
+// false-alarm probability of 4e-7 for a statistic, 1e-4 for 64 blocks. Fixed seeds make the verdict reproducible.
 Verifier::MeanCheck Verifier::check_statistical(const Variant& variant) {
     const Variant plain = variant_of_mean(variant, backend_);
     RenderSettings deeper = settings_;
@@ -214,14 +212,14 @@ Verifier::MeanCheck Verifier::check_statistical(const Variant& variant) {
     const std::uint32_t spp = std::max(4u, spp_);
     const auto claimed = batch_means(scene_, settings_, variant, backend_, spp);
     const auto expected = batch_means(scene_, deeper, plain, backend_, spp);
-    // Without extra depth, the image without the choice is the one that is expected.
+    // Without extra depth, the image without the choice is the expected image itself.
     const auto without =
         deeper.depth != settings_.depth ? batch_means(scene_, settings_, plain, backend_, spp) : expected;
     MeanCheck check;
     for (std::size_t i = 0; i < claimed.front().size(); ++i) {
         const PairedDifference pair = paired_difference(claimed, expected, i);
         const bool is_image = i + 3 >= claimed.front().size();
-        // Blocks that rarely meet light are skewed: only those with enough contributions are near normal.
+        // Means of blocks that light rarely reaches are skewed; only those with enough contributions are nearly normal.
         const bool usable = is_image || pair.error < 0.1 * std::max(pair.mean_a, pair.mean_b);
         if (usable && std::abs(pair.difference) > failing_t * pair.error + 1e-6 * std::abs(pair.mean_b)) {
             check.failure =

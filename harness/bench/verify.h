@@ -1,4 +1,4 @@
-// Holds variants to their claims: bitwise ones to the reference variant's film, statistical ones to its mean.
+// Verifies claims of variants: bitwise variants must match the reference variant's film, statistical ones its mean.
 #pragma once
 
 #include <optional>
@@ -8,32 +8,32 @@
 
 namespace pt {
 
-// The first place at which two variants differ that should agree.
+// The first pixel, sample and bounce at which two variants differ whose films should be equal.
 struct Difference {
     std::uint32_t x = 0, y = 0;
-    std::optional<std::uint32_t> sample;  // none: each sample alone agrees, so it is in how samples are put together
-    std::optional<std::uint32_t> bounce;  // the first number of segments at which the sample differs
+    std::optional<std::uint32_t> sample;  // none if only the sum over samples differs
+    std::optional<std::uint32_t> bounce;  // smallest depth at which the sample differs between the variants
     std::string text() const;
 };
 
 struct Verdict {
     bool holds = true;
     std::string film_hash;
-    std::string message;  // what was compared with what, or what failed
+    std::string message;  // what the film was compared with, or what failed
 };
 
-// Renders variants of one scene at one size and remembers the references.
+// Verifies variants on one scene at one size, and keeps the films of reference variants.
 class Verifier {
 public:
     Verifier(const Scene& scene, const RenderSettings& settings, std::uint32_t spp, Backend backend = Backend::cpu)
         : scene_(scene), settings_(settings), spp_(spp), backend_(backend) {}
 
-    // Checks the film's faults, that every choice did its work, and the variant's claim. On CUDA the reference's film
-    // is also held to the CPU's. A variant that rounds freely has its twin in exact arithmetic held to the reference's
-    // bits, and its own mean to its twin's. Precondition: the variant applies to the scene.
+    // Verifies the faults of the film, that every choice did its work, and the variant's claim. On CUDA the reference
+    // film is also compared with the CPU's. For a variant that rounds freely, the twin in exact arithmetic must match
+    // the reference's bits, and the variant's mean its twin's mean. Precondition: the variant applies to the scene.
     Verdict check(const Variant& variant);
-    // Checks at large sizes the faults, the bits and the work alone (for a variant that rounds freely, those of its
-    // twin): no means, and nothing of the CPU's on CUDA.
+    // Verifies a variant at a large size, where only faults, bits and work counts are compared (those of the twin, for
+    // a variant that rounds freely), and neither means nor the CPU's film.
     Verdict check_film(const Variant& variant);
 
 private:
@@ -41,17 +41,17 @@ private:
     Verdict check_freely_rounded(const Variant& variant);
     const RenderResult& reference(const Variant& reference_variant);
     struct CpuCheck {
-        bool is_made = false;      // the CPU has the variant
-        std::string failure = {};  // empty: the films agree
+        bool is_made = false;      // whether the CPU backend has the variant
+        std::string failure = {};  // how the films differ; empty if they are equal
     };
-    // A reference variant's film on CUDA against that of the CPU's own reference.
+    // Compares a reference variant's film on CUDA with the film of the CPU's own reference.
     const CpuCheck& against_cpu(const Variant& reference_variant);
     RenderResult render_part(const Variant& variant, std::uint32_t first, std::uint32_t count) const;
 
     struct MeanCheck {
-        std::string failure = {};  // empty: the means agree
-        double detectable = 0;     // least relative bias of the image's mean that would have failed
-        double effect = 0;         // relative change of the image's mean against the plain choice at the same depth
+        std::string failure = {};  // how the means differ; empty if they agree
+        double detectable = 0;     // smallest relative bias of the image mean that would fail
+        double effect = 0;         // relative change that the choice makes to the image mean
     };
     MeanCheck check_statistical(const Variant& variant);
     const MeanCheck& mean_check(const Variant& variant);
@@ -62,11 +62,11 @@ private:
     Backend backend_;
     std::map<Variant, RenderResult> references_;
     std::map<Variant, MeanCheck> statistical_;
-    std::map<Variant, CpuCheck> against_cpu_;  // by reference variant
-    std::map<Variant, Verdict> bits_;          // of exact twins
+    std::map<Variant, CpuCheck> against_cpu_;  // comparisons with the CPU's film by reference variant
+    std::map<Variant, Verdict> bits_;          // verdicts on the exact twins of variants that round freely
 };
 
-// Precondition: the films of the two variants differ at these settings.
+// Finds the first pixel, sample and bounce at which two variants differ. Precondition: their films differ.
 Difference first_difference(const Scene& scene, const RenderSettings& settings, std::uint32_t spp,
                             const Variant& reference, const Variant& variant, Backend backend = Backend::cpu);
 

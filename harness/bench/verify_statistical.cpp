@@ -12,7 +12,7 @@ namespace pt {
 
 namespace {
 
-// Whether both draw their samples in one way, so that a pixel stays black as often.
+// Whether two variants draw their samples in the same way, so that a pixel's samples are black equally often.
 bool samples_alike(const Variant& a, const Variant& b) {
     return std::all_of(std::begin(axis_table), std::end(axis_table),
                        [&](const Axis& axis) { return a[axis.key] == b[axis.key] || !axis.decides_samples; });
@@ -22,8 +22,8 @@ const Descriptor& descriptor_at(std::string_view axis, const Variant& variant, B
     return Registry::instance().at(axis, variant, backend).descriptor;
 }
 
-// The number of equal parts that a run's samples are divided into: at most 8, or one part a sample where nothing else
-// divides them.
+// The number of equal parts into which a run's samples are divided: the largest divisor up to 8, or `spp` itself if it
+// has none above 1.
 std::uint32_t parts_of(std::uint32_t spp) {
     for (std::uint32_t parts = 8; parts > 1; --parts) {
         if (spp % parts == 0) {
@@ -94,7 +94,7 @@ MeanVerdict StatisticalVerifier::check(const MeanClaim& claim) {
         return {true, fmt::format("same mean as {}: {}", against, report.text())};
     }
     const Statistic& strongest = report.strongest();
-    // The last statistic is of independence: its errors may repeat while its mean is right.
+    // The last statistic tests independence: errors may repeat although the mean is right.
     const bool dependent = &strongest == &report.statistics.back();
     return {false, fmt::format("{} {}: {} ({}): {}",
                                dependent ? "samples are not independent, tested with" : "not the mean of", against,

@@ -1,6 +1,6 @@
-// Holds variants that do not claim bits to the image they claim to converge to, by independent runs of both sides. The
-// gate before a timing (verify.h) compares the same claim at equal seeds, where what two variants share cancels; this
-// test shares nothing, so it also compares estimators that have nothing in common.
+// Tests whether variants that claim no bits converge to the image that they claim, by independent runs of both sides.
+// The check before a timing (verify.h) tests the same claim at equal seeds, where common errors cancel; this test
+// shares no random numbers, so it can also compare unrelated estimators.
 #pragma once
 
 #include <map>
@@ -12,17 +12,17 @@
 
 namespace pt {
 
-// A variant, and the other one whose image it is said to have.
+// The claim that a tested variant converges to the image of a baseline variant.
 struct MeanClaim {
     Variant tested, baseline;
-    std::uint32_t depth = 0, baseline_depth = 0;  // at which they have it
-    bool same_sampling = true;                    // SameMeanOptions
+    std::uint32_t depth = 0, baseline_depth = 0;  // path depths at which both have the same expectation
+    bool same_sampling = true;                    // whether both sample alike (SameMeanOptions)
 };
 
-// The claim that a variant's choices make (Descriptor::mean_of). The baseline is the reference variant in which each
-// choice that claims another one's mean is replaced by that one, at the depth that has the same expectation.
+// The claim that follows from a variant's choices (Descriptor::mean_of). The baseline is the reference variant with
+// each choice that claims another choice's mean replaced by that choice, at the depth with the same expectation.
 MeanClaim claim_of_mean(const Variant& variant, std::uint32_t depth, Backend backend);
-// The claim that `variant` has the image of `baseline`, each at the depth that has the same expectation.
+// The claim that `variant` converges to the image of `baseline`, each at the depth with the same expectation.
 MeanClaim claim_against(const Variant& variant, const Variant& baseline, std::uint32_t depth, Backend backend);
 
 struct MeanVerdict {
@@ -34,15 +34,16 @@ class StatisticalVerifier {
 public:
     struct Effort {
         std::uint32_t runs = 16;
-        std::uint32_t spp = 64;  // of a run, at least 2
+        std::uint32_t spp = 64;  // samples per pixel of a run, at least 2
         double family_error = limits::family_error;
     };
 
-    // A verifier whose runs have the seeds settings.seed, settings.seed + 1, .. and, of baselines, those after them.
+    // A verifier whose tested runs have the seeds settings.seed, settings.seed + 1, ..; baselines have the seeds after
+    // them.
     StatisticalVerifier(const Scene& scene, const RenderSettings& settings, const Effort& effort, Backend backend)
         : scene_(scene), settings_(settings), effort_(effort), backend_(backend) {}
 
-    // Checks a claim of a mean. Precondition: both variants apply to the scene.
+    // Tests a claim of equal means. Precondition: both variants apply to the scene.
     MeanVerdict check(const MeanClaim& claim);
 
 private:

@@ -17,8 +17,8 @@ struct ImagePoint {
 };
 using Polygon = std::vector<ImagePoint>;
 
-// Part of a convex polygon on one side: where `distance` (linear in the point) is not negative. Sutherland and Hodgman,
-// "Reentrant Polygon Clipping", CACM 17(1), 1974.
+// Clips a convex polygon to the half plane where `distance`, a linear function of the point, is not negative.
+// Sutherland and Hodgman, "Reentrant Polygon Clipping", CACM 17(1), 1974.
 template <class Distance>
 Polygon clipped(const Polygon& polygon, const Distance& distance) {
     Polygon inside;
@@ -38,8 +38,7 @@ Polygon clipped(const Polygon& polygon, const Distance& distance) {
     return inside;
 }
 
-// The area of a polygon. It is formed relative to its first corner, so that a pixel far from the origin is as exact as
-// one near it.
+// The area of a polygon, computed relative to its first corner to avoid cancellation far from the origin.
 double area(const Polygon& polygon) {
     double twice = 0;
     for (std::size_t i = 1; i + 1 < polygon.size(); ++i) {
@@ -69,7 +68,7 @@ bool covers_point(const Polygon& polygon, const ImagePoint& p) {
     return positive || negative;
 }
 
-// The quad's corners as the camera sees them; nothing if one is not in front of it.
+// Projects a quad's corners to the image plane; none if a corner is not in front of the camera.
 std::optional<Polygon> projected(const Scene& scene, const SceneObject& quad, const RenderSettings& settings) {
     const SceneCamera& camera = scene.camera;
     const Vec3d forward = normalize(camera.look_at - camera.eye);

@@ -1,4 +1,4 @@
-// Images that are known without rendering: a reference without noise.
+// Closed-form images of simple scenes, which are references without noise.
 #pragma once
 
 #include <optional>
@@ -14,10 +14,10 @@ struct ClosedForm {
     std::string formula;
 };
 
-// The exact image of a scene, for two kinds of scene:
-// - One emitter that is a still quad wholly in front of a pinhole: a pixel is the quad's radiance on the part of the
-// pixel that its image covers, and the environment on the rest.
-// - One closed object around the eye, which reflects and emits the same everywhere: a geometric series.
+// Returns the exact image of a scene and its formula, for two kinds of scene, otherwise nothing:
+// - A single emitting quad, not moving and wholly in front of a pinhole camera. A pixel is the quad's radiance on the
+// part that the projected quad covers, and the environment on the rest.
+// - A closed object around the eye with equal reflectance and emission everywhere (furnace test): a geometric series.
 std::optional<ClosedForm> closed_form(const Scene& scene, const RenderSettings& settings);
 
 }  // namespace pt

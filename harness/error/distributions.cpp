@@ -9,13 +9,13 @@ namespace pt {
 namespace {
 
 constexpr int most_terms = 1000000;
-constexpr double tiny = 1e-290;  // stands for 0 in a denominator
+constexpr double tiny = 1e-290;  // replaces a denominator of 0
 
 // Evaluates a continued fraction b0 + a1/(b1 + a2/(b2 + ...)) from the front (Lentz 1976).
 class Lentz {
 public:
     explicit Lentz(double b0) : value_(b0 == 0 ? tiny : b0), c_(value_) {}
-    // Adds the fraction's next term a/(b + ...) and returns by how much it changed the value, relatively.
+    // Adds the term a/(b + ...) to the continued fraction and returns the relative change of its value.
     double add(double a, double b) {
         d_ = b + a * d_;
         d_ = 1 / (d_ == 0 ? tiny : d_);
@@ -38,8 +38,8 @@ double stirling_rest(double a) {
     return (1.0 / 12 - (1.0 / 360 - (1.0 / 1260 - 1.0 / 1680 / square) / square) / square) / a;
 }
 
-// x^a e^-x / Gamma(a). For a large one, as the distance from its maximum: the logarithms of the factors are millions
-// there, and would cancel.
+// The factor x^a e^-x / Gamma(a) of the incomplete gamma functions. For large `a` it is computed relative to its
+// maximum, because the logarithms of its factors would be huge and cancel.
 double gamma_front(double a, double x) {
     if (a < 16) {
         return std::exp(a * std::log(x) - x - std::lgamma(a));
@@ -87,7 +87,7 @@ double beta_by_fraction(double a, double b, double x, double complement) {
     return beta_front(a, b, x, complement) / fraction.value();
 }
 
-// The argument in [low, high] at which a falling function has the value.
+// Finds by bisection the argument in [low, high] at which a decreasing function has `value`.
 template <class Function>
 double where_falling(Function function, double value, double low, double high) {
     for (int i = 0; i < 200 && high - low > 1e-15 * std::max(std::abs(low), std::abs(high)); ++i) {

@@ -1,5 +1,5 @@
-// Tails and quantiles of the distributions that tests of images need, in double: relative precision is kept far out,
-// where the levels of a test over thousands of pixels lie.
+// Tail probabilities and quantiles for statistical tests of images, in double precision. They keep their relative
+// precision far out in the tails, where the levels of a test over thousands of pixels lie.
 #pragma once
 
 #include <cstdint>
@@ -8,26 +8,26 @@ namespace pt {
 
 // Probability that a standard normal number is at least z.
 double normal_upper(double z);
-// The z with normal_upper(z) == p, for p in (0, 1); beyond what double can tell: -+normal_deviate_limit.
+// The z with normal_upper(z) == p, for p in (0, 1), clamped to +-normal_deviate_limit.
 double normal_deviate(double p);
 inline constexpr double normal_deviate_limit = 37.5;
 
-// Probability that Student's t with so many degrees of freedom (> 0, not necessarily whole) is at least t.
+// Probability that a Student t variable with these degrees of freedom (> 0, not necessarily whole) is at least t.
 double student_t_upper(double t, double degrees_of_freedom);
 // The t with student_t_upper(t) == p, for p in (0, 1/2].
 double student_t_deviate(double p, double degrees_of_freedom);
 
-// Probability that a chi-square with so many degrees of freedom is at least x.
+// Probability that a chi-square variable with these degrees of freedom is at least x.
 double chi_square_upper(double x, double degrees_of_freedom);
 
 // Regularised incomplete beta function I_x(a, b); `complement` is 1 - x, which the caller may know more precisely.
 double regularised_beta(double a, double b, double x, double complement);
 
-// Exact test of `successes` in `trials` against a probability of one half, two-sided.
+// Two-sided p-value of `successes` in `trials` under a probability of one half (exact binomial test).
 double fair_coin(std::uint64_t successes, std::uint64_t trials);
 
-// The level of one of `count` tests as the level of their smallest p-value (Sidak 1967). Exact where they are
-// independent, never too small for two-sided tests of correlated normal numbers.
+// The p-value of the smallest of `count` p-values (Sidak 1967). Exact for independent tests, and conservative for
+// two-sided tests of correlated normal variables.
 double sidak(double p, double count);
 
 }  // namespace pt

@@ -33,7 +33,7 @@ void ImageRuns::add(const std::vector<Radiance>& parts) {
                 luminance += value;
             }
             double& mean = means_[part * pixels() + pixel];
-            const double delta = luminance - mean;  // Welford
+            const double delta = luminance - mean;  // Welford's online algorithm for mean and variance
             mean += delta / runs;
             squares_[pixel] += delta * (luminance - mean);
         }

@@ -7,7 +7,7 @@ namespace pt {
 
 namespace {
 
-// One number a pixel and run, less its mean over the runs: [pixel][run].
+// The error of a pixel's luminance in each run, relative to its mean over the runs: [pixel][run].
 using RunErrors = std::vector<std::vector<double>>;
 
 RunErrors run_errors_of(const ImageRuns& runs) {
@@ -34,8 +34,8 @@ double covariance(const std::vector<double>& a, const std::vector<double>& b) {
     return sum / static_cast<double>(a.size() - 1);
 }
 
-// The weight of each pixel's error: 1/variance, pooled over the block, since one pixel's own would go with its error.
-// It is 0 where nothing varies but roundings.
+// The weight of each block's pixels: 1/variance, pooled over the block, since a pixel's own variance correlates with
+// its error. 0 where only rounding errors vary.
 std::vector<double> weights_of(const ImageRuns& runs, const RunErrors& errors) {
     constexpr double rounding = 1e-6;
     std::vector<double> variances(runs.blocks()), counts(runs.blocks()), roundings(runs.blocks());
@@ -54,8 +54,8 @@ std::vector<double> weights_of(const ImageRuns& runs, const RunErrors& errors) {
     return weights;
 }
 
-// Sums covariances, which are 0 in the mean and independent of each other if samples are. Their own squares say how far
-// the sum may stray, whatever the errors' distribution.
+// Pools covariances whose expectation is 0 for independent samples. The spread of the sum is estimated from the sum of
+// their squares, whatever the distribution of errors.
 class Pool {
 public:
     explicit Pool(const char* name) : name_(name) {}
@@ -76,8 +76,8 @@ private:
     double sum_ = 0, squares_ = 0, variances_ = 0;
 };
 
-// The variance of a mean of m independent parts is that of one, over m. What it has beyond that are the parts'
-// covariances.
+// Excess variance of a run: a mean of m independent parts has 1/m of a part's variance, and any excess comes from the
+// covariances of the parts.
 Dependence excess_variance(const ImageRuns& runs, const RunErrors& errors, const std::vector<double>& weights) {
     Pool pool("excess variance of a run");
     const double parts = static_cast<double>(runs.parts());
@@ -105,8 +105,8 @@ Dependence between_neighbours(const ImageRuns& runs, const RunErrors& errors, co
     return pool.dependence();
 }
 
-// The mean product of errors of successive runs, less that of any two. (Errors add up to 0, so that of any two is
-// -1/K of the variance, not 0; it is what the difference takes out.)
+// Correlation of successive runs: the mean product of their errors minus the expected product of any two runs. (Errors
+// sum to 0 over K runs, so that product is -1/K of the variance.)
 Dependence between_runs(const ImageRuns& runs, const RunErrors& errors, const std::vector<double>& weights) {
     Pool pool("correlation of successive seeds");
     const double count = static_cast<double>(runs.count());

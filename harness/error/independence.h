@@ -1,5 +1,5 @@
-// Are the samples of a variant independent? An estimator with a bad generator may have the right mean over all seeds
-// and still converge wrongly, or more slowly than its spread says, because errors repeat. What repeats correlates.
+// Tests whether the samples of a variant are independent. With a bad random number generator an estimator may have the
+// right mean over all seeds and still converge too slowly, because errors repeat. Repeated errors are correlated.
 #pragma once
 
 #include "harness/error/distributions.h"
@@ -7,24 +7,24 @@
 
 namespace pt {
 
-// A statistic that is 0 in the mean where samples are independent, pooled over the image.
+// A statistic, pooled over the image, whose expectation is 0 for independent samples.
 struct Dependence {
     const char* name = "";
     double value = 0;
-    double error = 0;  // standard error
-    double p = 1;      // chance of a value as large; a negative one (stratified samples) is no fault
+    double error = 0;  // standard error of the statistic
+    double p = 1;      // one-sided p-value, because negative dependence is no fault
 };
 
 struct Independence {
-    // Variance of a run in excess of what its parts' variance predicts; correlation of neighbouring pixels;
-    // correlation of runs with successive seeds.
+    // Excess of a run's variance over the prediction from its parts; correlation of neighbouring pixels; correlation of
+    // runs with successive seeds.
     std::array<Dependence, 3> dependences;
-    double p = 1;  // of the smallest of theirs
+    double p = 1;  // p-value of the smallest p-value (Sidak)
     const Dependence& strongest() const;
 };
 
-// Tests whether samples are independent. Precondition: at least three runs of at least two parts, in the order of their
-// seeds.
+// Tests whether the samples of a variant are independent. Precondition: at least three runs of at least two parts,
+// ordered by seed.
 Independence test_independence(const ImageRuns& runs);
 
 }  // namespace pt

@@ -7,7 +7,7 @@ namespace pt {
 
 namespace {
 
-// Added to denominators: below it, a channel counts as dark (docs/numerics.md 1.1).
+// The constant in the denominators of relative metrics that keeps dark pixels from dominating (docs/numerics.md 1.1).
 constexpr double dark = 1e-2;
 
 void check_sizes(const Image& image, std::initializer_list<const Image*> others) {

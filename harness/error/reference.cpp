@@ -19,7 +19,7 @@ namespace pt {
 
 namespace {
 
-constexpr std::uint64_t first_spp = 64;  // a half
+constexpr std::uint64_t first_spp = 64;  // samples per pixel of each half of a reference, to begin with
 
 std::string hash_of(const Image& first, const Image& second) {
     const std::uint64_t half = fnv1a_of_bytes(first.data(), first.size() * sizeof(double));
@@ -31,7 +31,7 @@ void finish(Reference& reference) {
     reference.hash = hash_of(reference.first, reference.second);
 }
 
-// Mean radiance of samples [from, to) for one half.
+// The mean image of the samples [from, to) of one half of a reference.
 Image render_half(const ReferenceTask& task, const Variant& variant, std::uint64_t seed, std::uint64_t from,
                   std::uint64_t to) {
     RenderSettings settings{task.width, task.height, depth_for_mean_of(variant, task.backend, task.depth), seed};
@@ -47,7 +47,7 @@ Image render_half(const ReferenceTask& task, const Variant& variant, std::uint64
     return image_of(result.film);
 }
 
-// The mean of `done` samples becomes that of `next`.
+// Updates the mean of `done` samples to the mean of `next` samples.
 void add_samples(Image& mean, const Image& more, std::uint64_t done, std::uint64_t next) {
     if (mean.empty()) {
         mean = more;

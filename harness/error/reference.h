@@ -1,5 +1,5 @@
-// What images are compared with: two independent halves, rendered by a route that shares as little as possible with
-// what is measured and until they are accurate enough, or a closed form. Rendered halves stay in a cache on disk.
+// Reference images: two independent halves, rendered until accurate enough by a variant that shares as little as
+// possible with those measured, or a closed form. Rendered halves are cached on disk.
 #pragma once
 
 #include <functional>
@@ -13,21 +13,21 @@
 
 namespace pt {
 
-// The film's means in double.
+// The mean radiance of a film in double precision.
 Image image_of(const Film& film);
 
-// A variance that every reference has: what decides is the error that it leaves (ReferenceNoise::dual_error).
+// A variance limit that every reference meets, for tasks where ReferenceNoise::dual_error alone decides.
 inline constexpr double any_variance = 1e300;
 
-// The image that a reference is of, and how well it is to be known.
+// Describes a reference image to be made and the accuracy that it needs.
 struct ReferenceTask {
     std::shared_ptr<const Scene> scene;
     std::uint32_t width = 0, height = 0, depth = 0;
     Backend backend = Backend::cpu;
-    std::map<std::string, std::string> axes = {};  // choices that take the place of reference_variant's own
-    double variance = 0;                           // of the mean of the halves, a pixel and channel
-    std::uint64_t most_spp = 1;                    // of each half
-    // The task's name, as "cornell_open/64x64/depth:8/cpu", and "/AXIS=CHOICE" for each of `axes`.
+    std::map<std::string, std::string> axes = {};  // choices by axis that replace those of reference_variant
+    double variance = 0;                           // largest allowed variance per pixel and channel
+    std::uint64_t most_spp = 1;                    // largest samples per pixel of each half
+    // The reference's name, "cornell_open/64x64/depth:8/cpu", followed by "/AXIS=CHOICE" for each of `axes`.
     std::string name() const;
 };
 
@@ -36,47 +36,47 @@ struct Reference {
     std::string scene, scene_hash;
     std::uint32_t width = 0, height = 0, depth = 0;
     bool is_closed_form = false;
-    std::string formula;             // of a closed form
-    std::uint64_t spp_per_half = 0;  // this and what follows: of a rendered reference
+    std::string formula;             // formula of a closed form, else empty
+    std::uint64_t spp_per_half = 0;  // samples per pixel of each half; 0 for a closed form
     std::string variant, variant_id, backend;
     std::uint64_t seeds[2] = {0, 0};
     std::string git_sha;
-    Image first, second;  // of a closed form both are the same
+    Image first, second;  // images of both halves; equal for a closed form
     ReferenceNoise noise;
-    std::string hash;  // of the halves' bits
+    std::string hash;  // hash of the bits of both halves
 
     Json provenance() const;
     Image mean() const;
 };
 
-// The variant that a reference is made with, as far from what is measured as the program goes: every axis at its
-// plainest, and where the backend has them and the scene allows them depth_first or megakernel, the kernel with
-// everything, Philox and double precision. The task's own choices may not apply to its scene.
+// The variant that renders a reference, as different as possible from those measured: plainest choices on every axis,
+// and where backend and scene allow depth_first or megakernel, the kernel with all features, Philox and double
+// precision. The choices in `task.axes` may not apply to the scene.
 Variant reference_variant(const ReferenceTask& task);
 
-// The depth at which a variant has the expectation of plain paths of `depth`: smaller by the segments that its choices
-// look ahead (Descriptor::mean_at_extra_depth). 0: no depth has it.
+// The depth at which a variant has the expectation of plain paths of length `depth`: less the segments by which its
+// choices look ahead (Descriptor::mean_at_extra_depth). 0 if there is no such depth.
 std::uint32_t depth_for_mean_of(const Variant& variant, Backend backend, std::uint32_t depth);
 
-// Seeds of the two halves; no other render uses them.
+// The seeds of a reference's two halves, which no other render uses.
 inline constexpr std::uint64_t reference_seeds[2] = {7'393'913'000'000'001, 7'393'913'000'000'002};
 
 class ReferenceMaker {
 public:
-    // `is_stopped` is asked between renders; where it says yes, what is there is returned. `says` gets one line after
-    // every step that took a while, and where a cached file is refused.
+    // `is_stopped` is asked between renders; once it returns true, the reference is returned as it is. `says` gets a
+    // line after each slow step, and when a cached file is refused.
     struct Hooks {
         std::function<bool()> is_stopped = [] { return false; };
         std::function<void(const std::string&)> says = [](const std::string&) {};
     };
 
-    // Makes references, and keeps them in `folder`; if that is empty, nothing is kept.
+    // A maker that caches references in `folder`; an empty `folder` disables the cache.
     explicit ReferenceMaker(std::string folder) : ReferenceMaker(std::move(folder), Hooks{}) {}
     ReferenceMaker(std::string folder, Hooks hooks) : folder_(std::move(folder)), hooks_(std::move(hooks)) {}
 
-    // The closed form, or the halves: those of the cache if there are any, with samples doubled until their variance is
-    // no more than the task's and their dual_error no more than `dual_error`, or they have most_spp. Throws
-    // std::runtime_error if a render has samples that are not finite, negative or saturated.
+    // Makes a reference: a closed form if there is one, else rendered halves, from the cache if possible. Samples are
+    // doubled until the variance is at most the task's and dual_error at most `dual_error`, or the halves have
+    // most_spp. Throws std::runtime_error if a render has samples that are not finite, negative or saturated.
     Reference make(const ReferenceTask& task, double dual_error = 1e300) const;
 
 private:
@@ -84,7 +84,7 @@ private:
     Hooks hooks_;
 };
 
-// The folder of kept references: $XDG_CACHE_HOME/ptbench/references, or below ~/.cache.
+// The default cache folder for references: $XDG_CACHE_HOME/ptbench/references, or below ~/.cache.
 std::string default_reference_folder();
 
 }  // namespace pt

@@ -17,7 +17,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-// The facts by which a file is the one that is asked for.
+// The identity of a cached reference; a file is used only if it stores the same.
 Json identity_of(const Reference& reference) {
     return {{"format", 1},
             {"scene", reference.scene},
@@ -37,7 +37,7 @@ std::string bytes_of(const Image& first, const Image& second) {
 
 std::string hash_of(const std::string& bytes) { return fmt::format("{:016x}", fnv1a(bytes)); }
 
-// Reads a kept reference. Throws std::runtime_error that says what is wrong with it.
+// Reads a reference from the cache. Throws std::runtime_error if the file is damaged or of another reference.
 void read_into(Reference& reference, const std::string& stem) {
     const Json json = parse_json(read_file(stem + ".json"), stem + ".json");
     const Json expected = identity_of(reference);

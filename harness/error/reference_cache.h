@@ -1,4 +1,5 @@
-// Rendered references on disk: a JSON that says what they are, beside the halves' raw little-endian doubles.
+// The cache of rendered references on disk: for each a JSON file with its identity, and a file with the raw
+// little-endian doubles of both halves.
 #pragma once
 
 #include <functional>
@@ -13,14 +14,14 @@ public:
     ReferenceCache(std::string folder, std::function<void(const std::string&)> says)
         : folder_(std::move(folder)), says_(std::move(says)) {}
 
-    // Fills in the halves, their spp and git_sha if there is a file for the same scene, size, depth, variant, seeds and
-    // sources. One that is damaged or of something else is refused in one line.
+    // Loads the halves, their spp and git_sha from the file for the same scene, size, depth, variant, seeds and source
+    // code, if there is one. A file that is damaged or has another identity is refused with a line of text.
     bool load(Reference& reference) const;
-    // Writes both files under temporary names, then renames them: the doubles first, so that a JSON always finds its
-    // own (which it knows by their hash). A folder that cannot be written to is said in one line.
+    // Writes both files under temporary names and renames them, the doubles first, so that a JSON file always finds its
+    // doubles, which it identifies by a hash. A failure to write is reported as a line of text.
     void store(const Reference& reference) const;
 
-    // The path, without the ending, of a reference's JSON and of its doubles.
+    // The path of a reference's files without the suffixes .json and .f64.
     std::string stem(const Reference& reference) const;
 
 private:

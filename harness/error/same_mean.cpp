@@ -10,10 +10,9 @@ namespace pt {
 
 namespace {
 
-// Relative difference that counts as none: two kernels of one formula may round differently, where nothing is random
-// too.
+// Relative difference that counts as none: kernels may round a formula differently even where nothing is random.
 constexpr double rounding = 1e-6;
-// Relative standard error to which a mean has to be known to count.
+// Largest relative standard error of a mean that takes part in the test.
 constexpr double known_to = 0.1;
 
 constexpr const char* channel_names[] = {"red", "green", "blue", "mean"};
@@ -29,7 +28,7 @@ struct Welch {
             a * a / static_cast<double>(tested.count - 1) + b * b / static_cast<double>(baseline.count - 1);
         return squares > 0 ? (a + b) * (a + b) / squares : 1;
     }
-    // The two-sided p-value of the difference.
+    // The two-sided p-value of the difference of means, beyond what rounding explains.
     double p() const {
         const double allowed = rounding * std::max(std::abs(tested.mean), std::abs(baseline.mean));
         const double beyond = std::abs(difference()) - allowed;
@@ -46,7 +45,7 @@ struct Welch {
                    ? known(tested.squared_error() + baseline.squared_error(), std::max(tested.mean, baseline.mean))
                    : known(tested.squared_error(), tested.mean) && known(baseline.squared_error(), baseline.mean);
     }
-    // The quotient's error to first order, from those of both means.
+    // The relative difference with its confidence interval, by first-order error propagation from both means.
     RelativeDifference relative(double confidence) const {
         if (baseline.mean == 0) {
             return {tested.mean == 0 ? 0 : INFINITY, {0, tested.mean == 0 ? 0 : INFINITY}};
@@ -61,7 +60,7 @@ struct Welch {
     }
 };
 
-// The smallest of many p-values, and whose it is.
+// The smallest of many p-values, corrected for their number (Sidak), and the unit that has it.
 class Smallest {
 public:
     void add(double p, std::size_t unit) {
@@ -126,8 +125,8 @@ private:
     Welch block_test(std::size_t block, std::size_t channel) const {
         return {moments_of(tested_blocks_[block][channel]), moments_of(baseline_blocks_[block][channel])};
     }
-    // A pixel's variance is no less than the mean one of its block: where few samples hit, the runs that happened to
-    // hit less also spread less, so that by its own spread a low mean looks certain.
+    // A pixel's variance is at least the mean variance of its block: where few samples hit a light, runs that hit it
+    // less often also spread less, so that a low mean would look too certain.
     Welch pixel_test(std::size_t index, std::size_t channel) const {
         const std::size_t block = tested_.block_of(index);
         const auto moments = [&](const PixelMoments& pixel, const std::vector<Variances>& blocks, std::size_t count) {
@@ -173,7 +172,7 @@ private:
                 fmt::format("block {},{} {}", block_x(block), block_y(block), channel_names[smallest.unit() % 3])};
     }
 
-    // The trace of the squared covariance, unbiased for normal errors and too large for those with heavier tails.
+    // Estimates the trace of the squared covariance matrix, unbiased for normal errors and too large for heavier tails.
     double squared_trace(const Covariance& covariance, std::size_t count) const {
         const double n = static_cast<double>(count - 1);
         const double trace = covariance.trace();
@@ -181,14 +180,14 @@ private:
             0.0, n * n / ((n - 1) * (n + 2)) * (Covariance::product_trace(covariance, covariance) - trace * trace / n));
     }
 
-    // What pixels say of their squared bias: the squared difference of the means, less what noise adds to it. That is
-    // the sum of the products of different runs, so its mean is the squared bias whatever the distribution, and its
-    // variance without a bias follows from the covariances alone.
+    // An estimate of the squared bias of pixels: the squared difference of the means minus the share of noise. It
+    // equals a sum of products of different runs, so its expectation is the squared bias for any distribution, and its
+    // variance without a bias follows from the covariances.
     struct SquaredBias {
         double square = 0, variance = 0;
-        double more_variance = 0;  // at most, of the square that was found: 4 d' C d for a bias d
-        double noise = 0;          // of the difference: trace of its covariance
-        double light = 0;          // squared mean of the baseline
+        double more_variance = 0;  // upper bound of the variance that a bias d adds, 4 d' C d
+        double noise = 0;          // variance of the difference of means, summed over channels
+        double light = 0;          // squared mean radiance of the baseline
         double pixels = 0;
         SquaredBias& operator+=(const SquaredBias& other) {
             square += other.square;
@@ -199,8 +198,8 @@ private:
             pixels += other.pixels;
             return *this;
         }
-        // Whether the images are random enough for this statistic: where nothing is random, differences are roundings
-        // or seen by the other statistics.
+        // Whether the images are random enough for this statistic. Where nothing is random, differences are rounding
+        // errors, or are seen by other statistics.
         bool is_random() const { return noise > rounding * rounding * light; }
     };
     SquaredBias pixel_bias(std::size_t index) const {
@@ -223,8 +222,9 @@ private:
         return bias;
     }
 
-    // Pixels weigh by the noise of their block: by their own, those that happen to be quiet would weigh most. The sum
-    // is held to the chi-square with its first two moments; for equal pixels of one channel that is numerics.md's.
+    // Pixels are weighted by the noise of their block, since weights from their own noise would favour pixels that
+    // happen to be quiet. The sum is compared with the chi-square distribution of equal mean and variance
+    // (docs/numerics.md).
     Statistic squares() {
         std::vector<SquaredBias> blocks(tested_.blocks());
         for (std::size_t index = 0; index < tested_.pixels(); ++index) {
@@ -291,8 +291,8 @@ private:
         return false;
     }
 
-    // A pixel that one variant alone has lit is as likely to be the one's as the other's. (Fisher's exact test on two
-    // counts of lit pixels would not know that they are of the same pixels.)
+    // Pixels that only one variant has lit should be equally many on both sides. (Fisher's exact test on the numbers of
+    // lit pixels would ignore that they are the same pixels.)
     Statistic support() {
         for (std::size_t index = 0; index < tested_.pixels(); ++index) {
             const bool tested = is_lit(tested_, index), baseline = is_lit(baseline_, index);
@@ -314,7 +314,7 @@ private:
     SameMeanOptions options_;
     BlockMeans tested_blocks_, baseline_blocks_;
     std::vector<PixelMoments> tested_pixels_, baseline_pixels_;
-    std::vector<Variances> tested_variances_, baseline_variances_;  // of a pixel, mean over each block
+    std::vector<Variances> tested_variances_, baseline_variances_;  // mean variance of a pixel in each block
     SameMeanReport report_;
 };
 

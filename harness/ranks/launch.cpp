@@ -15,7 +15,8 @@ std::optional<int> number_in(const char* text) {
     return number && *number >= 0 ? number : std::nullopt;
 }
 
-// Slurm's step variables stand beside a PMI server's, and alone where a step is no MPI program.
+// The environment variables of each launcher. Slurm's step variables alone do not count: Slurm sets them for programs
+// without MPI too.
 constexpr struct {
     const char *rank, *count, *local_rank, *local_count;
 } launchers[] = {

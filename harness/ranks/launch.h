@@ -1,4 +1,4 @@
-// What the launcher of an MPI program says of this process in its environment: Open MPI's mpirun, or a PMI server's
+// Reads from environment variables how an MPI launcher started this process: Open MPI's mpirun, or a PMI server
 // (MPICH's mpiexec, srun --mpi=pmi2 and --mpi=pmix).
 #pragma once
 
@@ -10,17 +10,17 @@ namespace pt {
 struct Launch {
     int rank = 0;
     int count = 1;
-    int local_rank = 0;   // on its host
-    int local_count = 1;  // ranks of this host
+    int local_rank = 0;   // rank of this process among those on its host
+    int local_count = 1;  // number of ranks on this process's host
     bool operator==(const Launch&) const = default;
 };
 
-// How the process was launched, by environment variables: `variable(NAME)` is a variable's value, or null. It is a lone
-// process where nothing is said, or not all of it.
+// Determines rank and rank count from environment variables; `variable(NAME)` is a variable's value, or null. Without
+// complete information the process counts as a single one.
 Launch launch_from(const std::function<const char*(const char*)>& variable);
 
-// The GPU that a rank of several on a host has to itself, as CUDA_VISIBLE_DEVICES shall say it, given what that says
-// now (null: nothing). Empty: to be left as it is, since the launcher gave each rank GPUs of its own.
+// The value of CUDA_VISIBLE_DEVICES that gives a rank a GPU of its own where several ranks share a host; `visible` is
+// its present value, or null. Empty: leave the variable alone, because there is one rank or the launcher assigned GPUs.
 std::string own_gpu(const Launch& launch, const char* visible);
 
 }  // namespace pt

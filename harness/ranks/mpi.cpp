@@ -13,7 +13,7 @@ namespace {
 int my_rank = 0;
 int rank_count = 1;
 
-// MPI's own waits turn in a loop. A tenth of a millisecond is nothing beside a render, and is in no time.
+// Waits asleep for a request, because MPI's own waits poll. A delay of 0.1 ms is small beside a render, and untimed.
 void wait_asleep(MPI_Request request) {
     for (int is_done = 0;;) {
         MPI_Test(&request, &is_done, MPI_STATUS_IGNORE);
@@ -70,7 +70,7 @@ std::vector<std::string> gather(const std::string& text) {
 void barrier() { MPI_Barrier(MPI_COMM_WORLD); }
 
 void add_to_rank_0(std::span<std::int64_t> values) {
-    constexpr std::size_t most_at_once = std::size_t{1} << 27;  // MPI counts in int
+    constexpr std::size_t most_at_once = std::size_t{1} << 27;  // MPI counts elements in an int
     for (std::size_t done = 0; done < values.size(); done += most_at_once) {
         const std::span<std::int64_t> part = values.subspan(done, std::min(most_at_once, values.size() - done));
         const void* const mine = my_rank == 0 ? MPI_IN_PLACE : part.data();

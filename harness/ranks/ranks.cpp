@@ -33,8 +33,8 @@ std::string host_of_this_rank() {
     return name;
 }
 
-// A launcher returns what the first process to fail returned, and ends the others; of one that was killed (by the
-// kernel when memory ran out) it would return the signal. So a process that does nothing stands between them.
+// Waits for the child process that is the actual rank, and turns its death by a signal (the kernel kills it when memory
+// runs out) into an exit code. A launcher would otherwise return the signal.
 int wait_for(pid_t child, const Launch& launch) {
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
         std::signal(signal, SIG_IGN);
@@ -46,7 +46,7 @@ int wait_for(pid_t child, const Launch& launch) {
         return WEXITSTATUS(status);
     }
     if (WTERMSIG(status) == SIGINT || WTERMSIG(status) == SIGTERM ||
-        WTERMSIG(status) == SIGHUP) {  // somebody ends the whole call
+        WTERMSIG(status) == SIGHUP) {  // the user is stopping all ranks
         return exit_interrupted;
     }
     say("ptbench: rank {} of {} on {} was killed: {}\n", launch.rank, launch.count, host_of_this_rank(),
@@ -61,7 +61,7 @@ void end_with(pid_t parent) {
     }
 }
 
-// Says what is wrong with the ranks on rank 0, as an exit code on all.
+// Checks that all ranks run the same build: rank 0 prints the fault, and every rank returns the exit code.
 int check_builds() {
     const Json mine{{"host", host_of_this_rank()}, {"build", program_hash()}};
     std::string fault;
@@ -87,12 +87,12 @@ int lead_or_serve(const std::function<int()>& program) {
     }
     if (ranks().rank == 0) {
         const int exit_code = program();
-        // The first rank that ends with a code that is not 0 has the launcher end the others.
+        // A launcher ends all ranks when one exits with a code other than 0; rank 0 ignores that SIGTERM here.
         std::signal(SIGTERM, SIG_IGN);
         end_ranks(exit_code);
         return exit_code;
     }
-    // What ends a run early is rank 0's business; these end with it.
+    // Only rank 0 reacts to signals; the other ranks end with it.
     for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
         std::signal(signal, SIG_IGN);
     }

@@ -1,5 +1,6 @@
-// The processes of one call: several where `mpirun -n N` or `srun` started it, else one. Rank 0 does what a lone
-// process does; the others render the samples that it hands them (render_on_ranks.h) and end with its exit code.
+// The MPI ranks of a ptbench command: several processes if `mpirun -n N` or `srun` started it, otherwise one. Rank 0
+// works like a single process; the others render the samples that it assigns (render_on_ranks.h) and exit with its
+// code.
 #pragma once
 
 #include <functional>
@@ -11,18 +12,18 @@ namespace pt {
 struct Ranks {
     int rank = 0;
     int count = 1;
-    std::vector<std::string> hosts = {};  // by rank; of several ranks, and on rank 0 alone
+    std::vector<std::string> hosts = {};  // host names by rank; on rank 0 of several ranks only
 };
 
-// The ranks of this call: one, and MPI is not touched, unless this process was started as one of several.
+// The MPI ranks of this command. MPI is not initialised unless a launcher started several processes.
 const Ranks& ranks();
 
-// A machine's name, with the number of ranks where there are several: "nvidia-h200-4-ranks".
+// The name of a machine with the number of ranks if there are several: "nvidia-h200-4-ranks".
 std::string on_ranks(const std::string& machine);
 
-// Calls `program` where a lone process or rank 0 is to run it, and serves it on the others; returns what it returned,
-// on every rank. `program` throws nothing. Throws InputError on rank 0 where this build has no MPI, or where the ranks
-// are not of one build. Before any thread and any output.
+// Runs `program`, which must not throw, on rank 0 (or in a single process) while other ranks serve it, and returns its
+// exit code on every rank. To be called before any thread or output. Throws InputError on rank 0 if this build has no
+// MPI; returns exit_bad_input if the ranks run different builds.
 int run_on_ranks(const std::function<int()>& program);
 
 }  // namespace pt

@@ -20,7 +20,7 @@ namespace pt {
 
 namespace {
 
-// The scene of a task, which is read once in a process.
+// The scene of a task, loaded once per process.
 const Scene& scene_in(const Json& task) {
     static std::map<std::string, Scene> scenes;
     const std::string file = task.at("scene");
@@ -37,7 +37,7 @@ const Scene& scene_in(const Json& task) {
     return scenes.at(file);
 }
 
-// The samples of this rank. Rank 0 has some.
+// The part of a render's samples that this rank renders; rank 0 always has some.
 RenderRequest share_of(RenderRequest request) {
     const SampleRange share =
         equal_share({request.first_sample, request.samples}, static_cast<std::uint32_t>(ranks().rank),
@@ -56,10 +56,9 @@ RenderResult render_and_check(const Scene& scene, const RenderRequest& share) {
     return result;
 }
 
-// The result of a rank's share of a render.
 struct Share {
-    std::optional<RenderResult> result;  // none where there was no sample for it, or it failed
-    std::vector<std::int64_t> sums;      // of its film
+    std::optional<RenderResult> result;  // result of this rank; none if it had no samples or failed
+    std::vector<std::int64_t> sums;      // radiance sums of this rank's film
     Json facts;
 };
 
@@ -96,7 +95,7 @@ Share render_share(const SceneOf& scene, const RenderRequest& whole) {
     return share;
 }
 
-// Throws on rank 0 what the first rank that failed threw.
+// Rethrows on rank 0 the exception of the first rank that failed, with the rank's number and host.
 void throw_failure(const std::vector<Json>& all) {
     for (std::size_t rank = 0; rank < all.size(); ++rank) {
         const std::string kind = all[rank].value("failed", "");
@@ -115,7 +114,7 @@ void throw_failure(const std::vector<Json>& all) {
     }
 }
 
-// Collects the shares of all ranks on rank 0. Before any rank goes on, all know whether one failed.
+// Collects the facts of all ranks on rank 0, and tells all ranks whether one failed, before any of them continues.
 std::optional<std::vector<Json>> agree(const Share& share) {
     std::vector<Json> all;
     for (const std::string& text : mpi::gather(share.facts.dump())) {
@@ -130,7 +129,7 @@ std::optional<std::vector<Json>> agree(const Share& share) {
     return all;
 }
 
-// Sums the films on rank 0; returns the time it took.
+// Adds the films of all ranks on rank 0 and returns the elapsed milliseconds.
 double reduce_ms(std::vector<std::int64_t>& sums) {
     mpi::barrier();
     const auto start = std::chrono::steady_clock::now();
@@ -140,7 +139,7 @@ double reduce_ms(std::vector<std::int64_t>& sums) {
 
 FilmFaults faults_in(const Json& list) { return {list.at(0), list.at(1), list.at(2)}; }
 
-// Rank 0's own result with what the others said, and the sum of all films.
+// Adds the times, work and film faults of the other ranks to rank 0's result, and sets the sum of all films.
 void add_ranks(RankedRender& mine, const std::vector<Json>& all, std::vector<std::int64_t> sums, double reduction_ms) {
     RenderResult& result = mine.result;
     mine.ranks = {.count = static_cast<int>(all.size()),
@@ -169,7 +168,7 @@ void add_ranks(RankedRender& mine, const std::vector<Json>& all, std::vector<std
     result.film.set(std::move(sums), faults);
 }
 
-// One part of a render, between two checkpoints.
+// Renders the part between two checkpoints on all ranks.
 RankedRender render_part(const Scene& scene, const RenderRequest& request) {
     (void)mpi::broadcast(task_of(scene, request).dump());
     Share share = render_share([&]() -> const Scene& { return scene; }, request);
@@ -188,7 +187,7 @@ void serve_part(const Json& task) {
     }
 }
 
-// The next part of a render, added to those before it.
+// Adds the next part of a render, between two checkpoints, to the parts before it.
 void append(RankedRender& so_far, const RankedRender& next) {
     RenderResult& result = so_far.result;
     std::vector<std::int64_t> sums = result.film.sums();

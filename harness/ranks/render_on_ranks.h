@@ -1,5 +1,5 @@
-// A render whose samples are split over all ranks. The film is the sum of theirs, in 64-bit integers: the bits of one
-// process's, whatever the number of ranks.
+// Renders with samples split over all MPI ranks. The film is the sum of the ranks' films in 64-bit integers, so it has
+// the same bits for any number of ranks.
 #pragma once
 
 #include "harness/json_reader.h"
@@ -7,34 +7,34 @@
 
 namespace pt {
 
-// What several ranks add to a render's facts; of one rank `count` is 1 and all else 0.
+// Facts about a render on several ranks; on a single rank `count` is 1 and everything else 0.
 struct RankFacts {
     int count = 1;
-    double slowest_ms = 0;         // a rank's own wall time, without the reduction
-    double fastest_ms = 0;         // the same, of ranks that had samples
-    double reduce_ms = 0;          // from the moment at which all ranks have rendered to the film on rank 0
-    double neighbours_cpu_ms = 0;  // CPU time that ranks of rank 0's host took, besides itself
+    double slowest_ms = 0;         // longest wall time of a rank, without the reduction
+    double fastest_ms = 0;         // shortest wall time of a rank that had samples
+    double reduce_ms = 0;          // time of the reduction once all ranks have rendered
+    double neighbours_cpu_ms = 0;  // CPU time of the other ranks on rank 0's host
 };
 
 struct RankedRender {
-    RenderResult result;  // wall_ms and device_ms: slowest_ms and reduce_ms together; cpu_ms: of all ranks
+    RenderResult result;  // times include the reduction; cpu_ms is that of all ranks
     RankFacts ranks;
 };
 
-// Why a variant's film would have other bits if its samples were split; empty: it would not.
+// Says why a variant's film would depend on how its samples are split; empty if it would not.
 std::string why_not_split(const Variant& variant, Backend backend);
 
-// Renders on all ranks; to be called on rank 0. With one rank it is `render` itself. Each rank counts its own work and
-// holds it to the variant's claim. Throws what `render` throws, on whatever rank, and InputError where the film would
-// have other bits, or a rank reads another scene.
+// Renders on all ranks; to be called on rank 0. On a single rank it equals `render`. Each rank checks its work counts
+// against the variant's claim. Throws what `render` throws on any rank, and InputError if splitting would change the
+// film or if a rank reads another scene.
 RankedRender render_on_ranks(const Scene& scene, const RenderRequest& request);
 
-// Throws InputError unless every rank runs on a machine of rank 0's kind, so that times are of one.
+// Throws InputError unless all ranks run on the same kind of machine, so that their times belong to one machine.
 void require_equal_machines(Backend backend);
 
-// Does on the other ranks what rank 0 asks for, until it ends; returns the exit code.
+// Carries out the requests of rank 0 on another rank until rank 0 ends; returns the exit code.
 int serve_rank_0();
-// Ends the other ranks; to be called on rank 0, once, at the end.
+// Ends the other ranks; to be called once, on rank 0 at the end.
 void end_ranks(int exit_code);
 
 }  // namespace pt

@@ -1,4 +1,4 @@
-// What goes between ranks as JSON: a render that rank 0 asks for, and the work that a rank did.
+// The JSON messages between MPI ranks: a render that rank 0 requests, and the work counters that a rank returns.
 #pragma once
 
 #include "harness/json_reader.h"
@@ -6,8 +6,7 @@
 
 namespace pt {
 
-// A render as the other ranks need to know it: of its settings, all that the variant does not decide, without
-// checkpoints.
+// A render request as JSON: variant, backend, size, depth, seed and sample range, without checkpoints.
 Json task_of(const Scene& scene, const RenderRequest& request);
 RenderRequest request_in(const Json& task);
 

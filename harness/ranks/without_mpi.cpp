@@ -1,4 +1,4 @@
-// Stands in the place of mpi.cpp in a build without MPI.
+// Replaces mpi.cpp in a build without MPI: every function except `is_built` throws.
 #include <stdexcept>
 
 #include "harness/ranks/mpi.h"

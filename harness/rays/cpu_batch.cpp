@@ -117,7 +117,7 @@ public:
 
 private:
     Hit meet(const Ray& ray) const {
-        // The accelerator looks for hits before best.t, while a batch takes one at t_max too.
+        // The accelerator accepts hits with t < best.t only, while a batch accepts t == t_max too.
         pt::Hit<float> best;
         best.t = std::nextafter(ray.t_max, std::numeric_limits<float>::infinity());
         const Vec3<float> origin = vector_of<float>(ray.origin);

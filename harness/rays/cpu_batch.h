@@ -1,5 +1,5 @@
-// Ray batches on the CPU, all cores over the rays: closest hits through the function that renders call
-// (AcceleratorHook::meet_single); any hit, and the counts of work, through the traversals that are compiled here.
+// Traces ray batches on the CPU, parallel over the rays. Closest hits go through the function that renders call
+// (AcceleratorHook::meet_single); any-hit queries and counts of traversal work use traversals that are compiled here.
 #pragma once
 
 #include <memory>
@@ -11,11 +11,11 @@
 
 namespace pt::rays {
 
-// Makes a tracer of batches on the CPU, which `mesh` must outlive.
+// Makes a tracer of ray batches on the CPU. `mesh` must outlive the tracer.
 std::unique_ptr<BatchTracer> make_cpu_tracer(const MeshView& mesh, const std::string& accelerator,
                                              MeetMesh<float> meet);
 
-// The closest hit of each ray, by tests of every triangle on the CPU.
+// Finds the closest hit of each ray on the CPU by testing every triangle.
 std::vector<Hit> brute_force_on_cpu(std::span<const Triangle<float>> triangles, const std::vector<Ray>& rays);
 
 }  // namespace pt::rays

@@ -1,6 +1,6 @@
-// The least hit of each ray of a batch in a compressed wide tree: persistent warps that fetch rays as lanes fall idle
-// (Aila and Laine 2009), node and triangle steps by vote, and the stack's first entries in shared memory (Ylitie,
-// Karras, Laine 2017, section 4). The hits are those of cwbvh::traverse, bit for bit.
+// Closest hits (or occlusion tests) of ray batches in a compressed wide BVH: persistent warps fetch new rays as lanes
+// become idle (Aila and Laine 2009), a warp vote chooses between node and triangle steps, and the top of the traversal
+// stack is in shared memory (Ylitie, Karras, Laine 2017, section 4). Hits equal those of cwbvh::traverse bit for bit.
 #pragma once
 
 #include "harness/rays/ray_batch.h"
@@ -11,21 +11,21 @@ namespace pt::rays {
 
 namespace cwbvh = accelerator::cwbvh;
 
-// How a batch is worked off; see closest_hits.
+// Compile-time parameters of the persistent kernel closest_hits.
 template <int Threads, int BlocksPerSm, int SharedEntries, int Refill, int Vote, int Groups, bool Any = false>
 struct BatchPolicy : traversal::WarpPolicy<Refill, Vote> {
-    static constexpr int threads = Threads;               // of a block
-    static constexpr int blocks_per_sm = BlocksPerSm;     // what registers are cut to
-    static constexpr int shared_entries = SharedEntries;  // of each thread's stack
-    // Groups of triangles that a lane can put off: with 2 it goes on to the next node while others test triangles.
+    static constexpr int threads = Threads;               // threads per block
+    static constexpr int blocks_per_sm = BlocksPerSm;     // resident blocks per multiprocessor, which bounds registers
+    static constexpr int shared_entries = SharedEntries;  // traversal stack entries per thread in shared memory
+    // Triangle groups that a lane can postpone. With 2, a lane visits the next node while other lanes test triangles.
     static constexpr int groups = Groups;
-    static constexpr bool any = Any;  // whether there is a hit, not which
+    static constexpr bool any = Any;  // whether rays are occlusion tests
 };
 
-// The watertight test (kernels/triangle.h) on rows of a slot: the same operations in the same order, the vertices
-// permuted by where they are read.
+// A ray for the watertight triangle test (kernels/triangle.h) on the rows of a leaf slot. The operations and their
+// order are the same; the permutation of the axes is in which row is read.
 struct PermutedRay {
-    float x, y, z;  // the origin, along kx, ky, kz
+    float x, y, z;  // ray origin, permuted to the axes kx, ky, kz
     ShearedDirection<float> shear;
 
     __device__ static PermutedRay of(const Vec3<float>& origin, const Vec3<float>& direction) {
@@ -47,7 +47,7 @@ __device__ inline void intersect_slot(const LeafTriangle* triangle, const Permut
     const float bx = (x.y - ray.x) - shear.x * bz, by = (y.y - ray.y) - shear.y * bz;
     const float cx = (x.z - ray.x) - shear.x * cz, cy = (y.z - ray.y) - shear.y * cz;
     const float u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax;
-    // Signs of numbers that are not 0 are exact, so a wider look at a 0 cannot help where two of them differ.
+    // The sign of a non-zero edge function is exact in float, so where two signs differ no test in double is needed.
     if (fminf(fminf(u, v), w) < 0.0f && fmaxf(fmaxf(u, v), w) > 0.0f) {
         return;
     }
@@ -69,10 +69,10 @@ struct BatchView {
     const Ray* rays;
     Hit* hits;
     std::uint32_t count;
-    std::uint32_t* next;  // the first ray that no warp has fetched
+    std::uint32_t* next;  // index of the first ray not yet fetched
 };
 
-// The table of by_octant for each byte, which is looked up in shared memory.
+// The values of by_octant for every byte and octant, as a look-up table in shared memory.
 struct OctantOrders {
     std::uint8_t order[8][256];
 
@@ -83,12 +83,12 @@ struct OctantOrders {
     }
 };
 
-// One ray's traversal, in steps.
+// The state of a ray's traversal in a lane, which is advanced in steps.
 template <class P>
 class RayState {
 public:
-    // Begins without a ray. `local`: the stack beyond its shared part. It is outside of this object, for an array
-    // indexed at run time keeps its neighbours in memory.
+    // Starts without a ray. `local` is the stack beyond its part in shared memory; it must not be a member, because an
+    // array that is indexed at run time would force the other members into local memory too.
     __device__ RayState(const BatchView& batch, uint2* shared, uint2* local, const OctantOrders& orders)
         : batch_(batch), shared_(shared), local_(local), orders_(orders) {}
 
@@ -109,7 +109,7 @@ public:
         pending_.bits = later_.bits = 0;
     }
 
-    // A group is empty only where nothing is left to visit.
+    // Visits the nearest node of the current group, which is empty only when nothing is left to visit.
     __device__ void visit_node() {
         const std::uint32_t index = group_.take_nearest(box_ray_.flip);
         if (!group_.empty()) {
@@ -174,7 +174,7 @@ private:
     cwbvh::BoxRay box_ray_;
     PermutedRay ray_;
     Hit best_;
-    cwbvh::NodeGroup group_{};  // empty until a ray is fetched: warps ask lanes that have none
+    cwbvh::NodeGroup group_{};  // empty until a ray is fetched: idle lanes are asked too
     cwbvh::SlotGroup pending_, later_;
     std::uint32_t index_;
     int depth_ = 0;

@@ -1,5 +1,6 @@
-// The cut from the leaves up (the second of two children to arrive goes on), then wide nodes from the root down, a
-// level a launch.
+// Encodes a binary tree as a cwbvh on the GPU in two phases: a bottom-up pass computes the optimal cuts (the second
+// child to arrive continues with the parent), then wide nodes are emitted from the root down, one kernel launch per
+// level.
 #include "harness/rays/cwbvh_encoder.h"
 
 #include <stdexcept>
@@ -44,12 +45,12 @@ struct EncoderView {
     const GpuNode* nodes;
     const std::uint32_t* root;
     std::uint32_t* parents;
-    std::uint32_t* arrived;  // of an inner node's children
-    Cut* cuts;               // of inner nodes
-    std::uint32_t* tasks;    // the binary node of each wide one
+    std::uint32_t* arrived;  // number of children of an inner node that have arrived
+    Cut* cuts;               // optimal cuts of the subtrees, by inner node
+    std::uint32_t* tasks;    // index of the binary node for each wide node
     Node* wide;
     std::uint32_t* references;
-    std::uint32_t* level_counts;  // wide nodes of each level
+    std::uint32_t* level_counts;  // number of wide nodes by level
     std::uint32_t* slot_count;
 
     __device__ bool is_leaf(std::uint32_t node) const { return node < count; }
@@ -60,7 +61,7 @@ struct EncoderView {
         const float4 low = words[0], high = words[1];
         return {{low.x, low.y, low.z}, {high.x, high.y, high.z}};
     }
-    // Reads a node's cut past the L1 cache: other processors write cuts while this one climbs.
+    // Reads a node's cut past the L1 cache (__ldcg), because other multiprocessors write cuts during this kernel.
     __device__ Cut cut(std::uint32_t node) const {
         if (is_leaf(node)) {
             return Cut::of_leaf(box_area(box(node)), 1);
@@ -106,7 +107,7 @@ __global__ void start_at_root(const __grid_constant__ EncoderView view) {
     view.level_counts[0] = 1;
 }
 
-// Takes room for `amount` from a counter, behind what the lanes before this one get.
+// Reserves `amount` elements from a global counter for each lane, with a warp-wide prefix sum and one atomic per warp.
 __device__ std::uint32_t allocate(std::uint32_t* counter, std::uint32_t amount) {
     const std::uint32_t lane = threadIdx.x & 31u;
     std::uint32_t sum = amount;
@@ -192,7 +193,7 @@ struct GpuEncoderMemory {
     Memory<std::uint32_t> tasks;
     Memory<Node> wide;
     Memory<std::uint32_t> references;
-    Memory<std::uint32_t> counters;  // of slots, then of each level
+    Memory<std::uint32_t> counters;  // counter of leaf slots, then of wide nodes in each level
 };
 
 GpuEncoder::GpuEncoder(std::uint32_t primitives) : memory_(std::make_unique<GpuEncoderMemory>(primitives)) {}

@@ -1,5 +1,6 @@
-// Compressed wide trees made on the GPU from binary ones there: the nodes of encode(), in an order that differs from
-// run to run (children of a level are numbered as they come), and so with the same hits and the same work.
+// Encodes a binary tree in GPU memory as a compressed wide BVH (cwbvh) on the GPU. The nodes are those of encode() on
+// the host. Their order differs from run to run, because the children of a level are numbered as they arrive, but hits
+// and traversal work do not.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +13,7 @@ namespace pt::accelerator::cwbvh {
 
 struct GpuEncoderMemory;
 
-// Holds memory for one size; encode() allocates nothing and waits for nothing.
+// Holds the memory for encoding trees of one size; encode() neither allocates nor synchronises.
 class GpuEncoder {
 public:
     explicit GpuEncoder(std::uint32_t primitives);
@@ -20,13 +21,13 @@ public:
     GpuEncoder(const GpuEncoder&) = delete;
     GpuEncoder& operator=(const GpuEncoder&) = delete;
 
-    // Encodes the tree whose root's number, on the device, is `root`. Queued on the default stream.
+    // Encodes a binary tree, asynchronously on the default stream. `root` points to its root's index in device memory.
     void encode(const GpuNode* nodes, const std::uint32_t* root);
 
-    // Number of wide nodes, for which it waits. Throws std::length_error for a tree deeper than largest_depth.
+    // Waits, and returns the number of wide nodes. Throws std::length_error for a tree deeper than largest_depth.
     std::uint32_t node_count() const;
     const Node* device_nodes() const;
-    const std::uint32_t* device_references() const;  // the primitive in each slot
+    const std::uint32_t* device_references() const;  // primitive index by leaf slot
 
 private:
     std::unique_ptr<GpuEncoderMemory> memory_;

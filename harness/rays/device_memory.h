@@ -1,4 +1,4 @@
-// Arrays on the device by value, and a pair of events.
+// Owners of CUDA resources: an array in device memory, and a pair of events that times what is between them.
 #pragma once
 
 #include <cstddef>
@@ -61,7 +61,7 @@ public:
         cudaEventDestroy(to_);
     }
     void start() const { PT_CUDA_CHECK(cudaEventRecord(from_)); }
-    float stop() const {  // milliseconds
+    float stop() const {  // elapsed time in milliseconds
         PT_CUDA_CHECK(cudaEventRecord(to_));
         PT_CUDA_CHECK(cudaEventSynchronize(to_));
         float milliseconds = 0;

@@ -1,4 +1,4 @@
-// Batches on the device: the persistent kernel of cwbvh, the plain kernels of every accelerator, builds by events.
+// Ray batches on the GPU: the persistent kernels for cwbvh, plain kernels for every accelerator, and timed tree builds.
 #include "harness/rays/gpu_batch.h"
 
 #include <algorithm>
@@ -22,7 +22,7 @@ std::uint32_t blocks_for(std::size_t count) { return static_cast<std::uint32_t>(
 
 struct PlainKernels {
     const char* accelerator;
-    bool has_persistent;  // persistent_kernels trace its nodes too, and the GPU can encode them
+    bool has_persistent;  // whether persistent kernels and a GPU encoder exist (cwbvh)
     void (*trace)(PlainView);
     void (*count)(PlainView, unsigned long long*);
 };
@@ -41,7 +41,8 @@ struct PersistentKernel {
     void (*closest)(BatchView);
     void (*any)(BatchView);
 
-    // Asks for as much shared memory as the blocks of a multiprocessor want, in percent of its 228 KiB of first cache.
+    // Sets the shared-memory carveout of the kernels, in percent of the 228 KiB of L1 cache and shared memory of a
+    // multiprocessor, to what the resident blocks need.
     void prepare() const {
         const std::size_t bytes = (shared_bytes + sizeof(OctantOrders) + 1024) * blocks_per_sm;
         const int share = std::min<int>(static_cast<int>(bytes * 100 / (228 * 1024)) + 1, 100);
@@ -57,7 +58,7 @@ PersistentKernel persistent_kernel(const char* name) {
     return {
         name, Threads, BlocksPerSm, SharedEntries * Threads * sizeof(uint2), closest_hits<Closest>, closest_hits<Any>};
 }
-// The persistent-threads kernels, of which the fastest for a batch is taken; the second wins on coherent rays.
+// The persistent kernels for cwbvh; the second one, without a vote, is faster on coherent rays.
 const PersistentKernel persistent_kernels[] = {
     persistent_kernel<128, 8, 4, 8, 2, 2>("persistent"),
     persistent_kernel<128, 8, 4, 8, 0, 1>("persistent_no_vote"),
@@ -94,7 +95,7 @@ public:
     }
     void load(const RaySet& set) override {
         any_ = set.any;
-        rays_ = DeviceArray<Ray>();  // before the next one is asked for
+        rays_ = DeviceArray<Ray>();  // frees the old array before the new one is allocated
         rays_ = DeviceArray<Ray>(set.rays);
         if (hits_.size() != set.rays.size()) {
             hits_ = DeviceArray<Hit>(set.rays.size());
@@ -137,7 +138,7 @@ public:
         first_leak_ray_ = first;
         any_ = false;
         if (rays_.size() != count) {
-            rays_ = DeviceArray<Ray>();  // before the next one is asked for
+            rays_ = DeviceArray<Ray>();  // frees the old array before the new one is allocated
             rays_ = DeviceArray<Ray>(count);
             hits_ = DeviceArray<Hit>(count);
         }
@@ -194,7 +195,7 @@ __global__ void box_triangles(const Triangle<float>* triangles, std::uint32_t co
 }
 
 struct DeviceBuilder {
-    std::string_view name;  // of the choice of the axis `builder`
+    std::string_view name;  // name of a choice of the axis `builder`
     void (builder::GpuTree::*build)(const Box*);
 };
 constexpr DeviceBuilder device_builders[] = {
@@ -277,7 +278,7 @@ DeviceBuild time_device_build(const std::string& name, std::span<const Triangle<
         events.start();
         encoder.encode(tree.device_nodes(), tree.device_root());
         const float encode = events.stop();
-        if (i == 0) {  // warms up
+        if (i == 0) {  // the first build is a warm-up, not timed
             first = tree.download();
         } else {
             times.build_ms.push_back(static_cast<double>(build_ms));

@@ -1,5 +1,5 @@
-// Ray batches on a GPU as the harness sees them; kernels in gpu_batch.cu. A build without a CUDA toolkit has these
-// functions too (gpu_batch_without_cuda.cpp).
+// Ray batches on a GPU, whose kernels are in gpu_batch.cu; gpu_batch_without_cuda.cpp in a build without a CUDA
+// toolkit.
 #pragma once
 
 #include <memory>
@@ -10,22 +10,22 @@
 
 namespace pt::rays {
 
-// The accelerators that a GPU's batch kernels are compiled for.
+// Names of the accelerators for which batch kernels are compiled.
 std::vector<std::string> gpu_accelerators();
-// Whether the GPU can bring a tree that it has built into this accelerator's format.
+// Whether the GPU can encode a tree that it has built in the node format of this accelerator.
 bool has_encoder_on_gpu(const std::string& accelerator);
 
-// Copies the mesh and its tree. Throws what PT_CUDA_CHECK does.
+// Makes a tracer of ray batches on the GPU and copies the mesh and its tree there. Throws what PT_CUDA_CHECK throws.
 std::unique_ptr<BatchTracer> make_gpu_tracer(const MeshView& mesh, const std::string& accelerator);
 
-// The closest hit of each ray, by tests of every triangle on the GPU.
+// Finds the closest hit of each ray on the GPU by testing every triangle.
 std::vector<Hit> brute_force_on_gpu(std::span<const Triangle<float>> triangles, const std::vector<Ray>& rays);
 
-// Milliseconds by the GPU's events: from triangles in its memory to a binary tree there, and from that to a compressed
-// wide one. Empty without triangles, and of builders that the GPU does not have.
+// GPU build times in milliseconds, from CUDA events: from triangles in device memory to a binary tree, and from the
+// binary tree to a compressed wide BVH. Empty without triangles, and for builders without a GPU implementation.
 struct DeviceBuild {
     std::vector<double> build_ms, encode_ms;
-    bool same_every_time = true;  // the tree of the first and of the last build
+    bool same_every_time = true;  // whether the first and the last build gave the same tree
 };
 DeviceBuild time_device_build(const std::string& builder, std::span<const Triangle<float>> triangles, int repetitions);
 

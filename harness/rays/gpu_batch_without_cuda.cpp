@@ -1,4 +1,4 @@
-// Ray batches on a GPU in a build that found no CUDA toolkit.
+// Replaces gpu_batch.cu in a build without a CUDA toolkit: every call that needs a GPU throws MachineError.
 #include "harness/cuda/backend.h"
 #include "harness/failure.h"
 #include "harness/rays/gpu_batch.h"

@@ -1,4 +1,4 @@
-// Rays at edges and vertices made on the device, and those counted that nothing stopped.
+// Kernels that generate leak rays on the GPU and count the rays that hit nothing.
 #pragma once
 
 #include "harness/rays/leak_rays.h"
@@ -13,7 +13,7 @@ __global__ void make_leak_rays(const __grid_constant__ LeakView view, std::uint6
     }
 }
 
-// Adds to leaks[class] the rays first, first + 1 and so on that hit nothing.
+// Counts misses by class in leaks[class]; hits[i] belongs to the leak ray number `first` + i.
 __global__ void count_leaks(const Hit* hits, std::uint64_t first, std::uint32_t count, unsigned long long* leaks) {
     const std::uint32_t index = blockIdx.x * blockDim.x + threadIdx.x;
     if (index < count && hits[index].primitive == no_primitive) {

@@ -1,13 +1,13 @@
-// Rays from within a closed mesh at what its triangles share: vertices, edges, and what lies a few roundings beside
-// them. A ray's number and a seed say all of it, with the same bits on host and device: one that leaks can be traced
-// again anywhere. Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2 (1), 2013, section 4.2.
+// Rays from inside a closed mesh towards shared vertices and edges, or some ulps beside them, where rays may leak
+// through. A seed and a ray's number determine the ray, bit for bit on host and device, so that it can be traced again
+// anywhere. Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2 (1), 2013, section 4.2.
 #pragma once
 
 #include "harness/rays/ray_batch.h"
 
 namespace pt::rays {
 
-// A cube within the mesh that no triangle reaches into.
+// A cube inside the mesh that no triangle intersects; rays start in such cubes.
 struct InnerCube {
     float centre[3];
     float half;
@@ -26,7 +26,7 @@ inline constexpr std::uint32_t leak_class_count = std::size(leak_classes);
 PT_HD inline std::uint32_t leak_class_of(std::uint64_t ray) { return static_cast<std::uint32_t>(ray % 7u); }
 static_assert(leak_class_count == 7);
 
-// SplitMix64's numbers (Steele, Lea, Flood 2014) from a start that the seed and the ray's number make.
+// SplitMix64 random numbers (Steele, Lea, Flood 2014), started from a hash of the seed and the ray's number.
 class LeakRandom {
 public:
     PT_HD LeakRandom(std::uint64_t seed, std::uint64_t ray) : state_(mixed(mixed(seed) ^ ray)) {}
@@ -38,7 +38,7 @@ public:
     PT_HD std::uint32_t below(std::uint32_t count) {
         return static_cast<std::uint32_t>((std::uint64_t{word()} * count) >> 32);
     }
-    PT_HD float unit() { return static_cast<float>(word() >> 8) * 0x1p-24f; }  // in [0, 1)
+    PT_HD float unit() { return static_cast<float>(word() >> 8) * 0x1p-24f; }  // uniform in [0, 1)
 
 private:
     PT_HD static std::uint64_t mixed(std::uint64_t z) {
@@ -49,7 +49,7 @@ private:
     std::uint64_t state_;
 };
 
-// The number up to 4 numbers of single precision away; what is almost 0 stays.
+// Moves a number by a random -4 to 4 ulps; numbers close to 0 stay as they are.
 PT_HD inline float nudged(float x, LeakRandom& random) {
     const std::int32_t by = static_cast<std::int32_t>(random.below(9)) - 4;
     return absolute(x) < 0x1p-100f ? x : number_of(bits_of(x) + by);
@@ -60,7 +60,7 @@ PT_HD inline Vec3<float> leak_target(std::uint32_t kind, const Vec3<float>& a, c
     const bool is_vertex = kind == 0 || kind == 3 || kind == 6;
     const float along = kind == 1 ? 0.5f : random.unit();
     Vec3<float> target = is_vertex   ? a
-                         : kind == 1 ? (a + b) * 0.5f  // the same whichever triangle's edge it is
+                         : kind == 1 ? (a + b) * 0.5f  // an edge's midpoint is the same for both its triangles
                                      : a + (b - a) * along;
     if (kind == 3 || kind == 4) {
         target.x = nudged(target.x, random);
@@ -85,13 +85,12 @@ PT_HD inline Ray leak_ray(const LeakView& view, std::uint64_t number) {
         origin.z += cube.half * (2.0f * random.unit() - 1.0f);
     }
     Vec3<float> direction = kind == 5 ? b - a : leak_target(kind, a, b, random) - origin;
-    if (kind == 6) {  // a zero in it, of either sign
+    if (kind == 6) {  // axis_plane: one component of the direction is +0 or -0
         const std::uint32_t axis = random.below(3);
         const float zero = random.below(2) == 0 ? 0.0f : -0.0f;
         const Vec3<float> flat{axis == 0 ? zero : direction.x, axis == 1 ? zero : direction.y,
                                axis == 2 ? zero : direction.z};
-        // The flat direction is taken only if enough of it is left: cwbvh takes directions whose length is near that of
-        // a unit vector.
+        // The flattened direction is used only if it is not much shorter: cwbvh expects roughly unit length.
         direction = dot(flat, flat) > 0x1p-20f * dot(direction, direction) ? flat : direction;
     }
     if (random.below(2) == 0) {
@@ -103,7 +102,7 @@ PT_HD inline Ray leak_ray(const LeakView& view, std::uint64_t number) {
             0.0f};
 }
 
-// The source of the rays that look for leaks, which is the same for every accelerator of a mesh.
+// The triangles, start cubes and seed of the leak rays, which all accelerators of a mesh share.
 struct LeakSource {
     std::vector<Triangle<float>> triangles;
     std::vector<InnerCube> cubes;
@@ -134,7 +133,7 @@ struct LeakCounts {
     }
 };
 
-// Makes the rays first to first + count - 1 and counts those for which `misses(ray)` is true.
+// Generates the rays first to first + count - 1 and counts, by class, those for which `misses(ray)` is true.
 template <class Misses>
 LeakCounts count_leaks(const LeakView& view, std::uint64_t first, std::uint64_t count, const Misses& misses) {
     LeakCounts counts;

@@ -16,10 +16,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::uint32_t inner_cubes = 256;
-constexpr std::size_t shown_leaks = 8;  // of a kernel
+constexpr std::size_t shown_leaks = 8;  // number of leaked rays that are listed per kernel
 
-// The square of the distance of a point from a triangle's plane region: to the nearest point of the triangle. Ericson,
-// "Real-Time Collision Detection" (2005), 5.1.5.
+// The squared distance of a point to a triangle (Ericson, "Real-Time Collision Detection", 2005, 5.1.5).
 double squared_distance(const Vec3d& p, const Triangle<float>& triangle) {
     const Vec3d a(triangle.a), ab = Vec3d(triangle.b) - a, ac = Vec3d(triangle.c) - a, ap = p - a;
     const double d1 = dot(ab, ap), d2 = dot(ac, ap);
@@ -65,7 +64,7 @@ Json leak_json(const LeakSource& source, std::uint64_t number) {
             {"direction", hex(ray.direction)}};
 }
 
-// What became of the rays of one tree in one kernel.
+// The leaks of one tree and one kernel.
 struct KernelLeaks {
     std::string kernel;
     LeakCounts counts;
@@ -92,7 +91,7 @@ struct KernelLeaks {
     }
 };
 
-// Counts the leaks of every kernel. All kernels get the same rays, a batch after the other.
+// Counts the leaks of every kernel of a tree. All kernels trace the same rays, batch by batch.
 std::vector<KernelLeaks> leaks_through(BatchTracer& tracer, const LeakSource& source, const LeakStudy& study) {
     std::vector<KernelLeaks> kernels;
     for (const std::string& kernel : tracer.kernels(RaySet{"leaks", false, {}})) {
@@ -149,7 +148,7 @@ LeakSource leak_source(const RayMesh& mesh, std::uint32_t count, std::uint64_t s
         if (!is_inside(*closed, Vec3d(centre))) {
             continue;
         }
-        // The cube has half of the half diagonal that would fit, so that a corner that is rounded stays within.
+        // The cube gets half of the size that would just fit, so that its corners stay inside the mesh after rounding.
         const double half = distance_from(source.triangles, Vec3d(centre)) / (2 * std::sqrt(3.0));
         if (half > 0x1p-16 * size) {
             source.cubes.push_back({{centre.x, centre.y, centre.z}, static_cast<float>(half)});

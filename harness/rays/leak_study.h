@@ -1,5 +1,5 @@
-// Whether a closed mesh lets rays through between its triangles: rays from within that no triangle stops, by class,
-// through every accelerator and kernel.
+// Tests whether rays from inside a closed mesh leak out between its triangles, with every accelerator and kernel, by
+// class of ray.
 #pragma once
 
 #include "harness/rays/leak_rays.h"
@@ -8,15 +8,15 @@
 namespace pt::rays {
 
 struct LeakStudy {
-    RayStudy trees;  // backend, accelerators and builders
+    RayStudy trees;  // the backend, accelerators and builders to test
     std::uint32_t log2_rays = 20;
     std::uint64_t first_ray = 0, seed = 1;
 };
 
-// A mesh without the box that mesh_for_rays puts round it. Throws InputError for one that is not closed.
+// Loads a closed mesh, without the box that mesh_for_rays puts around it. Throws InputError if the mesh is not closed.
 RayMesh closed_mesh_for_rays(const std::string& argument);
 
-// Cubes within a closed mesh, `count` or fewer where few places are well inside. Throws InputError where there is none.
+// Finds random cubes well inside a closed mesh, `count` or fewer. Throws InputError if there are none.
 LeakSource leak_source(const RayMesh& mesh, std::uint32_t count, std::uint64_t seed);
 
 struct LeakResult {
@@ -26,7 +26,7 @@ struct LeakResult {
 
 LeakResult measure_leaks(const RayMesh& mesh, const LeakStudy& study);
 
-// What `measure_leaks` said, a line a kernel, and one for each of the first rays that leaked.
+// The result of `measure_leaks` as a table, one line per kernel and one for each of the first rays that leaked.
 std::string leak_table_of(const nlohmann::ordered_json& mesh);
 
 }  // namespace pt::rays

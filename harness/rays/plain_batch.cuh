@@ -1,5 +1,5 @@
-// One thread a ray, through the traversal and the leaves that path kernels have: what the persistent kernel is held to,
-// and how accelerators compare without a scheduler. And brute force, which says what the hits must be.
+// Kernels that trace one ray per thread with the traversal and leaf tests of the path tracing kernels, as a check of
+// the persistent kernel and to compare accelerators without scheduling; and a brute-force kernel for the expected hits.
 #pragma once
 
 #include "harness/rays/ray_batch.h"
@@ -47,7 +47,7 @@ __global__ void trace_plain(const __grid_constant__ PlainView batch) {
     }
 }
 
-// Sums of nodes visited, boxes and triangles tested.
+// Adds up the nodes visited, boxes tested and triangles tested by all rays of a batch.
 template <class Traversal>
 __global__ void count_work(const __grid_constant__ PlainView batch, unsigned long long* sums) {
     const std::uint32_t index = blockIdx.x * blockDim.x + threadIdx.x;
@@ -60,8 +60,8 @@ __global__ void count_work(const __grid_constant__ PlainView batch, unsigned lon
     }
 }
 
-// keys[ray]: t's bits, then the primitive, at least; start with those of {t_max, no_primitive}. A block takes 128 rays
-// and every gridDim.y-th of the triangles.
+// Tests every triangle for each ray: keys[ray], initially the key of {t_max, no_primitive}, becomes the smallest key
+// (bits of t, then primitive) of all hits. A thread block takes 128 rays and every gridDim.y-th triangle.
 __global__ void brute_force(const Ray* rays, std::uint32_t count, const Triangle<float>* triangles,
                             std::uint32_t triangle_count, unsigned long long* keys) {
     const std::uint32_t index = blockIdx.x * blockDim.x + threadIdx.x;

@@ -16,7 +16,7 @@ std::array<float, 3> rounded(const Point& p) {
 
 void add_torus(MeshRandom& random, Mesh& mesh) {
     constexpr std::uint32_t n = 64, m = 32;
-    // A rotation evenly at random: the quaternion of two directions of the plane (Shoemake 1992).
+    // A uniformly random rotation as a quaternion from two random directions in the plane (Shoemake 1992).
     const double u = random.uniform(), a = random.uniform(0.0, 2.0 * exact_pi), b = random.uniform(0.0, 2.0 * exact_pi);
     const SineCosine sa = exact_sine_cosine(a), sb = exact_sine_cosine(b);
     const double w = std::sqrt(1.0 - u) * sa.sine, x = std::sqrt(1.0 - u) * sa.cosine;

@@ -1,4 +1,4 @@
-// The meshes of the OptiX probe: displaced spheres on a grid of angles, and tori at random, in a box of 12 triangles.
+// Meshes of the OptiX probe program, inside a cube: displaced spheres on a latitude-longitude grid, and random tori.
 #pragma once
 
 #include <array>
@@ -9,12 +9,12 @@
 
 namespace pt::rays {
 
-// A unit sphere of 4 n^2 triangles whose radius swings by 5 %, `waves` times, in a box.
+// A unit sphere of 4 n^2 triangles inside a cube. Its radius varies by 5 % in `waves` periods.
 Mesh sphere_in_box(std::uint32_t n, double waves);
-// `count` tori of 64 x 32 quads at random places in a box (as many, of the probe's sizes, not its very ones: those are
-// numpy's draws).
+// `count` tori of 64 x 32 quads at random places inside a cube. Number and sizes are those of the OptiX probe, but not
+// the places, which numpy draws there.
 Mesh tori_in_box(std::uint32_t count);
-// The 12 triangles of a cube, after those that are there.
+// Appends the 12 triangles of a cube to a mesh.
 void add_box(Mesh& mesh, const std::array<float, 3>& centre, float half);
 
 struct ProbeMesh {

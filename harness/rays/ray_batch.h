@@ -1,5 +1,5 @@
-// Batches of rays without shading: what accelerators are compared by, as Aila and Laine do ("Understanding the
-// Efficiency of Ray Traversal on GPUs", HPG 2009).
+// Batches of rays without shading, by which accelerators are compared as in Aila and Laine, "Understanding the
+// Efficiency of Ray Traversal on GPUs", HPG 2009.
 #pragma once
 
 #include "kernels/triangle.h"
@@ -18,7 +18,7 @@ struct alignas(16) Ray {
     float unused = 0.0f;
 };
 
-// The least (t, primitive) with t at most t_max, or no_primitive and t_max.
+// The closest hit with t <= t_max, among equal t that of the smallest primitive; {t_max, no_primitive} for a miss.
 inline constexpr std::uint32_t no_primitive = ~0u;
 struct Hit {
     float t;
@@ -27,14 +27,14 @@ struct Hit {
     bool operator==(const Hit&) const = default;
 };
 
-// A set of rays of one class, by its name, and whether any hit will do.
+// A batch of rays of one class. `any`: an occlusion test, for which any hit will do.
 struct RaySet {
     std::string name;
     bool any = false;
     std::vector<Ray> rays;
 };
 
-// What a tree's traversal costs: counts per ray, means over a batch.
+// Traversal work per ray, as means over a batch: nodes visited, boxes tested and triangles tested.
 struct Work {
     double nodes = 0, boxes = 0, triangles = 0;
 };
@@ -42,8 +42,7 @@ struct Work {
 struct LeakSource;
 struct LeakCounts;
 
-// Traces batches of rays through one tree. For a set where any hit will do, the hits say {0, 0} or {t_max,
-// no_primitive}.
+// Traces batches of rays through one tree. For occlusion tests the hits are {0, 0} (occluded) or {t_max, no_primitive}.
 class BatchTracer {
 public:
     BatchTracer() = default;
@@ -51,21 +50,21 @@ public:
     BatchTracer& operator=(const BatchTracer&) = delete;
     virtual ~BatchTracer() = default;
 
-    // The kernels by which a set can be traced, as a rule the fastest first.
+    // The names of the kernels that can trace a set of rays, usually the fastest first.
     virtual std::vector<std::string> kernels(const RaySet& set) const = 0;
-    // Loads the set of rays that the calls after this one are about; it must outlive them.
+    // Selects the set of rays for the calls that follow; the set must outlive them.
     virtual void load(const RaySet& set) = 0;
-    virtual double trace(const std::string& kernel) = 0;  // milliseconds
-    virtual std::vector<Hit> hits() = 0;                  // of the last trace
-    virtual std::optional<Work> count() = 0;              // nothing: the accelerator counts nothing
+    virtual double trace(const std::string& kernel) = 0;  // elapsed time in milliseconds
+    virtual std::vector<Hit> hits() = 0;                  // hits of the last traced batch
+    virtual std::optional<Work> count() = 0;              // traversal work; none without counters
 
-    // Takes a source of rays at edges and vertices (leak_rays.h), then makes batches of its rays where they are traced.
+    // Takes the source of leak rays (leak_rays.h), from which make_leak_rays generates batches on the tracer's device.
     virtual void take_leak_source(const LeakSource& source) = 0;
     virtual void make_leak_rays(std::uint64_t first, std::uint32_t count) = 0;
-    virtual LeakCounts leaks() = 0;  // of the last trace
+    virtual LeakCounts leaks() = 0;  // rays that leaked in the last traced batch
 };
 
-// Keeps a hit that comes before the one in hand.
+// Replaces `best` by a hit that is closer, or as close with a smaller primitive index.
 PT_HD inline void keep_nearer(const TriangleHit<float>& hit, std::uint32_t primitive, Hit& best) {
     if (hit.hits && (hit.t < best.t || (hit.t == best.t && primitive < best.primitive))) {
         best = {hit.t, primitive};

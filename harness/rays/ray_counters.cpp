@@ -9,7 +9,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// The name of a kernel's function in gpu_batch.cu.
+// The name of a batch kernel's function in gpu_batch.cu, by which ncu reports it.
 std::string function_of(const std::string& kernel) { return kernel == "plain" ? "trace_plain" : "closest_hits"; }
 
 std::size_t rays_of(const Json& mesh, const std::string& name) {

@@ -1,6 +1,6 @@
-// What a GPU's own counters say of ray batches, each traced once under Nsight Compute: active lanes and how near issue,
-// pipes, caches and memory come to what they can do, as Aila and Laine report them ("Understanding the Efficiency of
-// Ray Traversal on GPUs", HPG 2009).
+// GPU performance counters of ray batches, each traced once under Nsight Compute: active lanes, and how close issue
+// slots, pipes, caches and memory come to their limits, as in Aila and Laine ("Understanding the Efficiency of Ray
+// Traversal on GPUs", HPG 2009).
 #pragma once
 
 #include <string>
@@ -10,16 +10,16 @@
 
 namespace pt::rays {
 
-// What runs under ncu: each batch of the study once without counting, then once counted, in the order of `measure`.
+// Under ncu, traces each batch of the study once uncounted (warm-up) and once counted, in the order of `measure`.
 void trace_counted(const RayMesh& mesh, const RayStudy& study);
 
-// The batches of what `measure` said of all meshes, in that order: the function of its kernel and its rays.
+// The counted batches in the results of `measure` for all meshes, in order, as kernel function and number of rays.
 std::vector<std::pair<std::string, double>> counted_batches(const nlohmann::ordered_json& meshes);
 
-// Gives each batch its counters; `launches`: one for each of counted_batches.
+// Adds the counters to each batch of the meshes. `launches` holds the counters of a launch for each of counted_batches.
 void add_counters(nlohmann::ordered_json& meshes, const nlohmann::ordered_json& launches);
 
-// The counters of one mesh, a line a batch.
+// A table of a mesh's performance counters, one line per batch.
 std::string counters_table_of(const nlohmann::ordered_json& mesh);
 
 }  // namespace pt::rays

@@ -35,7 +35,7 @@ void set_bounds(RayMesh& made) {
     }
 }
 
-// The probe's camera: just within the box, in the middle of its front, across four fifths of the depth.
+// The OptiX probe's camera: just inside the box, at the centre of its front face, looking along -z.
 RayCamera camera_at_front(const Vec3<float>& low, const Vec3<float>& high) {
     const Vec3<float> centre = (low + high) * 0.5f;
     const float reach = 0.995f * 0.5f * (high.z - low.z);
@@ -64,7 +64,7 @@ std::array<float, 3> bounds_end(const Mesh& mesh, int axis) {
     return {low, high, 0.0f};
 }
 
-// Puts a mesh into a cube of twice its extent.
+// Puts a mesh into a cube whose side is twice the mesh's largest extent.
 void put_in_box(Mesh& mesh) {
     if (mesh.vertices.empty()) {
         return;

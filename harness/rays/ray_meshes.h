@@ -1,5 +1,5 @@
-// What batches of rays are traced through: a mesh of the OptiX probe, a generator's in a box like the probe's, one of a
-// file, or the meshes of a scene; and the camera of the primary rays.
+// The meshes that ray batches are traced through: a mesh of the OptiX probe, a generated mesh in a box, a mesh from a
+// file, or all meshes of a scene; and the camera of the primary rays.
 #pragma once
 
 #include <string>
@@ -11,25 +11,24 @@
 namespace pt::rays {
 
 struct RayCamera {
-    Vec3<float> eye, right, up, forward;  // a ray goes along right x + up y + forward, x and y from -1 to 1
+    Vec3<float> eye, right, up, forward;  // ray directions: right x + up y + forward, x and y in [-1, 1]
 };
 
 struct RayMesh {
     std::string name;
-    std::string said;  // what a reader should know about it; may be empty
+    std::string said;  // remark about the mesh for the reader; may be empty
     Mesh mesh;
     std::vector<Triangle<float>> triangles;
     RayCamera camera;
-    Vec3<float> low, high;  // its bounds
+    Vec3<float> low, high;  // bounding box of the mesh
 };
 
-// The mesh that an argument names: "sphere_262k" (one of probe_mesh_names), "icosphere:3" (a generator and its size) or
-// a file's name. Throws InputError.
+// Loads the mesh that an argument names: a mesh of the OptiX probe ("sphere_262k"), a generator and its size
+// ("icosphere:3"), or a file. Throws InputError.
 RayMesh mesh_for_rays(const std::string& argument);
-// The mesh of a generator or a file, without a box for a camera.
+// Loads the mesh of a generator or a file, without the box for a camera.
 RayMesh mesh_without_box(const std::string& argument);
-// The triangles of all objects that are meshes, where they stand relative to the eye. Throws InputError where there is
-// none.
+// Collects the triangles of all meshes in a scene, relative to the eye. Throws InputError if there are none.
 RayMesh scene_for_rays(const std::string& name_or_file);
 
 }  // namespace pt::rays

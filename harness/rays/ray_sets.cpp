@@ -10,7 +10,7 @@ namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-// pcg3d (Jarzynski, Olano 2020): three words of a ray, a depth and a seed.
+// Three random words from a ray's number, a depth and a seed (pcg3d; Jarzynski, Olano 2020).
 struct RandomWords {
     std::uint32_t x, y, z;
 
@@ -46,7 +46,7 @@ std::vector<Ray> make_rays(std::size_t count, const Make& make) {
 struct Maker {
     const RayMesh& mesh;
     std::uint32_t log2_rays;
-    float reach = half_extent();  // lengths of the probe, whose box reaches from -2 to 2, are meant for 2
+    float reach = half_extent();  // half the mesh's extent, the unit of lengths; 2 in the OptiX probe
 
     float half_extent() const {
         const Vec3<float> extent = mesh.high - mesh.low;
@@ -54,7 +54,7 @@ struct Maker {
     }
     std::size_t count() const { return std::size_t{1} << log2_rays; }
 
-    // One ray in each pixel of an image of 2^(log2_rays / 2) columns, as the probe has them.
+    // Primary rays, one in each pixel of an image of 2^(log2_rays / 2) columns, like those of the OptiX probe.
     std::vector<Ray> primary() const {
         const std::uint32_t columns = 1u << (log2_rays / 2), rows = 1u << (log2_rays - log2_rays / 2);
         return make_rays(count(), [&](std::uint32_t i) {
@@ -80,9 +80,9 @@ struct Maker {
     }
 
     struct SurfacePoint {
-        Vec3<float> position, normal;  // a little off the surface, on the ray's side
+        Vec3<float> position, normal;  // a point slightly off the surface, on the ray's side
     };
-    // A ray that met nothing goes on from its origin.
+    // The point where a ray hit, slightly off the surface, and the normal there; for a ray that missed, its origin.
     SurfacePoint surface_point(const Ray& ray, const Hit& hit) const {
         const Vec3<float> origin = vector(ray.origin), direction = vector(ray.direction);
         if (hit.primitive == no_primitive) {
@@ -90,7 +90,7 @@ struct Maker {
         }
         const Triangle<float>& t = mesh.triangles[hit.primitive];
         Vec3<float> n = unit(cross(t.b - t.a, t.c - t.a));
-        if (!(dot(n, n) > 0.5f)) {  // too small for its normal
+        if (!(dot(n, n) > 0.5f)) {  // triangle too small for a normal
             n = -unit(direction);
         }
         if (dot(n, direction) > 0.0f) {
@@ -98,8 +98,7 @@ struct Maker {
         }
         return {origin + direction * hit.t + n * (0.5e-4f * reach), n};
     }
-    // Rays scattered by a Lambertian surface: directions by the cosine (Malley's method), in the frame of Duff et al.
-    // 2017.
+    // Secondary rays of a Lambertian surface: cosine-distributed (Malley's method), in the frame of Duff et al. 2017.
     std::vector<Ray> diffuse(const std::vector<Ray>& from, const std::vector<Hit>& hits, std::uint32_t depth,
                              float t_max) const {
         return make_rays(from.size(), [&](std::uint32_t i) {
@@ -115,7 +114,7 @@ struct Maker {
             return make_ray(point.position, tangent * (r * c) + bitangent * (r * s) + n * z, t_max);
         });
     }
-    // Shadow rays towards points of a square under the top of the bounds, a quarter as wide; t = 1 at the square.
+    // Shadow rays to random points of a square light below the box's top, a quarter as wide; the light is at t = 1.
     std::vector<Ray> shadow(const std::vector<Ray>& from, const std::vector<Hit>& hits) const {
         const Vec3<float> centre = (mesh.low + mesh.high) * 0.5f, half = (mesh.high - mesh.low) * 0.5f;
         return make_rays(from.size(), [&](std::uint32_t i) {

@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// A checksum that does not depend on the rays' order: a sum over rays of a hash of (ray, t, primitive).
+// A checksum of all hits that does not depend on the order of summation: the sum over rays of hash(ray, t, primitive).
 std::uint64_t checksum(const std::vector<Hit>& hits) {
     std::uint64_t sum = 0;
 #pragma omp parallel for reduction(+ : sum)
@@ -37,7 +37,7 @@ std::uint64_t count_hits(const std::vector<Hit>& hits) {
         std::count_if(hits.begin(), hits.end(), [](const Hit& hit) { return hit.primitive != no_primitive; }));
 }
 
-// The rays of a set that are held to brute force, evenly over it, and what they must hit.
+// The brute-force hits of an evenly spaced subset of a ray set, as a check of the traced hits.
 struct Expected {
     std::vector<std::size_t> rays;
     std::vector<Hit> hits;
@@ -83,7 +83,7 @@ Json batch_json(const RaySet& set, const std::string& kernel, const std::vector<
               {"query", set.any && kernel != "meet" ? "any" : "closest"},
               {"ms", ms},
               {"median_ms", median}};
-    // The interval is that of a ratio to two ones, which is the median's own.
+    // The median's confidence interval, computed as that of the ratio to a constant 1.
     const RatioEstimate estimate = ratio_estimate(ms, {1.0, 1.0});
     json["interval_ms"] = estimate.interval ? Json{estimate.interval->low, estimate.interval->high} : Json();
     json["grays_per_s"] = rays / median * 1e-6;
@@ -99,7 +99,7 @@ void measure_set(BatchTracer& tracer, const RaySet& set, SetState& state, int re
     tracer.load(set);
     const std::optional<Work> work = tracer.count();
     for (const std::string& kernel : tracer.kernels(set)) {
-        (void)tracer.trace(kernel);  // warms up
+        (void)tracer.trace(kernel);  // warm-up, which is not timed
         std::vector<double> ms;
         for (int i = 0; i < repetitions; ++i) {
             ms.push_back(tracer.trace(kernel));

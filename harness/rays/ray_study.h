@@ -1,5 +1,5 @@
-// Rates of ray batches: accelerators, builders and kernels side by side on the same rays, every hit of one held to that
-// of the others and a subset to brute force.
+// Measures the ray rates of accelerators, builders and kernels on the same rays. All hits are compared with each other,
+// and those of a subset with brute force.
 #pragma once
 
 #include <string>
@@ -19,13 +19,13 @@ struct RayStudy {
     std::vector<std::string> accelerators, builders, classes;
     std::uint32_t log2_rays = 20;
     int repetitions = 9;
-    std::uint32_t checked = 1024;    // rays of a set that are held to brute force
-    std::vector<RaySet> given = {};  // instead of rays that are made; of these, those of `classes`
+    std::uint32_t checked = 1024;    // rays of each set compared with brute force
+    std::vector<RaySet> given = {};  // ray sets to use instead of generated ones
 };
 
-// A mesh's tree, as batches are traced through it.
+// An acceleration tree over a mesh, as ray batches traverse it.
 struct Tree {
-    std::string accelerator, builder;  // builder empty: the accelerator needs no tree
+    std::string accelerator, builder;  // `builder` is empty for accelerators without a tree
     MeshGeometry geometry;
     MeshView view;
     MeetMesh<float> meet;
@@ -34,22 +34,22 @@ std::shared_ptr<const SceneMesh> as_scene_mesh(const RayMesh& mesh, const std::s
 Tree make_tree(const std::shared_ptr<const SceneMesh>& mesh, const std::string& accelerator, const std::string& builder,
                Backend backend);
 std::unique_ptr<BatchTracer> make_tracer(const Tree& tree, Backend backend);
-// The trees of a study, one for each accelerator and builder; an accelerator without a tree has no builder.
+// The pairs of accelerator and builder in a study; an accelerator without a tree has the builder "".
 std::vector<std::pair<std::string, std::string>> trees_of(const RayStudy& study);
 
-// The study's rays: those that it was given, or made by tracing.
+// The ray sets of a study: those in `given` of the requested classes, or generated ones.
 std::vector<RaySet> ray_sets_of(const RayMesh& mesh, BatchTracer& tracer, const RayStudy& study);
 
 struct MeshResult {
     nlohmann::ordered_json json;
     std::vector<RaySet> sets;
-    std::vector<std::uint64_t> hits;  // of each set, how many rays hit
-    bool agrees = true;               // all hits among each other, and with brute force
+    std::vector<std::uint64_t> hits;  // number of rays that hit in each set
+    bool agrees = true;               // whether all hits agree, also with brute force
 };
 
 MeshResult measure(const RayMesh& mesh, const RayStudy& study);
 
-// The rates of what `measure` said, a line a batch.
+// A table of the ray rates that `measure` found, one line per batch.
 std::string table_of(const nlohmann::ordered_json& mesh);
 
 }  // namespace pt::rays

@@ -1,4 +1,4 @@
-// What a run finds of a cell besides its samples, as the journal and the result file hold it.
+// The facts about a cell other than its samples, in the form in which the journal and the result file store them.
 #pragma once
 
 #include <array>
@@ -13,14 +13,14 @@
 namespace pt {
 
 enum class CellStatus { ok, failed };
-// Every kind of JSON: nlohmann's own rule would make a number of it.
+// Writes a cell's status to any JSON type; without this template nlohmann would store the enum as a number.
 template <class AnyJson>
 void to_json(AnyJson& json, CellStatus status) {
     json = status == CellStatus::ok ? "ok" : "failed";
 }
 void from_json(const Json& json, CellStatus& status);
 
-// How often a cell's render did what, in its instrumented pass.
+// The work counters of a cell's instrumented pass.
 struct CounterFacts {
     WorkCounters work = {};
 
@@ -42,9 +42,9 @@ struct CounterFacts {
 };
 
 struct KernelFacts {
-    int registers = 0;             // a thread
-    std::size_t local_bytes = 0;   // a thread
-    std::size_t shared_bytes = 0;  // a block
+    int registers = 0;             // registers of the kernel per thread
+    std::size_t local_bytes = 0;   // bytes of local memory per thread
+    std::size_t shared_bytes = 0;  // bytes of shared memory per thread block
 
     template <class Self, class Visit>
     static void fields(Self& self, const Visit& visit) {
@@ -54,10 +54,10 @@ struct KernelFacts {
     }
 };
 
-// What a cell takes of a GPU (CudaFacts in renderer.h).
+// A cell's use of GPU memory and its CUDA kernels (CudaFacts in renderer.h).
 struct DeviceUse {
     std::size_t device_bytes = 0, path_bytes = 0, path_state_bytes = 0;
-    std::uint32_t block = 0;  // threads
+    std::uint32_t block = 0;  // threads per block of the kernels
     double prepare_ms = 0;
     std::vector<std::string> options = {};
     std::map<std::string, KernelFacts> kernels = {};
@@ -92,9 +92,9 @@ struct MeshUse {
     }
 };
 
-// The pass that times stages and counts live paths; its times are never mixed with the samples'.
+// The instrumented pass, which times stages and counts live paths; its times are never mixed with the samples' times.
 struct InstrumentedFacts {
-    std::vector<std::uint64_t> live_paths = {};  // [k]: paths that traced segment k + 1
+    std::vector<std::uint64_t> live_paths = {};  // [k]: number of paths that traced segment k + 1
     std::uint64_t paths = 0;
     std::uint32_t spp = 0;
     std::map<std::string, double> stage_ms = {};
@@ -113,7 +113,7 @@ struct InstrumentedFacts {
     }
 };
 
-// The images that were kept of a cell's first sample, relative to the result file.
+// Files with the kept images of a cell's first sample, relative to the result file.
 struct ImageFacts {
     std::string reference = {};
     std::map<std::string, std::string> by_spp = {};
@@ -125,18 +125,17 @@ struct ImageFacts {
     }
 };
 
-// What a cell's errors are measured against.
+// The reference of a cell with checkpoints, and the metrics and biases of its errors.
 struct ConvergenceFacts {
-    std::vector<std::string> biases = {};  // that are declared
+    std::vector<std::string> biases = {};  // declared reasons why the image may be biased
     std::vector<std::uint32_t> checkpoints = {};
     double expected_mse = 0;
     std::optional<ImageFacts> images = {};
     bool independent_samples = false;
-    std::map<std::string, std::string> metrics = {};  // their definitions
-    Json reference = {};                              // as Reference::provenance() has it
-    std::optional<std::string> shared_with = {};      // the cell whose errors these are; in a result file only
+    std::map<std::string, std::string> metrics = {};  // definition of each error metric, by name
+    Json reference = {};                              // the reference image, as Reference::provenance() describes it
+    std::optional<std::string> shared_with = {};  // another cell with the same films and errors; in result files only
 
-    // The hash of the reference's bits.
     std::string reference_hash() const;
 
     template <class Self, class Visit>
@@ -152,10 +151,10 @@ struct ConvergenceFacts {
     }
 };
 
-// The members that are optional are those of a cell that came so far: verified, and then rendered at its full size.
+// The facts about a cell. Optional members are set once it has come that far: verified, then rendered at full size.
 struct CellFacts {
     CellStatus status = CellStatus::ok;
-    std::string reason = {};  // of a failure
+    std::string reason = {};  // why the cell failed
     std::optional<std::string> claim_check = {};
     std::optional<std::vector<std::string>> kernel_features = {};
     std::optional<std::string> specialisation_note = {};
@@ -164,9 +163,9 @@ struct CellFacts {
     std::optional<std::uint64_t> nonfinite = {}, negative = {}, saturated = {}, unfinished_walks = {};
     std::optional<CounterFacts> counters = {};
     std::optional<DeviceUse> cuda = {};
-    std::optional<MeshUse> meshes = {};  // of a scene that has some
+    std::optional<MeshUse> meshes = {};  // only for scenes with meshes
     std::optional<InstrumentedFacts> instrumented = {};
-    std::optional<ConvergenceFacts> convergence = {};  // of a cell whose errors are measured
+    std::optional<ConvergenceFacts> convergence = {};  // only for cells with checkpoints
 
     void fail(std::string why) {
         status = CellStatus::failed;

@@ -1,5 +1,5 @@
-// A comparison of the result file: a cell against the baseline of its study, with the ratio of their times and the
-// verdict. Python's pages say what stands here.
+// A comparison in the result file: a cell, the baseline of its study, the ratio of their times and the verdict. The
+// pages that analysis/ draws show these verdicts.
 #pragma once
 
 #include <array>
@@ -12,12 +12,12 @@ namespace pt {
 
 struct ComparisonFacts {
     std::string study = {}, cell = {};
-    std::optional<std::string> baseline = {};                 // its cell; null: there is none
-    std::optional<double> ratio = {};                         // of median times a spp: below 1 the cell is faster
-    std::optional<std::array<double, 2>> interval = {};       // of the ratio, by the samples of this run
-    std::optional<std::string> word = {};                     // null: there is no ratio
-    std::string reason_code = {};                             // why the word is UNSURE or null; else empty
-    std::optional<std::string> in_time = {}, in_cycles = {};  // the words on times and on cycles alone
+    std::optional<std::string> baseline = {};            // name of the baseline cell; null if there is none
+    std::optional<double> ratio = {};                    // ratio of median times per spp; below 1 the cell is faster
+    std::optional<std::array<double, 2>> interval = {};  // confidence interval of the ratio of times
+    std::optional<std::string> word = {};                // verdict on the ratio; null if there is no ratio
+    std::string reason_code = {};                        // why the verdict is UNSURE or null, or ""
+    std::optional<std::string> in_time = {}, in_cycles = {};  // verdicts on times alone and on clock cycles alone
 
     template <class Self, class Visit>
     static void fields(Self& self, const Visit& visit) {

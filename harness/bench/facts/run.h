@@ -1,5 +1,5 @@
-// What makes a run the run that it is, and who took its samples, as the journal and the result file hold it. (What is
-// said of the machine and the program stands in harness/machine/run_context.h.)
+// The identity of a run and its sessions, in the form in which the journal and the result file store them. (The facts
+// about the machine and the program are in harness/machine/run_context.h.)
 #pragma once
 
 #include <cstdint>
@@ -12,16 +12,16 @@
 
 namespace pt {
 
-// All that must be equal for a run to go on with a journal. The machine is the result's context less the process's own.
+// All that must be equal for a run to continue from a journal. `machine` is the result's context, less process facts.
 struct RunIdentity {
     std::string backend = {};
     std::vector<std::string> cells = {};
     std::string host_name = {};
     Json machine = {};
-    std::optional<int> most_repetitions = {};            // where a cell may have more than `repetitions`
-    std::map<std::string, std::string> references = {};  // what is asked of each cell's, by cell
+    std::optional<int> most_repetitions = {};            // limit of samples per cell where open verdicts may get more
+    std::map<std::string, std::string> references = {};  // description of the required reference, by cell
     int repetitions = 1;
-    std::map<std::string, std::string> scenes = {};  // hashes by name
+    std::map<std::string, std::string> scenes = {};  // content hash of each scene, by name
     std::uint64_t seed = 0;
     std::optional<std::string> shard = {};
     std::string suite = {};
@@ -43,12 +43,12 @@ struct RunIdentity {
     static constexpr const char* host_name_key = "host_name";
 };
 
-// A process that took samples.
+// A session: a process that took samples of a run.
 struct SessionFacts {
     std::string date = {};
     std::string host_name = {};
-    int process = 0;                          // its number
-    std::optional<std::size_t> samples = {};  // that it took, those again too; not in a line of a journal
+    int process = 0;                          // operating system's id of the process
+    std::optional<std::size_t> samples = {};  // number of samples taken, with retakes; in result files only
 
     template <class Self, class Visit>
     static void fields(Self& self, const Visit& visit) {
@@ -60,18 +60,18 @@ struct SessionFacts {
     bool operator==(const SessionFacts&) const = default;
 };
 
-// The result's ptbench.run: what the parts of one run share, and which part this is.
+// The member ptbench.run of a result file: what all shards of a run have in common, and which shard this file holds.
 struct RunRecord {
-    std::string identity = {};  // hash
+    std::string identity = {};  // hash of the run's identity
     std::uint64_t seed = 0;
     int repetitions = 1;
-    std::map<std::string, std::string> scenes = {};  // hashes by name
-    std::string references = {};                     // hash
-    std::size_t cells = 0;                           // of the whole run
+    std::map<std::string, std::string> scenes = {};  // content hash of each scene, by name
+    std::string references = {};                     // hash of all required references
+    std::size_t cells = 0;                           // number of cells in the whole run, all shards together
     std::string cells_hash = {};
     std::optional<int> most_repetitions = {};
     std::optional<std::string> shard = {};
-    std::optional<std::vector<std::size_t>> positions = {};  // of a shard's cells in the whole run
+    std::optional<std::vector<std::size_t>> positions = {};  // positions of a shard's cells in the whole run
     std::vector<SessionFacts> sessions = {};
 
     template <class Self, class Visit>

@@ -14,7 +14,7 @@ using OrderedJson = nlohmann::ordered_json;
 constexpr const char* low_clock_key = "pt_low_clock";
 constexpr const char* cpu_time_key = "cpu_time";
 
-// Finds the first number that is none.
+// Finds the first member of a sample that is not finite.
 struct FindInfinite {
     std::string& found;
 
@@ -71,7 +71,7 @@ bool is_contended(const Sample& sample) {
 
 bool is_disturbed(const Sample& sample, Backend backend) {
     const bool was_late = 1 - sample.device_ms.value_or(0) / sample.wall_ms > limits::most_host_share;
-    // The device's time goes on while its host is late with the answer that it waits for.
+    // Device time includes the time in which a kernel waits for an answer of a busy host.
     const bool was_waited_for = sample.host_waits > 0;
     return is_contended(sample) && (backend != Backend::cuda || was_late || was_waited_for);
 }
@@ -122,7 +122,7 @@ void add_sample_to_row(OrderedJson& row, const Sample& sample) {
     row["time_unit"] = "ms";
     Sample::visit_row(sample, fields_detail::Writer<OrderedJson>(row));
     row["film_hash"] = sample.film_hash;
-    row[low_clock_key] = 0;  // by mark_low_clocks, when all are known
+    row[low_clock_key] = 0;  // mark_low_clocks sets the mark when all rows are known
     row["pt_contended"] = is_contended(sample) ? 1 : 0;
 }
 

@@ -1,6 +1,6 @@
-// A sample: one timed render of a cell, with what was measured around it, as the journal and the result file hold it.
-// A new field is a member and a line of `fields` here, the value in take_sample.cpp, and its meaning in `sample` of the
-// schema of results (analysis/ptbench/schema/ptbench-result.schema.json), to which that of journals refers.
+// A sample: a timed render of a cell and what was measured around it, in the form in which the journal and the result
+// file store it. A new field needs a member and a line of `fields` here, its value in take_sample.cpp, and its meaning
+// under `sample` in analysis/ptbench/schema/ptbench-result.schema.json, to which the journal's schema refers.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,8 @@
 
 namespace pt {
 
-// The state of a render at one of its checkpoints: times so far, and the film's errors. They are empty where the film
-// has samples that are not finite; bias2 is empty besides where it cannot be told.
+// A render's times and errors at a checkpoint. The errors are empty where the film has samples that are not finite, and
+// bias2 also where it cannot be told.
 struct CheckpointFacts {
     std::uint32_t spp = 0;
     double wall_ms = 0, device_ms = 0, cpu_ms = 0;
@@ -23,7 +23,7 @@ struct CheckpointFacts {
     std::uint64_t nonfinite = 0;
     std::optional<std::array<double, 3>> me_rgb = {};
     std::optional<double> mse = {}, mse_dual = {}, rel_mse = {}, rel_mse_dual = {}, smape = {}, bias2 = {};
-    std::optional<bool> shared = {};  // whether another cell's film has the same bits; in a result file only
+    std::optional<bool> shared = {};  // whether another cell's film has the same bits; in result files only
 
     void set_errors(const std::optional<Errors>& errors);
 
@@ -48,31 +48,32 @@ struct CheckpointFacts {
 };
 
 struct Sample {
-    double wall_ms = 0;  // the time that counts
-    double cpu_ms = 0;   // of all threads
+    double wall_ms = 0;  // wall time of the render, the time that is compared
+    double cpu_ms = 0;   // CPU time of the render, all threads together
     std::optional<double> device_ms = {}, end_to_end_ms = {};
     std::uint64_t seed = 0;
     std::uint32_t spp = 0;
     std::uint64_t paths = 0, rays = 0, connections = 0, cache_hits = 0;
     double rays_per_second = 0;
     std::uint64_t launches = 0, graph_nodes = 0, loop_rounds = 0, host_waits = 0;
-    std::uint64_t order = 0;  // among the samples of all cells of the run
-    double timestamp = 0;     // seconds since 1970
-    int clock_unknown = 0;    // 1: it is
+    std::uint64_t order = 0;  // position of the sample among all samples of the run
+    double timestamp = 0;     // seconds since 1970 at the end of the sample
+    int clock_unknown = 0;    // 1 if the processor's clock could not be measured
     std::optional<double> clock_mhz_before = {}, clock_mhz_after = {};
-    double foreign_cpu_ms = 0;  // of other processes; below 0 where clocks round
+    double foreign_cpu_ms = 0;  // CPU time of other processes; rounding can make it negative
     long involuntary_switches = 0;
-    std::uint64_t throttled_periods = 0;  // in which a quota of CPU time was used up
+    std::uint64_t throttled_periods = 0;  // scheduler periods in which a CPU quota was used up
     double throttled_ms = 0;
-    std::optional<int> ranks = {};  // of MPI, where there are several
+    std::optional<int> ranks = {};  // number of MPI ranks if there are several
     std::optional<double> slowest_rank_ms = {}, fastest_rank_ms = {}, reduce_ms = {};
-    std::optional<std::uint32_t> devices = {};  // where there are several
+    std::optional<std::uint32_t> devices = {};  // number of GPUs if there are several
     std::optional<std::vector<double>> own_device_ms = {};
     std::optional<double> slowest_device_ms = {}, device_reduce_ms = {};
-    std::optional<std::vector<CheckpointFacts>> checkpoints = {};  // of a cell whose errors are measured
+    std::optional<std::vector<CheckpointFacts>> checkpoints =
+        {};  // times and errors at the checkpoints of a convergence cell
     std::string film_hash = {};
 
-    // The keys that begin with pt_ are those of a row of the result file, in the order in which it has them.
+    // Visits the fields of a sample. Keys that begin with pt_ are those of a row of the result file, in the same order.
     template <class Self, class Visit>
     static void fields(Self& self, const Visit& visit) {
         visit("cpu_ms", self.cpu_ms);
@@ -118,37 +119,37 @@ struct Sample {
     bool operator==(const Sample&) const = default;
 };
 
-// A sample of a row or of a retake of a result file, which a program may have written that had fewer fields: these are
-// at their defaults. Throws WrongFact.
+// Reads a sample from a row or a retake of a result file. Fields that an older program did not write keep their
+// defaults. Throws WrongFact.
 Sample sample_of_result(const Json& row);
-// A row's sample with its CPU time, which has another key there. Throws WrongFact.
+// Reads a sample from a row of a result file, with its CPU time, which rows store under another key. Throws WrongFact.
 Sample sample_of_row(const nlohmann::ordered_json& row);
 
-// Whether a quota of CPU time was used up during the sample, so that its threads stood still.
+// Whether a CPU quota was used up during the sample, so that its threads were stopped.
 bool is_throttled(const Sample& sample);
-// Whether other processes disturbed a sample: one took more than a tenth of the render's own CPU time, and more than
-// the counter's resolution, or the system gave less of it than there was.
+// Whether other processes disturbed a sample: they took more than a tenth of the render's own CPU time and more than
+// the counter's resolution, or a CPU quota was used up.
 bool is_contended(const Sample& sample);
-// Whether another process or a quota took CPU time such that the sample's time may be wrong for it: on a GPU a busy
-// host can only make a render longer than the device worked, or, where the render waits for the host within, longer on
-// both clocks.
+// Whether a disturbance (another process or a CPU quota) may have falsified a sample's time. On a GPU a busy host
+// matters only if the render took longer than the device worked, or if the device waited for the host during the
+// render.
 bool is_disturbed(const Sample& sample, Backend backend);
-// The mean of the clocks before and after the render, MHz; nothing where they are unknown.
+// The mean of the clocks before and after a render in MHz; none if one of them is unknown.
 std::optional<double> clock_of(const Sample& sample);
 
-// The higher one of the clocks before and after the render, MHz; 0 where none is known.
+// The higher of the clocks before and after a render in MHz; 0 if both are unknown.
 double highest_clock(const Sample& sample);
-// Whether one of them was low beside the highest clock of the whole run.
+// Whether one of a sample's clocks was far below the highest clock of the whole run.
 bool has_low_clock(const Sample& sample, double highest_of_run);
 
-// Why no render can have left this sample, in words; empty: one can.
+// Says why no render can have produced this sample, as text; empty if one can.
 std::string fault_of_sample(const Sample& sample);
 
-// Adds what a row of the result file has of a sample, behind its head.
+// Adds a sample's fields to a row of the result file that has only its head.
 void add_sample_to_row(nlohmann::ordered_json& row, const Sample& sample);
-// Whether a row of a result is a sample's, as no aggregate's and no failure's is.
+// Whether a row of a result file is a sample, and not an aggregate or a failure.
 bool is_row_of_sample(const nlohmann::ordered_json& row);
-// Marks each sample's row whose clock was low, judged by the highest clock of all these rows.
+// Marks the rows whose sample had a low clock, relative to the highest clock in all rows.
 void mark_low_clocks(nlohmann::ordered_json& rows);
 
 }  // namespace pt
