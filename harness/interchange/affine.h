@@ -26,8 +26,7 @@ Affine rotation_about(const Vec3d& axis, double degrees);
 double determinant(const Affine& map);
 bool is_finite(const Affine& map);
 
-// The largest |cosine| between two columns of an affine map. It is 0 if the map has no shear, like translate * rotate *
-// scale.
+// The largest |cosine| between two columns of an affine map; 0 without shear, as of translate * rotate * scale.
 double shear_of(const Affine& map);
 
 // The decimal number with the fewest digits that is within `tolerance` of a value.

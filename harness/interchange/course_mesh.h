@@ -1,5 +1,4 @@
-// Finds the mesh files and images that CIS 565 scenes name, by paths relative to the author's working folder or on the
-// author's disk.
+// Finds the mesh files and images that CIS 565 scenes name by paths of their author's working folder or disk.
 #pragma once
 
 #include <filesystem>

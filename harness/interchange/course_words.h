@@ -27,8 +27,8 @@ struct CourseWord {
     CourseUse use = CourseUse::value;
 };
 
-// Finds a keyword in a section of a CIS 565 scene; null if unknown. `section`: MATERIAL, CAMERA, OBJECT or SETTINGS, in
-// JSON also ROOT.
+// Finds a keyword; null if unknown. `section`: MATERIAL, CAMERA, OBJECT or SETTINGS of a CIS 565 scene; in JSON also
+// ROOT.
 const CourseWord* find_course_word(const std::string& section, const std::string& word);
 
 // Keywords of a section that have a place in scene files, for error messages.

@@ -258,8 +258,7 @@ private:
         if (is_black(sigma)) {
             return;
         }
-        // Mitsuba's colours end at 1, so a power of two, which causes no rounding, is factored out of the medium's
-        // sigma.
+        // Mitsuba's colours end at 1, so sigma is divided by a power of two, which causes no rounding.
         const double largest = std::exp2(std::ceil(std::log2(std::max({sigma.x, sigma.y, sigma.z}))));
         xml_.open("medium", {{"name", "interior"}, {"type", "homogeneous"}});
         rgb("sigma_t", sigma * (1 / largest));

@@ -71,8 +71,7 @@ CourseLens lens_of_dof(Cis565SectionReader& reader, const Cis565Line& line) {
     return {radius, focus, &line, &line};
 }
 
-// Reads the camera's lens. As in their programs, APERTURE is a diameter in texts, a factor if a radius is given too,
-// and a radius in JSON.
+// Reads the camera's lens. APERTURE is a diameter in texts, a factor beside a given radius, and a radius in JSON.
 CourseLens read_lens(Cis565SectionReader& reader, bool is_json, ImportResult& result) {
     if (const Cis565Line* dof = reader.line("DOF")) {
         return lens_of_dof(reader, *dof);

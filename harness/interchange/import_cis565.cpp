@@ -249,8 +249,7 @@ Vec3d rotation_x_first(const Vec3d& degrees) {
     // Gimbal lock: if cosine_y is 0, x and z rotate about the same axis, so z is set to 0.
     const double cosine_z = cosine_y > 0 ? matrix(0, 0) / cosine_y : 1;
     const double sine_z = cosine_y > 0 ? matrix(1, 0) / cosine_y : 0;
-    // The angle x is taken from the matrix after undoing z, not from the third row, which is noise if cosine_y is near
-    // 0.
+    // The angle x comes from the matrix after undoing z: the matrix's third row is noise if cosine_y is near 0.
     const double sine_x = sine_z * matrix(0, 2) - cosine_z * matrix(1, 2);
     const double cosine_x = cosine_z * matrix(1, 1) - sine_z * matrix(0, 1);
     const auto angle = [](double sine, double cosine) {

@@ -21,8 +21,7 @@ namespace fs = std::filesystem;
 // Limits on the cosine between columns of an affine map: a shear below the first comes from the digits of the file.
 constexpr double slight_shear = 1e-6, shear_of_rounding = 1e-12;
 
-// Vertex normals transformed by the map's cofactors, so that they stay perpendicular to surfaces, and outward in
-// mirrors.
+// Vertex normals transformed by the map's cofactors, so that they stay perpendicular to surfaces, and outward.
 std::vector<std::array<float, 3>> normals_placed_by(const std::vector<std::array<float, 3>>& normals,
                                                     const Affine& map) {
     const auto& [x, y, z] = map.column;
@@ -181,8 +180,7 @@ bool ImportDraft::add_mesh(const std::string& file, const Affine& map, std::size
     return true;
 }
 
-// Keeps a transformed mesh without its translation, since far from the origin single precision would leave few digits
-// for its shape.
+// Keeps a transformed mesh but for its translation, which would cost its shape digits in single precision.
 std::optional<std::string> ImportDraft::keep_placed(const std::string& file, const Affine& map, bool has_normals,
                                                     const Cis565Line* at) {
     try {

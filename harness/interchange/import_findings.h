@@ -12,8 +12,7 @@ struct ImportFinding {
     std::string text;      // one line
 };
 
-// Findings of an import in file order. Since every line of a file may be wrong, all are counted but only the first are
-// kept.
+// Findings of an import in file order: all are counted, since every line may be wrong, but only the first are kept.
 class ImportFindings {
 public:
     static constexpr std::size_t most_listed = 50;

@@ -1,5 +1,5 @@
-// Imports glTF 2.0 materials (section 3.9 and appendix B) and KHR_materials_emissive_strength, _ior, _specular,
-// _transmission and _volume.
+// Imports glTF 2.0 materials (3.9, appendix B), KHR_materials_emissive_strength, _ior, _specular, _transmission,
+// _volume.
 #ifdef PTBENCH_HAS_TINYGLTF
 
 #include "harness/interchange/import_gltf_material.h"

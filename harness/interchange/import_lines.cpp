@@ -45,8 +45,7 @@ std::string rival_of(const std::string& key) {
     return found == rivals.end() ? "" : found->second;
 }
 
-// Whether a character belongs to a number. "0.5," is read as 0.5, as by programs that stop at the first other
-// character.
+// Whether a character belongs to a number, which ends at any other: many programs read "0.5," as 0.5.
 bool is_of_number(char c) { return (c >= '0' && c <= '9') || c == '.'; }
 
 class LineSorter {

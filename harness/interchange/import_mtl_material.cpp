@@ -156,8 +156,7 @@ int MtlImporter::illumination() {
     return static_cast<int>(value);
 }
 
-// Whether an MTL material is transparent, by d or, without d, by Tr. Programs that write both disagree on the sense of
-// Tr.
+// Whether an MTL material is transparent, by d or else by Tr, of whose sense programs that write both disagree.
 bool MtlImporter::is_seen_through() {
     const std::string key = has("d") ? "d" : "tr";
     const double opacity = has("d") ? number("d", 1) : 1 - number("tr", 0);
@@ -217,8 +216,7 @@ void MtlImporter::make_glass(ScenePart& part) {
     warn_if_coloured("kd", fmt::format("is not used: it is glass, by illum {}", illumination_));
 }
 
-// Makes a mix of diffuse Kd and mirror Ks, each sampled in proportion to its brightness and divided by that
-// probability.
+// Makes a mix of diffuse Kd and mirror Ks: each is sampled in proportion to its brightness and divided by its share.
 void MtlImporter::make_shiny(ScenePart& part) {
     const Vec3d albedo = colour("kd", 0), reflectance = colour("ks", 0);
     const double of_mirror = brightest_of(reflectance), sum = brightest_of(albedo) + of_mirror;

@@ -77,8 +77,7 @@ void ObjectImporter::add_shape() {
     }
 }
 
-// Warns of further shapes, since an object has one. Some programs read a mesh file behind all objects as another
-// object.
+// Warns of further shapes in an object, which has one. Some programs read a mesh file behind all objects as one more.
 void ObjectImporter::warn_of_shapes_beside(const std::string& shape, const std::vector<std::string>& others) {
     const Cis565Line* told = nullptr;
     for (const std::string& key : others) {

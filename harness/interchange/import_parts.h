@@ -49,8 +49,7 @@ std::string plain_part_of(const std::string& text);
 std::string json_of(double value);
 std::string json_of(const Vec3d& v);
 std::string json_of(const std::string& text);
-// The JSON value of a colour that is a texture, by the image's name in the scene file; `is_image_in_scene` recognises
-// such a value.
+// The JSON value of a colour that is a texture, by its file name in the scene, and a test for such a value.
 std::string image_in_scene(const std::string& name);
 bool is_image_in_scene(const std::string& value);
 // Adds a mesh that is to be written beside the scene file, named after it; returns the mesh file's name.

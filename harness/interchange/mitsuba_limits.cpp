@@ -101,8 +101,7 @@ void check_image(const SceneMaterial& material, const SceneObject& object, Probl
     }
 }
 
-// Checks an emitter. Mitsuba's emit on one side only, which suffices for closed shapes whose other side no path
-// reaches.
+// Checks that an emitting mesh is closed. Mitsuba's emitters are one-sided, which is enough for a closed shape.
 void check_lamp(const Scene& scene, const SceneObject& object, Problems& problems) {
     const bool is_mesh = object.mesh != SceneObject::no_mesh;
     if (is_mesh && !scene.meshes[object.mesh]->is_closed) {

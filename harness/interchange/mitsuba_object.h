@@ -54,16 +54,14 @@ public:
     // value would do.
     void refuse_property(const std::string& name, const std::string& allowed);
 
-    // Readers of a property's value by name. A missing property has the value `otherwise`; an unreadable one is a
-    // problem.
+    // Read a property by name. A missing one has the value `otherwise`; one that cannot be read is a problem.
     double number(const std::string& name, double otherwise);
     std::optional<double> optional_number(const std::string& name);
     bool boolean(const std::string& name, bool otherwise);
     std::string text(const std::string& name, const std::string& otherwise);
     Vec3d colour(const std::string& name, const Vec3d& otherwise);
     std::optional<Vec3d> optional_colour(const std::string& name);
-    // The radiance of an emitter. A <spectrum> means another grey in an emitter than elsewhere in Mitsuba's RGB
-    // variants.
+    // The radiance of an emitter, for which Mitsuba's RGB variants convert a <spectrum> to another grey than elsewhere.
     std::optional<Vec3d> optional_radiance(const std::string& name);
     Vec3d point(const std::string& name, const Vec3d& otherwise);
     Affine transform(const std::string& name);

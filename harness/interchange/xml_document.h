@@ -1,5 +1,4 @@
-// Parses an XML file into a tree of elements with line numbers, as far as importers need XML 1.0. Uses pugixml if the
-// build has it.
+// Parses XML 1.0, as far as importers need it, into elements with line numbers; by pugixml if the build has it.
 #pragma once
 
 #include <optional>

@@ -53,8 +53,7 @@ void check_binary_chunk(std::string_view content, const std::string& file) {
     }
 }
 
-// Refuses glTF versions after 2.x, whose meaning is unknown. `minVersion`, if present, decides which reader a file
-// needs.
+// Refuses glTF versions after 2.x, by `minVersion`, the version that a reader needs, or else by `version`.
 void check_version(const tinygltf::Asset& asset, const std::string& file) {
     const bool has_least = !asset.minVersion.empty();
     const std::string& needed = has_least ? asset.minVersion : asset.version;

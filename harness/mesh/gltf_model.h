@@ -27,8 +27,7 @@ namespace pt {
 // Returns the content of a file that the glTF model names; throws InputError.
 using GltfFileReader = std::function<std::string(const std::string& name)>;
 
-// Parses glTF, binary or JSON depending on its first bytes. Without `read`, all data must be in the file itself. Throws
-// InputError.
+// Parses glTF, binary or JSON by its first bytes; without `read`, data must be embedded. Throws InputError.
 tinygltf::Model parse_gltf_model(std::string_view content, const std::string& file,
                                  const GltfFileReader& read = nullptr);
 
@@ -49,8 +48,7 @@ public:
         return list[index];
     }
 
-    // Root nodes of the glTF file's default scene or, without one, of its first; without scenes, all nodes with no
-    // parent.
+    // Root nodes of the glTF file's default or first scene; without scenes, all nodes that have no parent.
     std::vector<int> roots() const;
     static glm::dmat4 matrix_of(const tinygltf::Node& node);
     // Whether a glTF node is hidden, children included, by a scale of 0 along all axes.

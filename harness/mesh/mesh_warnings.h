@@ -13,8 +13,7 @@ class MeshWarnings {
 public:
     void add(std::string_view place, std::string_view text);
 
-    // The warnings, "PLACE: TEXT", one line each, in the order of their first places. Each line ends with the number of
-    // further places.
+    // The warnings, "PLACE: TEXT", by their first places; the number of further places follows each text.
     std::vector<std::string> messages() const;
 
 private:

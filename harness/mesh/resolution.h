@@ -28,8 +28,7 @@ private:
 // 2^-7 of its mean edge length, where neither outline nor shading shows the error.
 std::optional<std::string> resolution_warning(const Mesh& mesh, double largest);
 
-// Whether rounding coordinates as large as the mesh's could be worth a warning. Only then a reader compares with double
-// precision.
+// Whether coordinates are so large that rounding may be worth a warning, for which the file is read in double.
 bool may_have_lost_digits(const Mesh& mesh);
 
 }  // namespace pt

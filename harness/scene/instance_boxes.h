@@ -25,8 +25,7 @@ public:
 
     // Bounding box of the whole instance in scene space.
     Box box() const;
-    // Bounding box, in scene space, of one triangle of the instance. Valid for ray origins whose coordinates are at
-    // most `farthest_origin`.
+    // Bounding box, in scene space, of one triangle, for ray origins with coordinates up to `farthest_origin`.
     Box box(const Triangle<float>& triangle, double farthest_origin) const;
     // Extra margin of the instance's bounding box, in multiples of the largest coordinate of a ray origin.
     double margin_by_origin() const { return margin_by_origin_; }

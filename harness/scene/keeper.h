@@ -1,5 +1,4 @@
-// An LRU cache for values that take long to make, such as trees over meshes: a study renders one scene hundreds of
-// times.
+// LRU caches for what takes long to make, such as trees over meshes: a study renders a scene hundreds of times.
 #pragma once
 
 #include <chrono>

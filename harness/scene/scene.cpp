@@ -15,8 +15,7 @@ struct SinCosDegrees {
     double sine, cosine;
 };
 
-// Sine and cosine of an angle in degrees. They are exact at multiples of 90 degrees, so that a box rotated by these
-// stays axis-aligned.
+// Sine and cosine of an angle in degrees, exact at multiples of 90 so that a rotated box stays axis-aligned.
 SinCosDegrees sin_cos_degrees(double degrees) {
     const double reduced = std::fmod(degrees, 360.0);
     const double quarters = reduced / 90.0;
@@ -165,8 +164,7 @@ private:
 }  // namespace
 
 double eye_power(const SceneObject& sphere, const Vec3d& eye) {
-    // All lengths are divided by a power of two near the sphere's radius, so that its square neither overflows nor
-    // vanishes.
+    // All lengths are divided by a power of two near the radius, whose square then neither overflows nor vanishes.
     int exponent = 0;
     const double radius = std::frexp(0.5 * sphere.scale.x, &exponent);
     DoubledSum sum;

@@ -22,8 +22,7 @@ namespace pt {
 
 namespace {
 
-// Longest and shortest lengths in a scene: squares of others would leave the range of float. Scenes are checked when
-// loaded.
+// Longest and shortest lengths in a scene: squares of others would leave the range of float.
 constexpr double largest_length = 1e18;
 constexpr double smallest_length = 1e-18;
 

@@ -9,8 +9,7 @@
 
 namespace pt {
 
-// Reads a texture, {"image": NAME} with a path relative to the scene file; a normal map may have a "scale" too. Throws
-// InputError.
+// Reads a texture {"image": PATH}, relative to the scene; a normal map may have a "scale". Throws InputError.
 std::shared_ptr<const SceneTexture> read_texture(const JsonValue& value, TexelMeaning meaning);
 // Reads the optional key "normal" (a normal map) of a material. Throws InputError.
 void read_normal_map(const JsonObject& object, SceneMaterial& material);
