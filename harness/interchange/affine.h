@@ -34,7 +34,7 @@ double shortest_within(double value, double tolerance);
 
 struct TranslateRotateScale {
     Vec3d translate{0.0}, rotate_degrees{0.0}, scale{1.0};
-    bool is_exact = false;         // whether rotation and scale give every bit of the columns
+    bool is_exact = false;         // whether rotation and scale reproduce every bit of the affine map
     bool is_straightened = false;  // whether a rotation within 1e-5 degrees of quarter turns was snapped to them
 };
 

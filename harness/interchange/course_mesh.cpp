@@ -16,7 +16,7 @@ constexpr const char* mesh_endings[] = {".obj", ".gltf", ".glb", ".ply"};
 constexpr const char* image_endings[] = {".png", ".jpg", ".jpeg"};
 constexpr int most_folders_above = 4;
 constexpr int most_folders_below = 5;
-constexpr int most_entries = 20000;  // limit on files searched for one name
+constexpr int most_entries = 20000;  // most directory entries searched for one mesh file
 
 bool is_file(const fs::path& path) {
     std::error_code error;

@@ -34,7 +34,7 @@ struct CourseImport {
     // library and name.
     std::map<std::string, std::vector<OwnPart>> own_parts = {};
     std::map<std::pair<std::string, std::string>, std::string> own_names = {};
-    std::deque<Cis565Line> places = {};  // lines in MTL libraries, for messages
+    std::deque<Cis565Line> places = {};  // source lines in MTL libraries, for messages
 };
 
 // Converts the material of a MATERIAL section. An unreadable line is replaced by a valid value, so that the others can

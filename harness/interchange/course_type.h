@@ -6,12 +6,12 @@
 namespace pt {
 
 enum class CourseType {
-    by_values,  // decided by the material's other lines
+    by_values,  // material kind decided by the material's other lines
     emitter,
     diffuse,
     specular,  // a mirror or a metal
     glass,
-    layered,  // by METALLIC and ROUGHNESS, as in glTF
+    layered,  // glass, metal or diffuse by METALLIC and ROUGHNESS, as in glTF
     subsurface,
 };
 

@@ -9,21 +9,21 @@ namespace pt {
 
 // How the importer treats a keyword of a CIS 565 scene.
 enum class CourseUse {
-    value,        // has a place in a scene file
-    environment,  // names an environment map
-    background,   // constant environment radiance
-    remark,       // has no effect on the picture
-    run,          // setting of a run, not of the scene
-    lost,         // changes the picture but cannot be expressed: a warning
-    image,        // file name of a texture; a value such as 0 or OFF means none
-    texture,      // this use and those below it change the scene and cannot be expressed: a problem
+    value,        // keyword that has a place in a scene file
+    environment,  // keyword that names an environment map
+    background,   // keyword for a constant environment radiance
+    remark,       // keyword without effect on the picture
+    run,          // keyword for a setting of a run, not of the scene
+    lost,         // keyword that changes the picture but cannot be expressed: a warning
+    image,        // keyword with a texture's file name; a value such as 0 or OFF means none
+    texture,      // keywords, from this use on, that cannot be expressed and would change the scene: a problem
     procedural,
     scattering,
     lights,
 };
 
 struct CourseWord {
-    std::string key;  // the course's own spelling
+    std::string key;  // the keyword in the course's own spelling
     CourseUse use = CourseUse::value;
 };
 

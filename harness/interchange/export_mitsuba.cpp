@@ -449,9 +449,9 @@ private:
     const MitsubaSettings& settings_;
     std::string stem_;
     MitsubaScene made_;
-    double reach_;  // largest distance from the eye, in exported units
+    double reach_;  // largest distance of an object from the eye, in exported units
     XmlText xml_;
-    std::map<std::string, std::string> image_files_;  // names of copied images by path of the original
+    std::map<std::string, std::string> image_files_;  // names of exported images by the path of the original
     std::map<std::uint32_t, std::string> mesh_files_;
     std::map<Group, std::size_t> copies_;
 };

@@ -14,12 +14,12 @@ namespace pt {
 
 struct MitsubaSettings {
     std::uint32_t width = 0, height = 0, depth = 1, samples = 64;
-    double scale = 1;  // factor on every length
+    double scale = 1;  // factor on every length in the exported scene
 };
 
 struct MitsubaScene {
     std::string xml;
-    FilesBeside files;  // files that the XML names
+    FilesBeside files;  // mesh and image files that the XML names
     std::size_t meshes = 0, images = 0;
 };
 

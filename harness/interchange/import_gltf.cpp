@@ -118,7 +118,7 @@ void GltfImporter::refuse_of_node(const tinygltf::Node& node, const std::string&
         refuse(pointer + "/weights", "weights of morph targets", "weights of 0");
     }
     for (const auto& [name, value] : node.extensions) {
-        if (name != "KHR_lights_punctual") {  // lights are reported once, elsewhere
+        if (name != "KHR_lights_punctual") {  // KHR_lights_punctual is reported once, elsewhere
             refuse(pointer + "/extensions/" + name, "an extension", "none of a node");
         }
     }
@@ -232,7 +232,7 @@ void GltfImporter::add_node(int index, const glm::dmat4& parent, int depth) {
         return;
     }
     if (depth > deepest || ++visits_ > most_visits) {
-        if (visits_ <= most_visits + 1) {  // report only once
+        if (visits_ <= most_visits + 1) {  // report the limit on nodes only once
             refuse(pointer, "nodes within nodes without end", "at most 64 levels and 10^5 nodes");
             visits_ = most_visits + 1;
         }
@@ -351,7 +351,7 @@ ImportResult import_gltf(const ImportSource&) {
 #endif
 
 bool is_like_gltf(const std::string& text) {
-    return text.starts_with("glTF");  // glTF JSON is not told from other JSON
+    return text.starts_with("glTF");  // glTF in JSON is recognised by its extension only
 }
 
 }  // namespace pt

@@ -14,7 +14,7 @@ namespace pt {
 struct GltfImage {
     std::string value;  // colour in the scene file: {"image": NAME}; empty: not possible
     bool has_alpha = false;
-    std::string refusal = {};  // what the texture would have to be to be allowed
+    std::string refusal = {};  // what a refused texture would have to be
 };
 
 class GltfImages {
@@ -33,7 +33,7 @@ private:
     const tinygltf::Model* model_;
     ImportDraft* draft_;
     std::map<int, GltfImage> known_;  // images converted so far, by image index
-    std::set<int> noted_;             // samplers with a note already
+    std::set<int> noted_;             // samplers that have been noted
 };
 
 }  // namespace pt

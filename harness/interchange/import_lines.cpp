@@ -73,7 +73,7 @@ private:
     ImportResult* result_;
     Cis565File file_;
     Cis565Section* section_ = nullptr;
-    bool is_outside_ = false;  // some line came before the first section
+    bool is_outside_ = false;  // some line came before the first section of the CIS 565 scene
 };
 
 // Whether a line starts a section. In some dialects MATERIAL within an object names the object's material.
@@ -154,7 +154,7 @@ void LineSorter::add_outside(const Cis565Line& line) {
     is_outside_ = true;
     if (is_first || !is_key_of_any_section(line.words[0])) {
         fail(line, "MATERIAL n, CAMERA or OBJECT n");
-        file_.has_all_materials = false;  // the unknown head may have been a material
+        file_.has_all_materials = false;  // the unknown section may have been a material
     }
 }
 
@@ -331,7 +331,7 @@ std::optional<Vec3d> Cis565SectionReader::vector_of(const Cis565Line& line) {
     for (std::size_t i = 0; i < 3; ++i) {
         const std::optional<double> value = parse(line, i + 1, allowed);
         if (!value) {
-            return std::nullopt;  // report one problem per line
+            return std::nullopt;  // report one problem per line only
         }
         values[i] = *value;
     }

@@ -13,8 +13,8 @@
 namespace pt {
 
 struct Cis565Line {
-    std::size_t number = 0;          // line number in the file, from 1
-    std::vector<std::string> words;  // keyword (in JSON: its path), then values
+    std::size_t number = 0;          // line number in the CIS 565 scene file, from 1
+    std::vector<std::string> words;  // the line's keyword (in JSON: its path), then its values
 
     // The words of a line joined by spaces, cut to the length of a message.
     std::string text() const;

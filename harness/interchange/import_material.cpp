@@ -11,7 +11,7 @@ namespace pt {
 namespace {
 
 constexpr const char* black = "[0, 0, 0]";
-constexpr double common_index = 1.5;  // index of refraction of glass
+constexpr double common_index = 1.5;  // index of refraction of common glass
 
 class MaterialImporter {
 public:

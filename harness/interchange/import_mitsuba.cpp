@@ -52,7 +52,7 @@ private:
     std::map<std::string, std::string> parameters_;
     const XmlElement *integrator_ = nullptr, *sensor_ = nullptr, *environment_ = nullptr;
     Vec3d eye_{0.0};
-    double width_ = 768, height_ = 576;  // default film size of Mitsuba
+    double width_ = 768, height_ = 576;  // Mitsuba's default film size
 };
 
 // Replaces $NAME in an attribute's value by the value of an earlier <default>; the longest matching name wins.
@@ -241,7 +241,7 @@ std::optional<SensorView> MitsubaImporter::read_view(MitsubaObject& sensor) {
         };
         return SensorView{three("origin"), three("target"), three("up")};
     }
-    constexpr double slight = 1e-3;  // Mitsuba's tolerance
+    constexpr double slight = 1e-3;  // Mitsuba's tolerance for scale and shear in a camera transform
     double off = shear_of(map);
     for (const Vec3d& column : map.column) {
         off = std::max(off, std::abs(dot(column, column) - 1));

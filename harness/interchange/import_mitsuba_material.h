@@ -10,9 +10,9 @@
 namespace pt {
 
 struct MitsubaSurface {
-    const XmlElement* bsdf = nullptr;      // null: Mitsuba's default, diffuse 0.5 (black with an emitter)
-    const XmlElement* emitter = nullptr;   // emitter of type area
-    const XmlElement* interior = nullptr;  // interior medium
+    const XmlElement* bsdf = nullptr;      // null: Mitsuba's default BSDF, diffuse 0.5 (black with an emitter)
+    const XmlElement* emitter = nullptr;   // Mitsuba emitter of type area
+    const XmlElement* interior = nullptr;  // Mitsuba medium inside the shape
     const XmlElement* shape = nullptr;
 };
 
@@ -35,7 +35,7 @@ public:
     const XmlElement* one_sided(std::size_t material) const { return one_sided_.at(material); }
     const XmlElement* emitter(std::size_t material) const { return emitters_.at(material); }
     MitsubaImage image(std::size_t material) const { return images_.at(material); }
-    std::set<const XmlElement*> used() const;  // all BSDFs that shapes use
+    std::set<const XmlElement*> used() const;  // all Mitsuba BSDFs that shapes use
 
 private:
     struct Bsdf {
@@ -48,7 +48,7 @@ private:
     // A colour of a Mitsuba BSDF: constant or a texture.
     struct Colour {
         Vec3d value{0.0};
-        std::string json;  // JSON text for the scene file
+        std::string json;  // the colour or texture as JSON for the scene file
         MitsubaImage image = MitsubaImage::none;
     };
     using Key = std::tuple<const XmlElement*, const XmlElement*, const XmlElement*, bool>;

@@ -161,7 +161,7 @@ void MitsubaShapes::add_placed(const XmlElement& shape, const Affine& outer, int
     constexpr int deepest = 4;  // Mitsuba allows no instances within instances
     visits_ += 1;
     if (depth > deepest || visits_ > most_shapes) {
-        if (depth > deepest || visits_ == most_shapes + 1) {  // report only once
+        if (depth > deepest || visits_ == most_shapes + 1) {  // report the limit on shapes only once
             file_->refuse(shape, "instances of shapes only, and at most 10^5 shapes");
         }
         return;
@@ -389,7 +389,7 @@ void MitsubaShapes::warn_of_differences(const Scene& scene) {
         const std::size_t found = message.find(before_found), allowed = message.rfind(before_allowed);
         const std::string place = message.substr(start.size(), found - start.size());
         if (!place.starts_with("$.objects[") || allowed == std::string::npos) {
-            continue;  // materials and camera were reported before
+            continue;  // problems of materials and camera were reported before
         }
         const std::size_t object = std::stoul(place.substr(std::string("$.objects[").size()));
         const Cis565Line& head = *file_->draft->parts.objects[object].head;

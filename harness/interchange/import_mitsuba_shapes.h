@@ -24,12 +24,12 @@ public:
 private:
     struct Placed {
         std::string kind;  // shape name in scene files
-        Affine own;        // transform from scene files' unit shape
-        Affine map;        // transform from Mitsuba's unit shape
+        Affine own;        // affine map from scene files' unit shape
+        Affine map;        // affine map from Mitsuba's unit shape
         MitsubaSurface surface;
-        std::string mesh;  // mesh file
+        std::string mesh;  // mesh file of the shape
         bool is_flipped = false;
-        bool is_pair = false;  // stands for two back-to-back emitters: two-sided
+        bool is_pair = false;  // quad that stands for two back-to-back emitters: two-sided
         bool is_gone = false;  // second of two back-to-back emitters, left out
         bool flips_v = false;  // Mitsuba uses 1 - v of the mesh file
         std::size_t object = no_object;

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t largest_library = std::uint64_t{1} << 24;  // bytes
+constexpr std::uint64_t largest_library = std::uint64_t{1} << 24;  // size limit of an MTL library in bytes
 
 class OwnMaterials {
 public:
@@ -84,7 +84,7 @@ void OwnMaterials::read_library(const std::string& name) {
         return;
     }
     if (!read_.insert(found->lexically_normal()).second) {
-        return;  // some programs name a library before every object
+        return;  // some programs name the MTL library before every object
     }
     try {
         for (MtlMaterial& material : parse_mtl(read_text_file(found->string(), largest_library), found->string())) {
@@ -139,7 +139,7 @@ std::optional<std::size_t> OwnMaterials::entry_called(const std::string& name) {
                                   fmt::format("{}: \"{}\" is read as the material \"{}\", as if a comment "
                                               "began at #",
                                               file_.filename().string(), name, entries_[meant.front()].material.name));
-    by_name_.emplace(name, meant.front());  // warn only once
+    by_name_.emplace(name, meant.front());  // warn only once about this material name
     return meant.front();
 }
 
@@ -157,7 +157,7 @@ std::optional<std::size_t> OwnMaterials::entry_of(const ObjPart& part) {
         has_told_of_groups_ = true;
         return found;
     }
-    if (is_whole_) {  // otherwise a missing library may have it
+    if (is_whole_) {  // if a library is missing, the material may be there
         fail(part.material.empty() ? "faces before any usemtl" : "usemtl " + part.material,
              "a material of its libraries, mtllib");
     }
@@ -212,7 +212,7 @@ std::vector<OwnPart> OwnMaterials::parts() {
     warn_of_mesh(*import_->result, at_->number, file_, whole.mesh.warnings.messages());
     read_libraries(whole.libraries);
     std::vector<std::optional<std::size_t>> entries;
-    std::vector<std::size_t> used;  // used materials in the file's order
+    std::vector<std::size_t> used;  // MTL materials in the order of their first use
     for (const ObjPart& part : whole.parts) {
         const std::optional<std::size_t> entry = entry_of(part);
         entries.push_back(entry);

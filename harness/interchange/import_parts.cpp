@@ -96,7 +96,7 @@ private:
     SceneParts parts_;
     std::string file_;
     ImportFindings* problems_;
-    bool has_camera_ = false;                            // whether a valid camera exists
+    bool has_camera_ = false;                            // whether the scene has a valid camera
     std::map<std::string, std::string> good_materials_;  // JSON of valid materials by name
 };
 
@@ -196,7 +196,7 @@ void PartsChecker::check_all() {
     for (std::size_t i = 0; i < parts_.objects.size() && problems_->count() < most_checked; ++i) {
         check_object(parts_.objects[i]);
     }
-    if (problems_->count() == 0) {  // faults of the scene as a whole only
+    if (problems_->count() == 0) {  // faults that only the whole scene has
         problems_->add(
             0, fmt::format("as a scene, {}: found {}, allowed: {}", error->place, error->found, error->allowed));
     }
@@ -266,7 +266,7 @@ std::string material_name(const Cis565Section& section) {
 std::string ScenePart::members_json(const std::string& separator) const {
     std::string json;
     for (const SceneMember& member : members) {
-        const bool is_long = member.key == "shutter";  // gets a line of its own
+        const bool is_long = member.key == "shutter";  // the shutter gets a line of its own
         json += json.empty() ? "" : is_long ? ",\n    " : separator;
         json += json_of(member.key) + ": " + member.value;
     }

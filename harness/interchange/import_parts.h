@@ -13,16 +13,16 @@ namespace pt {
 
 // A key and value of a JSON object in the scene file under construction.
 struct SceneMember {
-    std::string key, value;            // the value as JSON text
-    const Cis565Line* line = nullptr;  // line of the source that the value comes from
-    std::string stand_in = "";         // valid value to check with instead; empty: `value` itself
-    bool is_of_view = false;           // whether eye, look_at and up take their stand-ins together
+    std::string key, value;            // the member's value as JSON text
+    const Cis565Line* line = nullptr;  // source line that the member's value comes from
+    std::string stand_in = "";         // valid value to replace a faulty one in further checks; empty: none needed
+    bool is_of_view = false;           // whether the member is eye, look_at or up, which are replaced together
 };
 
 struct ScenePart {
     std::string place;                 // JSON path, such as "$.camera"
     std::string name = "";             // name of a material
-    const Cis565Line* head = nullptr;  // first line of the source section
+    const Cis565Line* head = nullptr;  // first line of the section in the source file
     bool is_whole = true;              // false: a member is missing, as its line was unreadable
     std::vector<SceneMember> members;
 

@@ -11,9 +11,9 @@ namespace pt {
 struct ImportFormat {
     const char* name;
     std::vector<std::string> endings;          // file extensions in lower case, with dots
-    bool (*is_like)(const std::string& text);  // inspects the first bytes, for other extensions
+    bool (*is_like)(const std::string& text);  // whether the first bytes are of this format, for other extensions
     ImportResult (*import)(const ImportSource& source);
-    std::size_t largest = largest_import;  // most bytes of such a file
+    std::size_t largest = largest_import;  // size limit of a source file in bytes
 };
 
 const std::vector<ImportFormat>& import_formats();

@@ -276,7 +276,7 @@ std::vector<std::string> mitsuba_problems(const Scene& scene, const std::string&
 }
 
 double mitsuba_offset_by_thickness(const Scene& scene, double scale) {
-    const double offset_by_size = std::ldexp(1500, -24);  // RayEpsilon of Mitsuba 3.9
+    const double offset_by_size = std::ldexp(1500, -24);  // RayEpsilon of Mitsuba 3.9, relative to coordinates
     double largest = 0;
     double thinnest = std::numeric_limits<double>::infinity();
     for (const SceneObject& object : scene.objects) {

@@ -14,7 +14,7 @@ struct XmlElement {
     std::string tag;
     std::vector<std::pair<std::string, std::string>> attributes;
     std::vector<XmlElement> children;  // child elements; text and comments are left out
-    std::size_t line = 0;              // line number, from 1
+    std::size_t line = 0;              // line number of the XML element, from 1
 
     // The value of an attribute; null if there is none of that name.
     const std::string* attribute(const std::string& name) const;

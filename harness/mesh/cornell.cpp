@@ -55,11 +55,11 @@ Mesh make_cornell_box(std::uint32_t n) {
     constexpr double low = -5.0, high = 5.0, ceiling = 10.0;
     const glm::dvec3 a(low, 0, low), b(high, 0, low), c(high, 0, high), d(low, 0, high), up(0, ceiling, 0);
     Mesh mesh;
-    add_quad(mesh, n, d, c, b, a);                      // floor
-    add_quad(mesh, n, a + up, b + up, c + up, d + up);  // ceiling
-    add_quad(mesh, n, a, b, b + up, a + up);            // back
-    add_quad(mesh, n, d, a, a + up, d + up);            // left
-    add_quad(mesh, n, b, c, c + up, b + up);            // right
+    add_quad(mesh, n, d, c, b, a);                      // floor of the Cornell box
+    add_quad(mesh, n, a + up, b + up, c + up, d + up);  // ceiling of the Cornell box
+    add_quad(mesh, n, a, b, b + up, a + up);            // back wall of the Cornell box
+    add_quad(mesh, n, d, a, a + up, d + up);            // left wall of the Cornell box
+    add_quad(mesh, n, b, c, c + up, b + up);            // right wall of the Cornell box
     add_block(mesh, n, short_block);
     add_block(mesh, n, tall_block);
     return mesh;

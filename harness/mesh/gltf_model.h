@@ -61,7 +61,7 @@ public:
     void add_primitive(const tinygltf::Primitive& primitive, const glm::dmat4& matrix, const std::string& place);
     Mesh take();
     MeshWarnings& warnings() { return mesh_.warnings; }
-    const RoundingLoss& loss() const { return loss_; }  // rounding of placed vertices, by their numbers
+    const RoundingLoss& loss() const { return loss_; }  // largest rounding error of the transformed vertices
 
 private:
     struct AccessorView;
@@ -76,8 +76,8 @@ private:
 
     const tinygltf::Model& model_;
     const std::string& file_;
-    bool has_normals_ = true;                        // whether all primitives so far have normals
-    bool has_coordinates_ = true;                    // whether all so far have texture coordinates
+    bool has_normals_ = true;                        // whether all primitives so far have vertex normals
+    bool has_coordinates_ = true;                    // whether all primitives so far have texture coordinates
     std::vector<std::array<float, 2>> coordinates_;  // texture coordinates by vertex
     RoundingLoss loss_;
     Mesh mesh_;

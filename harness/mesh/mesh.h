@@ -18,7 +18,7 @@ inline constexpr std::uint64_t most_vertices = std::uint64_t{1} << 28;
 struct Mesh {
     std::vector<std::array<float, 3>> vertices;
     std::vector<std::array<std::uint32_t, 3>> triangles;  // vertex indices, counter-clockwise seen from outside
-    std::vector<std::array<float, 3>> normals;            // empty, or one per vertex; of any length, as given
+    std::vector<std::array<float, 3>> normals;            // vertex normals: none, or one per vertex, of any length
     // Texture coordinates of each triangle's corners: u to the right and v up, (0, 0) the lower left corner of an
     // image. Empty, or one entry a triangle.
     std::vector<std::array<std::array<float, 2>, 3>> coordinates;

@@ -19,7 +19,7 @@ struct ObjPart {
 
 struct ObjParts {
     Mesh mesh;                           // the whole mesh, unchecked and without normals
-    std::vector<ObjPart> parts;          // parts in the order of their first faces
+    std::vector<ObjPart> parts;          // parts (material and group) in the order of their first faces
     std::vector<std::uint32_t> part_of;  // for each triangle its index in `parts`
     std::vector<std::string> libraries;  // MTL files named by mtllib, to the line's end
 };
@@ -35,15 +35,15 @@ std::string without_comment(const std::string& name);
 
 struct MtlLine {
     std::size_t number = 0;          // line number in the MTL file, from 1
-    std::vector<std::string> words;  // the key and the values
+    std::vector<std::string> words;  // keyword and values of an MTL line
     std::string text() const;
 };
 
 struct MtlMaterial {
     std::string name;
     std::size_t line = 0;                  // line number of the material's newmtl
-    std::map<std::string, MtlLine> lines;  // lines by lower-case key; of two with one key the last
-    std::vector<MtlLine> overruled;        // earlier lines of the same key that differ
+    std::map<std::string, MtlLine> lines;  // lines of the material by lower-case keyword; the last of equal ones
+    std::vector<MtlLine> overruled;        // earlier lines of equal keyword that differ
 };
 
 // Parses an MTL material library. Throws InputError of one line if the file is none.

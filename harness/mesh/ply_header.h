@@ -15,7 +15,7 @@ struct PlyProperty {
     std::string name;
     PlyType type = PlyType::float32;
     bool is_list = false;
-    PlyType count_type = PlyType::uint8;  // type of the count before a list's values
+    PlyType count_type = PlyType::uint8;  // PLY type of the count before a list's values
 };
 
 struct PlyElement {
@@ -27,7 +27,7 @@ struct PlyElement {
 struct PlyHeader {
     PlyFormat format = PlyFormat::ascii;
     std::vector<PlyElement> elements;
-    std::size_t end = 0;  // offset in bytes at which the elements begin
+    std::size_t end = 0;  // offset in bytes at which the PLY elements begin
 };
 
 std::size_t bytes_of(PlyType type);

@@ -162,7 +162,7 @@ private:
             has_current_ = false;
         } else if (kind == ObjLine::library) {
             const std::size_t start = std::min(text_.find_first_not_of(" \t"), text_.size());
-            found_.libraries.emplace_back(text_.substr(start));  // file name with all its spaces
+            found_.libraries.emplace_back(text_.substr(start));  // file name of a library with all its spaces
         } else if (kind == ObjLine::image && rest_of_line() != "off") {
             warn(line_, fmt::format("{} is passed over: images are those of the materials", word));
         }
@@ -363,14 +363,14 @@ private:
     std::string_view content_;
     const std::string& file_;
     std::size_t at_ = 0, line_ = 0, lines_joined_ = 0;
-    std::string_view text_;  // unread rest of the current line
+    std::string_view text_;  // unread rest of the current OBJ line
     std::string joined_;
     std::vector<ObjCorner> corners_;  // corners of the current face
     std::vector<std::array<float, 3>> normals_;
-    std::vector<std::array<std::uint32_t, 3>> normal_triangles_;  // triples of indices into normals_
+    std::vector<std::array<std::uint32_t, 3>> normal_triangles_;  // normals of triangles: indices into normals_
     bool all_have_normals_ = true;
     std::vector<std::array<float, 2>> textures_;
-    std::vector<std::array<std::uint32_t, 3>> texture_triangles_;  // triples of indices into textures_
+    std::vector<std::array<std::uint32_t, 3>> texture_triangles_;  // corner indices into textures_
     bool all_have_texture_ = true;
     Pending pending_vertex_, pending_normal_;
     std::vector<LatePolygon> late_polygons_;

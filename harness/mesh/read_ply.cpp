@@ -390,7 +390,7 @@ private:
             last = corner;
         }
         if (count > 3 && mesh_.vertices.empty()) {
-            late_polygons_.push_back(polygon);  // vertices follow after the faces
+            late_polygons_.push_back(polygon);  // in this PLY file vertices follow after the faces
         } else if (count > 3) {
             cut(polygon);
         }

@@ -11,15 +11,15 @@ namespace {
 // A triangle mesh on the sphere that stores edges, so that each edge's midpoint is created once without a search.
 struct DividedSphere {
     std::vector<glm::dvec3> vertices;
-    std::vector<std::array<std::uint32_t, 2>> edges;      // indices of the two end vertices
-    std::vector<std::array<std::uint32_t, 3>> triangles;  // indices of the three corner vertices
-    std::vector<std::array<std::uint32_t, 3>> sides;      // edge indices: edge i goes from corner i to the next
+    std::vector<std::array<std::uint32_t, 2>> edges;      // indices of an edge's two end vertices
+    std::vector<std::array<std::uint32_t, 3>> triangles;  // indices of a triangle's three vertices
+    std::vector<std::array<std::uint32_t, 3>> sides;      // edges of a triangle: edge i goes from corner i to the next
 };
 
 DividedSphere icosahedron() {
     const double golden = (1.0 + std::sqrt(5.0)) / 2.0;
     DividedSphere sphere;
-    for (int axis = 0; axis < 3; ++axis) {  // corners of three golden rectangles
+    for (int axis = 0; axis < 3; ++axis) {  // an icosahedron has the corners of three golden rectangles
         for (const auto& [a, b] : {std::pair{-1.0, -golden}, {1.0, -golden}, {-1.0, golden}, {1.0, golden}}) {
             glm::dvec3 corner(0.0);
             corner[axis] = a;
@@ -27,7 +27,7 @@ DividedSphere icosahedron() {
             sphere.vertices.push_back(glm::normalize(corner));
         }
     }
-    const auto near = [&](std::uint32_t a, std::uint32_t b) {  // neighbours have cosine 1/sqrt(5), others are negative
+    const auto near = [&](std::uint32_t a, std::uint32_t b) {  // cosine between neighbours is 1/sqrt(5), else negative
         return glm::dot(sphere.vertices[a], sphere.vertices[b]) > 0.4;
     };
     std::uint32_t edge_of[12][12] = {};
@@ -136,7 +136,7 @@ Mesh make_grid_sphere(std::uint32_t n, double bump, std::uint32_t frequency) {
                 if (half == 0 ? i > 0 : i + 1 < n) {
                     mesh.triangles.push_back(half == 0 ? std::array{a, b, c} : std::array{b, d, c});
                 } else {
-                    ++mesh.degenerate_left_out;  // two corners are the pole
+                    ++mesh.degenerate_left_out;  // two corners of the triangle are the pole
                 }
             }
         }

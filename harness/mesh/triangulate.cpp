@@ -14,9 +14,9 @@ namespace {
 
 // Tolerances for polygons that were convex or flat before their corners were rounded to single precision.
 constexpr double slight_area = 0x1p-16;
-constexpr double slight_height = 0.01;      // relative to the size; both ways to split a slightly bent face look alike
-constexpr std::size_t most_corners = 4096;  // limit for the quadratic test for crossing edges
-constexpr std::uint64_t most_looks = std::uint64_t{1} << 28;  // limit on corners tested for lying in an ear
+constexpr double slight_height = 0.01;      // bend relative to a polygon's size: both ways to split it look alike
+constexpr std::size_t most_corners = 4096;  // most polygon corners for the quadratic test for crossing edges
+constexpr std::uint64_t most_looks = std::uint64_t{1} << 28;  // limit on tests of corners for lying in an ear
 
 constexpr std::string_view not_flat = "a polygon whose corners lie in no plane: which way it is bent is not said";
 constexpr std::string_view crosses =
@@ -33,11 +33,11 @@ double turn(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) { ret
 
 struct FanFacts {
     glm::dvec3 normal{0.0};  // Newell's normal, of length twice the area
-    double covered = 0;      // twice the summed area of all fan triangles
-    double backward = 0;     // twice the area of triangles facing against the normal
-    double angle = 0;        // at the first corner, between its two edges
+    double covered = 0;      // twice the summed area of all triangles of the fan
+    double backward = 0;     // twice the area of fan triangles facing against the normal
+    double angle = 0;        // sum of the fan's angles at the first corner
     double size = 0;         // distance from the first corner to the farthest
-    double height = 0;       // extent of the corners along the normal
+    double height = 0;       // extent of the polygon along its normal
 };
 
 FanFacts facts_of_fan(const std::vector<glm::dvec3>& from_first) {

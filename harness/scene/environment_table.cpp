@@ -18,7 +18,7 @@ std::vector<std::uint32_t> beginnings_of(const std::vector<double>& weights) {
     }
     const bool is_known = total > 0;
     const auto count = static_cast<double>(weights.size());
-    const double spread = all_words - count;  // words left after one for each weight
+    const double spread = all_words - count;  // random words left after one for each weight
     std::vector<std::uint32_t> beginnings;
     double before = 0;
     for (std::size_t i = 0; i < weights.size(); ++i) {

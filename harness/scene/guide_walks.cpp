@@ -27,7 +27,7 @@ double guide_decay(double albedo, double g, double depth) {
     if (albedo >= 1) {
         return least_decay;
     }
-    const double remaining = 1 - albedo * g;  // reduced extinction over sigma_t
+    const double remaining = 1 - albedo * g;  // reduced extinction, relative to sigma_t
     const double similar = albedo * (1 - g) / remaining;
     // For a lower albedo the root kappa is 1 in double precision.
     const double root = similar > 0.04 ? similar * artanh_of_decay(similar) : 1;

@@ -39,7 +39,7 @@ std::vector<Vec3d> directions_of_children() {
 
 struct Grown {
     Copy copy;
-    Vec3d direction;  // from the parent sphere to this one, with z up
+    Vec3d direction;  // direction from the parent sphere to this one, with z up
 };
 
 }  // namespace

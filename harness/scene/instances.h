@@ -10,9 +10,9 @@ namespace pt {
 
 // The place of a copy of an object, and how it is turned and scaled.
 struct Copy {
-    Vec3d offset{0.0};        // position relative to the original object
-    double scale = 1;         // factor on the original object's scale
-    double turn_degrees = 0;  // rotation about y, added to the original object's
+    Vec3d offset{0.0};        // position of a copy relative to the original object
+    double scale = 1;         // scale of a copy relative to the original object
+    double turn_degrees = 0;  // rotation of a copy about y, added to the original object's
 };
 
 // Reads the key "instances" of an object of this scale, a sphereflake's unit of length. Throws InputError.

@@ -20,7 +20,7 @@ struct LightExtent {
 
 template <class Real>
 struct LightTables {
-    std::vector<LightSlot<Real>> slots;  // slot i of the alias table is that of lights[i]
+    std::vector<LightSlot<Real>> slots;  // slots of the alias table; slot i is that of lights[i]
     std::vector<LightNode<Real>> nodes;
 };
 

@@ -29,7 +29,7 @@ struct BeyondMitsuba {
 struct MitsubaBsdf {
     enum class Type { diffuse, conductor, dielectric, none };
     Type type = Type::diffuse;
-    std::optional<Vec3d> colour;          // reflected or, by a boundary, transmitted
+    std::optional<Vec3d> colour;          // colour that is reflected or, by a boundary, transmitted
     const SceneTexture* image = nullptr;  // texture in place of the colour, or null
 };
 
@@ -113,7 +113,7 @@ template <class Real>
 Boundary<Real> leaving_boundary(double ior);
 inline constexpr double largest_radiance = 1e30;
 Vec3d read_vector(const JsonValue& value, double low, double high, const std::string& allowed);
-Vec3d read_fractions(const JsonValue& value);  // reads three numbers, each from 0 to 1
+Vec3d read_fractions(const JsonValue& value);  // reads a vector of numbers from 0 to 1
 Vec3d read_radiance(const JsonValue& value);
 Vec3d read_sigma(const JsonValue& value);
 double read_ior(const JsonValue& value);

@@ -38,10 +38,10 @@ struct MeshTree {
     std::vector<LeafTriangle> leaves;
     EncodedTree encoded;
     NativeMesh native;
-    double build_ms = 0;      // time of the builder
+    double build_ms = 0;      // time to build the tree
     double encode_ms = 0;     // time to convert the tree to the accelerator's format
     double sah_cost = 0;      // SAH cost of the builder's tree; 0: no tree
-    std::uint64_t bytes = 0;  // size of nodes, leaves and native data
+    std::uint64_t bytes = 0;  // bytes of nodes, leaves and native data
 
     std::size_t kept_bytes() const { return bytes; }
 };
@@ -58,14 +58,14 @@ struct MeshFacts {
     std::uint64_t triangles = 0;
     std::uint64_t nodes = 0;
     std::uint64_t node_bytes = 0;
-    std::uint64_t leaf_bytes = 0;  // size of leaf triangles, duplicates included
-    double build_ms = 0;           // host time of the tree builds; 0: no tree
+    std::uint64_t leaf_bytes = 0;  // bytes of leaf triangles, duplicates included
+    double build_ms = 0;           // host time to build all trees; 0: no tree
     double encode_ms = 0;
-    double sah_cost = 0;  // SAH cost of the largest tree
+    double sah_cost = 0;  // SAH cost of the largest mesh's tree
     // Nodes of the tree of the axis `levels`, over objects or over all triangles; 0: there is no such tree.
     std::uint64_t level_nodes = 0;
-    std::uint64_t level_bytes = 0;  // size of its nodes and triangle slots
-    double level_build_ms = 0;      // host time to build and encode it
+    std::uint64_t level_bytes = 0;  // bytes of nodes and triangle slots of the tree over all meshes
+    double level_build_ms = 0;      // host time to build and encode the tree over all meshes
 };
 MeshFacts facts_of(const std::vector<MeshGeometry>& meshes);
 

@@ -102,7 +102,7 @@ bool is_shipped(const Scene& scene) {
         const fs::path below = fs::path(scene.file).lexically_relative(fs::absolute(home_folder() / "scenes"));
         return !below.empty() && *below.begin() != "..";
     } catch (const InputError&) {
-        return false;  // the home folder does not exist
+        return false;  // there is no home folder
     }
 }
 
@@ -117,7 +117,7 @@ bool names_meshes(const std::string& scene_name_or_file) {
 
 std::vector<Scene> find_scenes(const std::vector<std::string>& names_or_files) {
     std::vector<Scene> scenes;
-    std::map<std::string, std::set<std::string>> hashes;  // hashes of the scenes of each name
+    std::map<std::string, std::set<std::string>> hashes;  // scene hashes by scene name
     for (const std::string& name_or_file : names_or_files) {
         scenes.push_back(find_scene(name_or_file));
         hashes[scenes.back().name].insert(scenes.back().hash);

@@ -34,8 +34,8 @@ struct SceneCamera {
 // A texture image that materials show.
 struct SceneTexture {
     TextureImage image;
-    std::string file;  // file name as the scene file writes it
-    std::string path;  // path of the file on disk
+    std::string file;  // file name of the texture as the scene writes it
+    std::string path;  // path of the texture file on disk
     std::string hash;  // hash of the texels and the width: 16 hex digits
 };
 
@@ -54,7 +54,7 @@ struct SceneMaterial {
     std::shared_ptr<const SceneTexture> normal_texture;
     double normal_scale = 1;
     bool multiple_scattering = false;
-    double metallic = 0, transmission = 0;  // of kind principled
+    double metallic = 0, transmission = 0;  // parameters of material kind principled
     std::any own;  // parameters of one kind of material, whose type only its file in harness/scene/materials/ knows
     double ior = 1;
     double g = 0;
@@ -81,12 +81,12 @@ struct SceneMesh {
     std::uint32_t degenerate_left_out = 0;
     std::vector<std::string> warnings;  // "PLACE: TEXT": what its file has that is not read as it stands
     Box bounds;
-    bool is_closed = false;                      // every edge is shared by two triangles, in opposite directions
+    bool is_closed = false;                      // whether each edge is shared by two triangles, in opposite directions
     std::string hash;                            // hash of the triangles: 16 hex digits
-    std::vector<CornerCoordinates> coordinates;  // one per triangle; empty: none
-    std::string coordinates_hash;                // hash of the coordinates: 16 hex digits; empty: none
-    std::vector<CornerNormals> normals;          // one per triangle; empty: not asked for, or faulty
-    std::string normals_hash;                    // hash of the normals: 16 hex digits; empty: none
+    std::vector<CornerCoordinates> coordinates;  // texture coordinates by triangle; empty: none
+    std::string coordinates_hash;                // hash of texture coordinates: 16 hex digits; empty: none
+    std::vector<CornerNormals> normals;          // vertex normals by triangle; empty: not asked for, or faulty
+    std::string normals_hash;                    // hash of vertex normals: 16 hex digits; empty: none
     std::string normals_fault;                   // why a mesh has no normals where they were asked for
 };
 
@@ -104,9 +104,9 @@ struct SceneObject {
 // An environment light that is sampled like other lights: an image, or one texel for a constant radiance.
 struct SceneEnvironment {
     EnvironmentImage image;
-    double rotation_degrees = 0;  // rotation about y, with the sign of an object's
+    double rotation_degrees = 0;  // rotation of the image about y, with the sign of an object's
     std::string file;             // image file as the scene names it; empty: constant radiance
-    std::string hash;             // hash of the texels: 16 hex digits
+    std::string hash;             // hash of the environment's texels: 16 hex digits
 };
 
 struct Scene {
@@ -117,7 +117,7 @@ struct Scene {
     Vec3d environment{0.0};                                   // constant environment radiance, never light-sampled
     std::shared_ptr<const SceneEnvironment> environment_map;  // environment that is light-sampled; null: none
     SceneCamera camera;
-    std::vector<SceneMaterial> materials;  // sorted by name
+    std::vector<SceneMaterial> materials;  // materials sorted by name
     std::vector<SceneObject> objects;
     std::vector<std::shared_ptr<const SceneMesh>> meshes;
     std::string hash;  // hash of the file's content but for white space and key order; 16 hex digits
