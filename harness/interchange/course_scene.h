@@ -11,7 +11,7 @@
 
 namespace pt {
 
-// The first line that makes objects move, for which the shutter opens, and whether its density is "late".
+// The first source line that makes an object move, so that the shutter opens, and whether shutter times are "late".
 struct CourseMotion {
     const Cis565Line* first = nullptr;
     bool is_late = false;

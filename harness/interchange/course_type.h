@@ -9,7 +9,7 @@ enum class CourseType {
     by_values,  // material kind decided by the material's other lines
     emitter,
     diffuse,
-    specular,  // a mirror or a metal
+    specular,  // material kind: a mirror or a metal
     glass,
     layered,  // glass, metal or diffuse by METALLIC and ROUGHNESS, as in glTF
     subsurface,

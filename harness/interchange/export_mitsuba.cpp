@@ -113,7 +113,7 @@ private:
             whole("rr_depth", roulette_depth(scene_));
         } else {
             whole("max_depth", settings_.depth);
-            whole("rr_depth", std::uint64_t{settings_.depth} + 1);  // Russian roulette never starts
+            whole("rr_depth", std::uint64_t{settings_.depth} + 1);  // beyond max_depth: no Russian roulette
         }
         xml_.close();
     }

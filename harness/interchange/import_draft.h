@@ -72,7 +72,7 @@ private:
     const ImportSource& source_;
     ImportResult* result_;
     std::deque<Cis565Line> places_;
-    std::map<std::string, Mesh> read_;  // source meshes to be transformed, by path
+    std::map<std::string, Mesh> read_;  // source meshes read for transformation, by path
     std::map<std::string, int> names_;  // material names, and the next number to make each unique
 };
 

@@ -33,7 +33,7 @@ private:
     const tinygltf::Model* model_;
     ImportDraft* draft_;
     std::map<int, GltfImage> known_;  // images converted so far, by image index
-    std::set<int> noted_;             // samplers that have been noted
+    std::set<int> noted_;             // glTF samplers that a note has reported
 };
 
 }  // namespace pt

@@ -28,7 +28,7 @@ bool is_white_colour(const Vec3d& v) { return v.x == 1 && v.y == 1 && v.z == 1; 
 struct GltfMaterials::Reader {
     const tinygltf::Material* material;
     ImportDraft* draft;
-    std::string pointer;  // JSON pointer, such as "/materials/3"
+    std::string pointer;  // JSON pointer to the glTF material, such as "/materials/3"
     bool is_good = true;
     GltfImage image = {};      // base colour texture; empty: none
     std::string normals = {};  // JSON text of the normal map; empty: none

@@ -54,11 +54,11 @@ private:
 
     CourseImport* import_;
     const Cis565Section* section_;
-    std::string label_;  // for messages, e.g. "material 2"
+    std::string label_;  // name of the material in messages, e.g. "material 2"
     Cis565SectionReader reader_;
     ImportFindings* warnings_;
     std::map<std::string, Vec3d> values_;  // values by key, a number in x; 0 if the line is missing
-    std::string what_;                     // for messages, e.g. "material 2 is a mirror"
+    std::string what_;                     // description of the material in messages, e.g. "material 2 is a mirror"
     std::string image_;                    // texture as JSON for the scene file; empty: none
     CourseType type_ = CourseType::by_values;
     bool is_black_ = false;

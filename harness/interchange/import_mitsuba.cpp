@@ -212,7 +212,7 @@ void MitsubaImporter::read_field_of_view(MitsubaObject& sensor) {
         axis = (aspect > 1) == (axis == "smaller") ? "y" : "x";
     }
     const double half = std::tan(*angle * (pi<double> / 360));
-    double half_height = half;  // half the image height at distance 1
+    double half_height = half;  // half the height of the camera's image plane at distance 1
     if (axis == "x") {
         half_height = half / aspect;
     } else if (axis == "diagonal") {

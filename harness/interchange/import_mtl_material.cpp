@@ -156,7 +156,7 @@ int MtlImporter::illumination() {
     return static_cast<int>(value);
 }
 
-// Whether an MTL material is transparent, by d or else by Tr, of whose sense programs that write both disagree.
+// Whether an MTL material is transparent, by d or else by Tr, whose sense differs between programs that write both.
 bool MtlImporter::is_seen_through() {
     const std::string key = has("d") ? "d" : "tr";
     const double opacity = has("d") ? number("d", 1) : 1 - number("tr", 0);

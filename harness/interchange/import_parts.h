@@ -21,7 +21,7 @@ struct SceneMember {
 
 struct ScenePart {
     std::string place;                 // JSON path, such as "$.camera"
-    std::string name = "";             // name of a material
+    std::string name = "";             // name of the part if it is a material
     const Cis565Line* head = nullptr;  // first line of the section in the source file
     bool is_whole = true;              // false: a member is missing, as its line was unreadable
     std::vector<SceneMember> members;

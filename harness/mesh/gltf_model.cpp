@@ -67,7 +67,7 @@ void check_version(const tinygltf::Asset& asset, const std::string& file) {
 }  // namespace
 
 tinygltf::Model parse_gltf_model(std::string_view content, const std::string& file, const GltfFileReader& read) {
-    constexpr std::size_t largest = 0xffffffff;  // limit set by the glTF format
+    constexpr std::size_t largest = 0xffffffff;  // largest glTF file in bytes, by the format
     if (content.size() > largest) {
         throw InputError(file, "file", fmt::format("{} bytes", content.size()), fmt::format("at most {}", largest));
     }
@@ -76,7 +76,7 @@ tinygltf::Model parse_gltf_model(std::string_view content, const std::string& fi
         check_binary_chunk(content, file);
     }
     tinygltf::TinyGLTF loader;
-    // The bytes of an image in a data URI are kept, as they are stored nowhere else; those in a buffer stay there.
+    // The bytes of a glTF image in a data URI are kept, as they are stored nowhere else; images in a buffer stay there.
     loader.SetImageLoader(
         [](tinygltf::Image* image, const int, std::string*, std::string*, int, int, const unsigned char* bytes,
            int size, void*) {

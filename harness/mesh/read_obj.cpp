@@ -156,7 +156,7 @@ private:
         if (const std::string remark = obj_remark(kind, word); !remark.empty()) {
             warn(line_, remark);
         } else if (!keeps_parts_) {
-            return;  // a mesh without parts needs no materials
+            return;  // materials matter only if the mesh is split into parts
         } else if (kind == ObjLine::material || kind == ObjLine::group) {
             (kind == ObjLine::material ? current_.material : current_.group) = rest_of_line();
             has_current_ = false;
@@ -370,7 +370,7 @@ private:
     std::vector<std::array<std::uint32_t, 3>> normal_triangles_;  // normals of triangles: indices into normals_
     bool all_have_normals_ = true;
     std::vector<std::array<float, 2>> textures_;
-    std::vector<std::array<std::uint32_t, 3>> texture_triangles_;  // corner indices into textures_
+    std::vector<std::array<std::uint32_t, 3>> texture_triangles_;  // per triangle, indices into textures_
     bool all_have_texture_ = true;
     Pending pending_vertex_, pending_normal_;
     std::vector<LatePolygon> late_polygons_;

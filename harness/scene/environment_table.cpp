@@ -54,7 +54,7 @@ void set_choice(EnvironmentMap<Real>& map, std::uint32_t lights, bool uniformly)
     const double share = map.object_share;
     map.inverse_probability = static_cast<Real>(all_words / (all_words - share));
     map.inverse_object_probability = static_cast<Real>(share > 0 ? all_words / share : 0.0);
-    // `stretch` is at most 2^32 - 1, so that a random word below `object_share` is still 32 bits when stretched.
+    // The factor that rescales a random word after emitters were chosen over the environment must fit 32 bits.
     map.stretch = static_cast<std::uint32_t>(share > 0 ? std::min(0x1p31 * (all_words / share), all_words - 1) : 0.0);
 }
 

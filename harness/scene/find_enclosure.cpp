@@ -13,7 +13,7 @@ namespace pt {
 namespace {
 
 constexpr std::uint32_t nobody = 0xffffffffu;
-constexpr std::size_t most_boxes = 32;         // AxisAlignedEnclosure::walls has a bit for each box
+constexpr std::size_t most_boxes = 32;  // boxes that may be walls: AxisAlignedEnclosure::walls has a bit for each
 constexpr std::size_t most_candidates = 4096;  // limit on combinations of walls, so that large scenes load fast
 
 // The two axis-aligned boxes that are the walls of an enclosure on one axis; nobody: that side is open.

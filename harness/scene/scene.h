@@ -36,7 +36,7 @@ struct SceneTexture {
     TextureImage image;
     std::string file;  // file name of the texture as the scene writes it
     std::string path;  // path of the texture file on disk
-    std::string hash;  // hash of the texels and the width: 16 hex digits
+    std::string hash;  // hash of the texture's texels and width: 16 hex digits
 };
 
 struct SceneMaterial {
@@ -94,10 +94,10 @@ struct SceneObject {
     static constexpr std::uint32_t no_mesh = 0xffffffffu;
 
     Shape shape = Shape::sphere;
-    std::uint32_t mesh = no_mesh;  // index into Scene::meshes
+    std::uint32_t mesh = no_mesh;  // index of the object's mesh in Scene::meshes
     std::uint32_t material = 0;
     bool shading_normals = false;     // whether the mesh's vertex normals are used in shading
-    std::uint32_t index_in_file = 0;  // index in $.objects; copies made by a rule share it
+    std::uint32_t index_in_file = 0;  // index of the object in $.objects; copies made by a rule share it
     Vec3d translate{0.0}, rotate_degrees{0.0}, scale{1.0}, velocity{0.0};
 };
 

@@ -74,8 +74,8 @@ std::string hash_of(const std::vector<T>& values) {
     return values.empty() ? "" : fmt::format("{:016x}", fnv1a_of_bytes(values.data(), values.size() * sizeof(T)));
 }
 
-// Sorts triangles by position, as in a mesh without corner data, so that both have one order. Triangles of equal
-// position are sorted by texture coordinates, then by normals.
+// Sorts triangles by position first, so that texture coordinates and normals do not change a mesh's order; triangles of
+// equal position are sorted by texture coordinates, then by normals.
 void sort_with_corners(SceneMesh& mesh) {
     std::vector<std::uint32_t> order(mesh.triangles.size());
     std::iota(order.begin(), order.end(), 0u);
