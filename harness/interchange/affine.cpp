@@ -108,7 +108,7 @@ Affine rotation_about(const Vec3d& axis, double degrees) {
         take({0, 0, axis.z > 0 ? degrees : -degrees});
         return map;
     }
-    // Rodrigues: v cos + (axis x v) sin + axis (axis . v)(1 - cos).
+    // Rodrigues' rotation formula: v cos + (axis x v) sin + axis (axis . v)(1 - cos).
     const Vec3d unit = axis * (1 / length_of_column(axis));
     const double angle = degrees * (pi<double> / 180), sine = std::sin(angle), cosine = std::cos(angle);
     for (Vec3d& column : map.column) {

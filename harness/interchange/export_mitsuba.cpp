@@ -464,7 +464,7 @@ MitsubaScene mitsuba_scene(const Scene& scene, const MitsubaSettings& settings, 
 
 Mesh indexed_mesh(const SceneMesh& mesh) {
     using Corner = std::array<float, 3>;
-    // Adding +0 turns -0 into +0, since both are the same position.
+    // Adding +0 turns -0 into +0, so that equal vertex positions compare equal.
     const auto corner = [](const Vec3<float>& v) { return Corner{v.x + 0.0f, v.y + 0.0f, v.z + 0.0f}; };
     Mesh indexed;
     for (const Triangle<float>& t : mesh.triangles) {

@@ -57,7 +57,7 @@ public:
     std::string path_of(const std::string& named) const;
     std::string name_in_scene(const std::string& path) const;
 
-    // Validates the draft. Returns the scene if it has no problems.
+    // Validates the draft of an imported scene. Returns the scene if it has no problems.
     std::optional<Scene> checked();
     void finish();
 

@@ -16,7 +16,7 @@ struct Cis565Line {
     std::size_t number = 0;          // line number in the CIS 565 scene file, from 1
     std::vector<std::string> words;  // the line's keyword (in JSON: its path), then its values
 
-    // The words of a line joined by spaces, cut to the length of a message.
+    // The words of a CIS 565 scene's line joined by spaces, cut to the length of a message.
     std::string text() const;
     std::vector<std::string> values() const { return {words.begin() + 1, words.end()}; }
 };
@@ -60,7 +60,7 @@ public:
 
     bool is_whole() const { return is_whole_; }
     void fail(const Cis565Line& line, const std::string& found, const std::string& allowed);
-    // Reports a problem of a line and quotes the whole line.
+    // Reports a problem of a source line and quotes the whole line.
     void fail(const Cis565Line& line, const std::string& allowed);
 
     // Finds the section's line with a keyword; null if there is none, which `required` reports as a problem.
@@ -70,12 +70,12 @@ public:
     // Values of required lines; nothing if the line is missing or wrong. The format has no negative numbers.
     std::optional<double> required_number(const std::string& key);
     std::optional<Vec3d> required_vector(const std::string& key);
-    // Reads a word of the line as a whole number from 0 to 10^9.
+    // Reads a word of a source line as a whole number from 0 to 10^9.
     std::optional<double> whole(const Cis565Line& line, std::size_t word, const std::string& allowed);
-    // Reads the line as a vector, or as a single number >= 0.
+    // Reads a source line as a vector, or as a single number >= 0.
     std::optional<double> number_of(const Cis565Line& line);
     std::optional<Vec3d> vector_of(const Cis565Line& line);
-    // Reads the number or vector of an optional key; 0 if its line is missing or wrong.
+    // Reads the number or vector of an optional keyword in a section; 0 if its line is missing or wrong.
     double number(const std::string& key);
     Vec3d vector(const std::string& key);
 

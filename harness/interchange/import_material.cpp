@@ -311,7 +311,7 @@ ScenePart MaterialImporter::diffuse() {
     return part;
 }
 
-// Sets REFL, REFR and EMITTANCE as a material's TYPE implies.
+// Sets REFL, REFR and EMITTANCE of a CIS 565 material as its TYPE implies.
 void MaterialImporter::apply_type() {
     if (type_ == CourseType::emitter && !has("EMITTANCE")) {
         warnings_->add(section_->head.number, fmt::format("{} has no EMITTANCE: read as 1", section_->head.text()));

@@ -196,7 +196,7 @@ void MitsubaImporter::read_field_of_view(MitsubaObject& sensor) {
     std::string axis = in_lower_case(sensor.text("fov_axis", "x"));
     const XmlElement* at = sensor.property("fov");
     if (!angle) {
-        // The focal length refers to the diagonal of a 36 x 24 mm frame.
+        // Mitsuba's focal length of a camera refers to the diagonal of a 36 x 24 mm frame.
         std::string length = sensor.text("focal_length", "50mm");
         at = sensor.property("focal_length");
         length = length.ends_with("mm") ? length.substr(0, length.size() - 2) : length;
@@ -232,7 +232,7 @@ std::optional<SensorView> MitsubaImporter::read_view(MitsubaObject& sensor) {
     if (!sensor.is_good()) {
         return std::nullopt;
     }
-    // A single lookat is read directly, without rounding through a matrix.
+    // A camera transform of a single lookat is read directly, without rounding through a matrix.
     if (element != nullptr && element->children.size() == 1 && element->children.front().tag == "lookat") {
         const XmlElement& look = element->children.front();
         const auto three = [&](const char* name) {

@@ -40,7 +40,7 @@ private:
     void read_libraries(const std::vector<std::string>& names);
     void read_library(const std::string& name);
     void add_entry(const fs::path& library, MtlMaterial material);
-    // Finds a material by name and returns its index in `entries_`.
+    // Finds an MTL material by name and returns its index in `entries_`.
     std::optional<std::size_t> entry_called(const std::string& name);
     std::optional<std::size_t> entry_of(const ObjPart& part);
     std::string material_of(std::size_t entry);

@@ -30,9 +30,9 @@ struct ScenePart {
              const std::string& stand_in = "") {
         members.push_back({.key = key, .value = value, .line = line, .stand_in = stand_in});
     }
-    // The part's members as JSON, "KEY": VALUE, .., joined by a separator.
+    // Members of a part of the scene file as JSON, "KEY": VALUE, .., joined by a separator.
     std::string members_json(const std::string& separator) const;
-    // The part as the text of a JSON object.
+    // A part of the scene file as the text of a JSON object.
     std::string json() const;
 };
 

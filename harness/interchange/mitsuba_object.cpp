@@ -253,7 +253,7 @@ Affine MitsubaObject::transform_of(const XmlElement& step) {
     return map;
 }
 
-// Reads a transform, whose steps are applied in the order of the file.
+// Reads a transform of a Mitsuba object, whose steps are applied in the order of the file.
 Affine MitsubaObject::transform(const std::string& name) {
     const XmlElement* found = property(name);
     Affine map;
@@ -266,7 +266,7 @@ Affine MitsubaObject::transform(const std::string& name) {
     }
     bool is_first = true;
     for (const XmlElement& step : found->children) {
-        // The first step is not multiplied, so that all its bits are kept.
+        // The first step of a transform is not multiplied, so that all its bits are kept.
         map = is_first ? transform_of(step) : transform_of(step) * map;
         is_first = false;
     }

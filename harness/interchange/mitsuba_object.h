@@ -54,7 +54,7 @@ public:
     // value would do.
     void refuse_property(const std::string& name, const std::string& allowed);
 
-    // Read a property by name. A missing one has the value `otherwise`; one that cannot be read is a problem.
+    // Read a property of the Mitsuba object by name; `otherwise` if it is missing, a problem if it cannot be read.
     double number(const std::string& name, double otherwise);
     std::optional<double> optional_number(const std::string& name);
     bool boolean(const std::string& name, bool otherwise);

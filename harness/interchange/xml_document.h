@@ -16,11 +16,11 @@ struct XmlElement {
     std::vector<XmlElement> children;  // child elements; text and comments are left out
     std::size_t line = 0;              // line number of the XML element, from 1
 
-    // The value of an attribute; null if there is none of that name.
+    // The value of an XML attribute; null if there is none of that name.
     const std::string* attribute(const std::string& name) const;
-    // The value of an attribute; empty if there is none of that name.
+    // The value of an XML attribute; empty if there is none of that name.
     std::string value_of(const std::string& name) const;
-    // The element's start tag, cut to the length of a message.
+    // The XML element's start tag, cut to the length of a message.
     std::string text() const;
 };
 

@@ -21,7 +21,7 @@ struct ObjParts {
     Mesh mesh;                           // the whole mesh, unchecked and without normals
     std::vector<ObjPart> parts;          // parts (material and group) in the order of their first faces
     std::vector<std::uint32_t> part_of;  // for each triangle its index in `parts`
-    std::vector<std::string> libraries;  // MTL files named by mtllib, to the line's end
+    std::vector<std::string> libraries;  // names of MTL libraries, as mtllib lines give them
 };
 
 // Parses an OBJ file into parts by material. Throws InputError of one line for a broken file, like `parse_obj`.

@@ -115,7 +115,7 @@ private:
         return line;
     }
 
-    // Takes the next word from the current line; empty at the line's end.
+    // Takes the next word from the current OBJ line; empty at the line's end.
     std::string_view next_word() {
         const std::size_t start = std::min(text_.find_first_not_of(obj_white), text_.size());
         const std::size_t end = std::min(text_.find_first_of(obj_white, start), text_.size());

@@ -26,7 +26,7 @@ public:
     PlyNumbers(std::string_view content, PlyFormat format, const std::string& file)
         : content_(content), format_(format), file_(file) {}
 
-    // Sets the element that error messages name.
+    // Sets the PLY element and its index that error messages name.
     void enter(const std::string& element, std::uint64_t index) {
         element_ = &element;
         index_ = index;

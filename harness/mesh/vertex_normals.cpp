@@ -14,7 +14,7 @@ namespace {
 // Maps each vertex to the first vertex of equal position.
 std::vector<std::uint32_t> first_at_place(const Mesh& mesh) {
     const auto at = [&](std::uint32_t vertex) {
-        // Adding +0 turns -0 into +0, since both are the same position.
+        // Adding +0 turns -0 into +0, so that equal vertex positions compare equal.
         const auto& [x, y, z] = mesh.vertices[vertex];
         return std::array{x + 0.0f, y + 0.0f, z + 0.0f};
     };

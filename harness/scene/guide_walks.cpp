@@ -29,7 +29,7 @@ double guide_decay(double albedo, double g, double depth) {
     }
     const double remaining = 1 - albedo * g;  // reduced extinction, relative to sigma_t
     const double similar = albedo * (1 - g) / remaining;
-    // For a lower albedo the root kappa is 1 in double precision.
+    // For a lower albedo of the medium, the root kappa is 1 in double precision.
     const double root = similar > 0.04 ? similar * artanh_of_decay(similar) : 1;
     const double in_half_space = root * remaining;
     return std::clamp(in_half_space * std::tanh(in_half_space * depth), least_decay, most_decay);

@@ -12,7 +12,7 @@ namespace {
 // origin in the instance's space: 4, or 6 if it moves; of the direction: 3; of the triangle test: 8 for the distance
 // from origin to vertex, 8 for its shear, 2 for the origin. There is room to spare, since these are first-order bounds.
 constexpr double roundings = gamma<float>(32);
-// Covers products and sums that underflow and may be flushed to zero.
+// Error bound for products and sums that underflow and may be flushed to zero.
 constexpr double smallest = 16 * static_cast<double>(std::numeric_limits<float>::min());
 
 double largest_of(const Vec3d& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }

@@ -8,7 +8,7 @@
 
 namespace pt {
 
-// The place of a copy of an object, and how it is turned and scaled.
+// Position, rotation and scale of a copy of an object.
 struct Copy {
     Vec3d offset{0.0};        // position of a copy relative to the original object
     double scale = 1;         // scale of a copy relative to the original object

@@ -116,7 +116,7 @@ struct Cluster {
         }
         shown += other.shown;
     }
-    // Split cost of a cluster of lights. Flat clusters have a surface too, but those along a line have none.
+    // Split cost of a cluster of lights, by its bounding box's surface: a flat box has a surface too, a line has none.
     double cost() const { return sum_of(shown) > 0 ? sum_of(shown) * surface_of(bounds) : 0; }
 };
 

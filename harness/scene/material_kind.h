@@ -93,10 +93,10 @@ std::vector<std::string> material_type_names();
 // Reads a material of any kind, without its name, from a scene file. Throws InputError.
 SceneMaterial read_material(const JsonValue& value);
 
-// All feature flags that kernels need for the material.
+// All feature flags that kernels need for a material.
 FeatureSet features_of(const SceneMaterial& material);
 
-// The material in the layout that kernels read.
+// Packs a material into the layout that kernels read.
 template <class Real>
 Material<Real> packed(const SceneMaterial& material);
 

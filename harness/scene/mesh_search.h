@@ -36,7 +36,7 @@ template <class Real>
 std::shared_ptr<const SceneTree> scene_tree_of(const SceneView<Real>& scene, const std::vector<MeshGeometry>& meshes,
                                                const Acceleration& acceleration);
 
-// Adds the tree's size and build times to `facts`.
+// Adds the size and build times of the tree over all meshes to `facts`.
 void add_facts(MeshFacts& facts, const SceneTree* tree);
 
 }  // namespace pt

@@ -137,7 +137,7 @@ Placement placement_of(const SceneObject& object, const Vec3d& eye);
 ShapeKind classify(const SceneObject& object);
 bool is_flat(const SceneObject& object);
 
-// Whether light passes the material's surface by refraction.
+// Whether light enters the material by refraction, as in glass; false for subsurface bodies.
 bool lets_light_in(const SceneMaterial& material);
 // Whether the material has a texture in place of its colour or roughness, or a normal map.
 bool shows_images(const SceneMaterial& material);

@@ -27,7 +27,7 @@ struct RenderSettings {
     std::uint32_t width = 0, height = 0;
     std::uint32_t depth = 0;
     std::uint64_t seed = 0;
-    // Settings that follow from the variant (settings_for).
+    // Render settings that follow from the variant (settings_for).
     bool final_bounce = false;
     bool next_event = false;
     std::uint32_t mis_exponent = 0;
@@ -66,7 +66,7 @@ struct SceneStorage {
 template <class Real>
 class SceneBuffers {
 public:
-    // Converts a scene. `acceleration` chooses the trees over its meshes.
+    // Converts a scene to arrays for kernels. `acceleration` chooses the trees over its meshes.
     SceneBuffers(const Scene& scene, const RenderSettings& settings,
                  const Acceleration& acceleration = Acceleration::none());
     // The scene as kernels see it. Valid as long as this SceneBuffers lives and is not moved.

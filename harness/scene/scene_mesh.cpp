@@ -42,7 +42,7 @@ CornerCoordinates coordinates_from_least_corner(const Mesh& mesh, std::size_t tr
     const std::size_t first = least_corner(mesh, mesh.triangles[triangle]);
     CornerCoordinates corners{};
     for (std::size_t i = 0; i < 3; ++i) {
-        // Adding +0 turns -0 into +0, since the two are equal coordinates.
+        // Adding +0 turns -0 into +0, so that equal texture coordinates compare equal.
         corners.u[i] = mesh.coordinates[triangle][(first + i) % 3][0] + 0.0f;
         corners.v[i] = mesh.coordinates[triangle][(first + i) % 3][1] + 0.0f;
     }
@@ -121,7 +121,7 @@ CornerNormals normals_from_least_corner(const Mesh& mesh, std::size_t triangle) 
         constexpr double rounding = 0x1p-20;
         is_own = is_own && dot(off, off) <= rounding * rounding;
         for (int axis = 0; axis < 3; ++axis) {
-            // Adding +0 turns -0 into +0, since the two are equal components.
+            // Adding +0 turns -0 into +0, so that equal vertex normals compare equal.
             normals.of[i][axis] = static_cast<float>(corners[i][axis] * side) + 0.0f;
         }
     }
@@ -156,7 +156,7 @@ std::vector<std::uint32_t> places_of_corners(const std::vector<Triangle<float>>&
     places.reserve(3 * triangles.size());
     for (const Triangle<float>& t : triangles) {
         for (const Vec3<float>& c : {t.a, t.b, t.c}) {
-            // Adding +0 turns -0 into +0, since both are the same position.
+            // Adding +0 turns -0 into +0, so that equal vertex positions compare equal.
             const Corner place{c.x + 0.0f, c.y + 0.0f, c.z + 0.0f};
             places.push_back(known.try_emplace(place, static_cast<std::uint32_t>(known.size())).first->second);
         }
