@@ -266,7 +266,7 @@ std::string material_name(const Cis565Section& section) {
 std::string ScenePart::members_json(const std::string& separator) const {
     std::string json;
     for (const SceneMember& member : members) {
-        const bool is_long = member.key == "shutter";  // the shutter gets a line of its own
+        const bool is_long = member.key == "shutter";  // in the scene file, the shutter gets a line of its own
         json += json.empty() ? "" : is_long ? ",\n    " : separator;
         json += json_of(member.key) + ": " + member.value;
     }

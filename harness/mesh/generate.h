@@ -14,7 +14,7 @@ struct Generator {
     std::string_view name, what;
     std::string_view size, formula;  // what the size N counts, and the triangle count as a formula of N, in words
     std::uint32_t least_size, most_size;
-    std::uint64_t (*triangles)(std::uint32_t size);  // number of triangles of the generated mesh
+    std::uint64_t (*triangles)(std::uint32_t size);  // triangle count of the generated mesh
     std::uint64_t (*left_out)(std::uint32_t size);   // number of degenerate triangles, left out at poles
     bool closed;     // every edge is shared by two triangles, in opposite directions, and the volume inside is positive
     bool is_smooth;  // whether the mesh approximates a smooth surface, so that vertex normals are useful

@@ -80,7 +80,7 @@ private:
         }
         read_size(line());
     }
-    // Parses the numbers of a header line NAME=..; returns none unless there are exactly `count` numbers.
+    // Parses the numbers of an .hdr header line NAME=..; returns none unless there are exactly `count` numbers.
     static std::vector<double> numbers_in(std::string_view text, std::size_t count) {
         std::vector<double> numbers;
         text.remove_prefix(text.find('=') + 1);
