@@ -1,5 +1,5 @@
-// Affine maps as other programs' scenes have them, in double precision, and what of them scene files can say: translate
-// * rotate * scale.
+// Affine maps in double precision, as foreign scenes use them, and their decomposition into what scene files can
+// express: translate * rotate * scale.
 #pragma once
 
 #include "harness/scene/scene.h"
@@ -14,32 +14,32 @@ struct Affine {
     Vec3d point(const Vec3d& p) const { return direction(p) + origin; }
 };
 
-// The map that applies first the right one, then the left one.
+// Composes two affine maps: the right one is applied first.
 Affine operator*(const Affine& left, const Affine& right);
 
 Affine translation(const Vec3d& offset);
 Affine scaling(const Vec3d& factors);
-// About an axis through the origin, counter-clockwise where the axis points to the eye; about a coordinate axis by a
-// quarter turn it is exact. The axis is not 0.
+// Rotation about an axis through the origin, counter-clockwise as seen with the axis pointing to the viewer. Quarter
+// turns about a coordinate axis are exact. The axis must not be 0.
 Affine rotation_about(const Vec3d& axis, double degrees);
 
 double determinant(const Affine& map);
 bool is_finite(const Affine& map);
 
-// The greatest cosine between two columns: 0 where they are perpendicular, as translate * rotate * scale has them.
+// The largest |cosine| between two columns of an affine map; 0 without shear, as of translate * rotate * scale.
 double shear_of(const Affine& map);
 
-// The decimal of fewest digits that is off a number by no more than the error given.
+// The decimal number with the fewest digits that is within `tolerance` of a value.
 double shortest_within(double value, double tolerance);
 
 struct TranslateRotateScale {
     Vec3d translate{0.0}, rotate_degrees{0.0}, scale{1.0};
-    bool is_exact = false;         // rotation_of and the scale give every bit of the columns
-    bool is_straightened = false;  // a few millionths of a degree off quarter turns were taken away
+    bool is_exact = false;         // whether rotation and scale reproduce every bit of the affine map
+    bool is_straightened = false;  // whether a rotation within 1e-5 degrees of quarter turns was snapped to them
 };
 
-// Takes a map without shear apart; if it mirrors, the map with its last column turned about. Angles and scales are the
-// shortest decimals that give the columns back to their last bits.
+// Decomposes an affine map without shear; in a mirroring map the last column is negated first. Angles and scales are
+// the shortest decimals that reproduce the columns to their last bits.
 TranslateRotateScale take_apart(const Affine& map);
 
 }  // namespace pt

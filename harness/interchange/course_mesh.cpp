@@ -16,7 +16,7 @@ constexpr const char* mesh_endings[] = {".obj", ".gltf", ".glb", ".ply"};
 constexpr const char* image_endings[] = {".png", ".jpg", ".jpeg"};
 constexpr int most_folders_above = 4;
 constexpr int most_folders_below = 5;
-constexpr int most_entries = 20000;  // looked at for one file
+constexpr int most_entries = 20000;  // most directory entries searched for one mesh file
 
 bool is_file(const fs::path& path) {
     std::error_code error;
@@ -35,14 +35,14 @@ std::optional<fs::path> with_an_ending(const fs::path& path) {
     return std::nullopt;
 }
 
-// The parts of a path of any system: "C:\course\scenes\a.obj" has course, scenes and a.obj.
+// Splits a path of any operating system into parts: "C:\course\scenes\a.obj" has course, scenes and a.obj.
 std::vector<std::string> parts_of(std::string name) {
     std::replace(name.begin(), name.end(), '\\', '/');
     std::vector<std::string> parts;
     for (const fs::path& part : fs::path(name)) {
         const std::string text = part.string();
         if (text == "..") {
-            parts.clear();  // from a folder that is not known
+            parts.clear();  // the parts before ".." are unknown folders
         } else if (text != "." && text != "/" && !text.empty() && text.back() != ':') {
             parts.push_back(text);
         }
@@ -55,7 +55,7 @@ bool is_called_scenes(const fs::path& folder) {
     return name == "scenes" || name == "scene";
 }
 
-// The folder of the author's repository, or the scene's own.
+// The folder of the author's project, which is the parent of "scenes"; without one, the scene's own folder.
 fs::path project_of(const fs::path& folder) {
     fs::path above = folder;
     for (int level = 0; level < most_folders_above && above.has_relative_path(); ++level) {
@@ -92,7 +92,7 @@ std::optional<fs::path> CourseFileFinder::find_above(const std::string& name) co
     return std::nullopt;
 }
 
-// Lists the project's files by name; of files of one name the first by its path.
+// Lists the project's mesh and image files by name. Of several files with one name the first by path counts.
 void CourseFileFinder::list_project() {
     project_.emplace();
     std::error_code error;

@@ -1,5 +1,4 @@
-// The mesh files and images that scenes of CIS 565 name: relative to a folder that their author's program ran in, or on
-// a disk that nobody else has.
+// Finds the mesh files and images that CIS 565 scenes name by paths of their author's working folder or disk.
 #pragma once
 
 #include <filesystem>
@@ -13,9 +12,9 @@ class CourseFileFinder {
 public:
     explicit CourseFileFinder(const std::string& scene_file);
 
-    // The name itself, beside the scene file; else as much of its end as there is in one of the folders above it, the
-    // longest end first; else a file of that name somewhere in the project: beside the folder "scenes" that the scene
-    // is in. A name without an ending has that of a format of meshes. Nothing where there is no such file.
+    // Finds a file that a scene names, or nothing. Tried in turn: the name relative to the scene file; ever shorter
+    // ends of the path in the scene's folder and the folders above; a file of that name anywhere in the project (the
+    // parent of the folder "scenes"). A name without extension matches mesh formats.
     std::optional<std::filesystem::path> find(const std::string& name);
 
 private:
@@ -24,7 +23,7 @@ private:
 
     std::filesystem::path folder_;
     std::optional<std::map<std::string, std::filesystem::path>>
-        project_;  // by file names with their endings; of meshes, without too
+        project_;  // mesh and image paths by file name; meshes also without extension
 };
 
 }  // namespace pt

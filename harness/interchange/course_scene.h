@@ -1,4 +1,4 @@
-// What the sections of a scene of CIS 565 become: harness/interchange/import_cis565.h says it in words.
+// Builds the parts of a scene file from the sections of a CIS 565 scene (rules: harness/interchange/import_cis565.h).
 #pragma once
 
 #include <deque>
@@ -11,13 +11,13 @@
 
 namespace pt {
 
-// The line that has the shutter open, and how.
+// The first source line that makes an object move, so that the shutter opens, and whether shutter times are "late".
 struct CourseMotion {
     const Cis565Line* first = nullptr;
     bool is_late = false;
 };
 
-// Triangles of one material: a mesh file and a material, by the names that the scene has for them.
+// Triangles of one material: names of the mesh file and of the material in the scene file.
 struct OwnPart {
     std::string file, material;
 };
@@ -30,30 +30,30 @@ struct CourseImport {
     CourseMotion motion = {};
     std::set<std::size_t> used_materials = {};
     std::vector<ScenePart> materials = {}, objects = {};
-    // Parts of meshes with the materials of their own files, by the mesh file, and the names of these materials, by
+    // Parts of meshes that use their own files' materials, by mesh file, and the scene's names of these materials, by
     // library and name.
     std::map<std::string, std::vector<OwnPart>> own_parts = {};
     std::map<std::pair<std::string, std::string>, std::string> own_names = {};
-    std::deque<Cis565Line> places = {};  // in those files, for messages
+    std::deque<Cis565Line> places = {};  // source lines in MTL libraries, for messages
 };
 
-// Reads the material of a MATERIAL section. Where a line cannot be read, a value that is right stands for it, so that
-// the others can be checked. Readings that lose something are warnings.
+// Converts the material of a MATERIAL section. An unreadable line is replaced by a valid value, so that the others can
+// be checked. Lossy conversions are warnings.
 ScenePart import_material(CourseImport& import, std::size_t index);
-// Adds to `objects`: one, or one for each material of its mesh's own file.
+// Converts an OBJECT section and adds it to `objects`: as one object, or one per material of the mesh's own file.
 void import_object(CourseImport& import, std::size_t index);
 ScenePart import_camera(const CourseImport& import);
 
-// The scene file that names of meshes are relative to.
+// Path of the scene file to be written, to which names of meshes are relative.
 std::string course_scene_file(const ImportSource& source);
 
-// The words of a line behind its key, or alone, as a file's name: names may have spaces.
+// The file name in a line, after the key if there is one. Names may contain spaces.
 std::string course_file_name(const Cis565Line& line);
 
-// A file as a scene file names it: relative to its folder, or where that is not there yet the whole path.
+// The path of a file as a scene file names it: relative to the scene's folder if that exists, otherwise absolute.
 std::string name_beside(const std::filesystem::path& scene, const std::filesystem::path& file);
 
-// The whole scene file, or the problems that it has.
+// Converts all sections of a CIS 565 scene into a scene file, or lists the problems.
 void import_course(const Cis565File& sections, const ImportSource& source, ImportResult& result);
 
 }  // namespace pt

@@ -1,4 +1,4 @@
-// What a material's TYPE in a scene of CIS 565 says: the course's own Diffuse, Emitting and Specular, and students'.
+// The TYPE of a material in a CIS 565 scene: the course's own Diffuse, Emitting and Specular, and those of students.
 #pragma once
 
 #include "harness/interchange/import_lines.h"
@@ -6,19 +6,19 @@
 namespace pt {
 
 enum class CourseType {
-    by_values,  // nothing beyond the other lines
+    by_values,  // material kind decided by the material's other lines
     emitter,
     diffuse,
-    specular,  // a mirror or a metal
+    specular,  // material kind: a mirror or a metal
     glass,
-    layered,  // metallic-roughness, by METALLIC and ROUGHNESS
+    layered,  // glass, metal or diffuse by METALLIC and ROUGHNESS, as in glTF
     subsurface,
 };
 
-// Whether a word is a TYPE of the course's, be it one that scene files have nothing for.
+// Whether a word is a material TYPE of CIS 565 scenes, even one that scene files cannot express.
 bool is_course_type(const std::string& word);
 
-// Reads a TYPE line. What is no type, or one that scene files have nothing for, is a problem of the line.
+// Reads a TYPE line. An unknown type, or one that scene files cannot express, is reported as a problem of the line.
 CourseType read_course_type(Cis565SectionReader& reader, const Cis565Line& line);
 
 }  // namespace pt

@@ -1,5 +1,5 @@
-// The words of the CIS 565 scene formats: those of the course, and what students' dialects of the text and of the JSON
-// format add to them or call them. Case and underscores do not count: LENS_RADIUS is LENSRADIUS.
+// Keywords of the CIS 565 scene formats: the course's, and those that students' dialects of the text and JSON formats
+// add or spell differently. Case and underscores do not count: LENS_RADIUS is LENSRADIUS.
 #pragma once
 
 #include <string>
@@ -7,40 +7,40 @@
 
 namespace pt {
 
-// What a word is for, besides its value.
+// How the importer treats a keyword of a CIS 565 scene.
 enum class CourseUse {
-    value,        // it has a place in a scene file
-    environment,  // an image that lights the scene from all round
-    background,   // one radiance from all round
-    remark,       // it changes nothing in the picture
-    run,          // it belongs to a run of the program, not to the scene
-    lost,         // it changes the picture, and a scene file has no place for it: a warning
-    image,        // a file's name; off is as if it were not there
-    texture,      // the rest have none either, and without them it would be another scene: a problem
+    value,        // keyword that has a place in a scene file
+    environment,  // keyword that names an environment map
+    background,   // keyword for a constant environment radiance
+    remark,       // keyword without effect on the picture
+    run,          // keyword for a setting of a run, not of the scene
+    lost,         // keyword that changes the picture but cannot be expressed: a warning
+    image,        // keyword with a texture's file name; a value such as 0 or OFF means none
+    texture,      // keywords, from this use on, that cannot be expressed and would change the scene: a problem
     procedural,
     scattering,
     lights,
 };
 
 struct CourseWord {
-    std::string key;  // the course's own word for it
+    std::string key;  // the keyword in the course's own spelling
     CourseUse use = CourseUse::value;
 };
 
-// Finds a word of the format; null where it is not known. `section`: MATERIAL, CAMERA, OBJECT or SETTINGS; of the JSON
-// format also ROOT.
+// Finds a keyword; null if unknown. `section`: MATERIAL, CAMERA, OBJECT or SETTINGS of a CIS 565 scene; in JSON also
+// ROOT.
 const CourseWord* find_course_word(const std::string& section, const std::string& word);
 
-// The words that have a place in scene files, for messages.
+// Keywords of a section that have a place in scene files, for error messages.
 const std::vector<std::string>& course_keys(const std::string& section);
 
-// What is wrong with a word of this use, as in "TEXTURE a.png: ..".
+// Why a keyword of this use cannot be imported, for a message like "TEXTURE a.png: ..".
 std::string missing_for(CourseUse use);
 
-// The spelling by which words are compared: in capitals, without '_' and '-'.
+// The spelling by which keywords are compared: in capitals, without '_' and '-'.
 std::string course_spelling(const std::string& word);
 
-// Whether values say that what they belong to is off: none, 0, NULL, OFF.
+// Whether a keyword's values switch its effect off: none, 0, NULL or OFF.
 bool is_course_off(const std::string& key, const std::vector<std::string>& values);
 
 }  // namespace pt

@@ -17,12 +17,12 @@ namespace pt {
 
 namespace {
 
-// The shortest text that reads as the same double; never "-0".
+// The shortest text that parses to the same double; never "-0".
 std::string number(double value) { return fmt::format("{}", value + 0.0); }
 
 std::string triple(const Vec3d& v) { return fmt::format("{}, {}, {}", number(v.x), number(v.y), number(v.z)); }
 
-// The map from a shape's own space to the scene's, as the columns of a matrix.
+// The affine map from a shape's own space to scene space, by the columns of its matrix.
 struct Matrix {
     Vec3d x, y, z, origin;
 
@@ -35,7 +35,7 @@ struct Matrix {
     }
 };
 
-// The largest distance of anything from the eye.
+// The largest distance along an axis of any object's bounding box from the camera's eye.
 double reach_of(const Scene& scene) {
     double reach = 0;
     for (const SceneObject& object : scene.objects) {
@@ -106,14 +106,14 @@ private:
         const bool has_walks =
             any_shown([](const SceneMaterial& m) { return has_trait(m.type, material_trait::has_walks); });
         const bool has_media = any_shown([](const SceneMaterial& m) { return !is_black(m.sigma_a); });
-        // volpathmis weighs the channels of a coloured medium by the mean of their densities, as a walk here.
+        // volpathmis weights the channels of a coloured medium by their mean density, like subsurface walks in ptbench.
         xml_.open("integrator", {{"type", has_walks ? "volpathmis" : has_media ? "volpath" : "path"}});
         if (has_walks) {
             value("integer", "max_depth", "-1");
             whole("rr_depth", roulette_depth(scene_));
         } else {
             whole("max_depth", settings_.depth);
-            whole("rr_depth", std::uint64_t{settings_.depth} + 1);  // never
+            whole("rr_depth", std::uint64_t{settings_.depth} + 1);  // beyond max_depth: no Russian roulette
         }
         xml_.close();
     }
@@ -128,7 +128,7 @@ private:
             real("aperture_radius", camera.aperture_radius * settings_.scale);
             real("focus_distance", camera.focus_distance * settings_.scale);
         }
-        // Rays begin and end at these distances; here they begin at the eye and have no end.
+        // Mitsuba's rays have a near and a far limit; ptbench's begin at the eye and have no end.
         real("near_clip", std::ldexp(reach_, -16));
         real("far_clip", std::ldexp(reach_, 3));
         xml_.open("transform", {{"name", "to_world"}});
@@ -149,9 +149,9 @@ private:
         xml_.close();
     }
 
-    // Mitsuba blends neighbouring texels, and lays the first and the last row on the poles (src/emitters/envmap.cpp):
-    // enlarged so far, light moves by a small part of a texel only, and, rows between two texels being their mean, no
-    // texel grows.
+    // Enlarges an environment map, since Mitsuba interpolates between texels and places the first and last rows on the
+    // poles (src/emitters/envmap.cpp). Enlarged, this blurs by only a small part of a texel. Rows on the border of two
+    // texels are their mean, so no texel grows.
     static EnvironmentImage enlarged(const EnvironmentImage& image) {
         constexpr std::uint32_t least_width = 2048, most_factor = 32;
         const std::uint32_t factor = std::clamp(least_width / image.width, 1u, most_factor);
@@ -188,7 +188,7 @@ private:
         xml_.close();
     }
 
-    // Names in the file are free text; an id is for references.
+    // The id of a material in the XML, made of its number, since material names are free text.
     std::string id_of(std::size_t material) const { return fmt::format("material_{}", material); }
 
     std::string file_of(const SceneTexture& texture) {
@@ -202,7 +202,7 @@ private:
         return known->second;
     }
 
-    // Values are sRGB in both; the format is that of texels once they are decoded, which would be half precision.
+    // Image values are sRGB in both programs. The format is set to keep decoded texels in float, not in half precision.
     void write_image(const std::string& name, const SceneTexture& texture) {
         xml_.open("texture", {{"type", "bitmap"}, {"name", name}});
         value("string", "filename", file_of(texture));
@@ -217,7 +217,7 @@ private:
         return mitsuba_image(scene_.materials[object.material]) != nullptr;
     }
 
-    // A surface that reflects on both sides.
+    // Writes a BSDF that reflects on both sides.
     void write_reflector(const std::string& id, const MitsubaBsdf& bsdf) {
         const bool is_mirror = bsdf.type == MitsubaBsdf::Type::conductor;
         xml_.open("bsdf", {{"type", "twosided"}, {"id", id}});
@@ -258,7 +258,7 @@ private:
         if (is_black(sigma)) {
             return;
         }
-        // Mitsuba's colours end at 1; a power of two rounds nothing.
+        // Mitsuba's colours end at 1, so sigma is divided by a power of two, which causes no rounding.
         const double largest = std::exp2(std::ceil(std::log2(std::max({sigma.x, sigma.y, sigma.z}))));
         xml_.open("medium", {{"name", "interior"}, {"type", "homogeneous"}});
         rgb("sigma_t", sigma * (1 / largest));
@@ -289,12 +289,12 @@ private:
         xml_.close();
     }
 
-    // Writes what every shape ends with: its material, emission and medium.
+    // Writes the end of each shape element: BSDF reference, emitter and interior medium.
     void write_surface(const SceneObject& object) {
         const SceneMaterial& material = scene_.materials[object.material];
         xml_.leaf("ref", {{"name", "bsdf"}, {"id", id_of(object.material)}});
         if (is_emissive(material)) {
-            // A room that is a lamp emits inwards.
+            // An emitter around the camera's eye, such as a room, must emit inwards.
             if (contains_as_it_stands(scene_, object, scene_.camera.eye)) {
                 value("boolean", "flip_normals", "true");
             }
@@ -305,8 +305,8 @@ private:
         write_medium(material);
     }
 
-    // Mitsuba's u is the angle about its z, from x on, and its v that from z, where an image has its first row. Here u
-    // begins at -z, about y, and the image's top is at y.
+    // Rotates a textured sphere to Mitsuba's parametrisation, where u is the angle about z from x on and v the angle
+    // from z at the image's first row. In ptbench u is the angle about y from -z on, and the image's top is at +y.
     void write_sphere_with_image(const SceneObject& object) {
         const Matrix own = placement_of_object(object);
         xml_.open("shape", {{"type", "sphere"}});
@@ -329,7 +329,7 @@ private:
         xml_.close();
     }
 
-    // Mitsuba's cube has the side 2.
+    // Writes a box as Mitsuba's cube, whose side is 2.
     void write_box(const SceneObject& object) {
         const Matrix own = placement_of_object(object);
         xml_.open("shape", {{"type", "cube"}});
@@ -338,7 +338,7 @@ private:
         xml_.close();
     }
 
-    // Mitsuba's rectangle has the side 2, lies in the plane xy and faces +z.
+    // Writes a rectangle, which in Mitsuba has side 2, lies in the plane xy and faces +z.
     void write_rectangle(const SceneObject& object, bool faces_up, const Vec3d& offset) {
         const Matrix own = placement_of_object(object);
         const double sign = faces_up ? 1 : -1;
@@ -348,8 +348,8 @@ private:
         xml_.close();
     }
 
-    // A quad with an image lies face down, since Mitsuba has an image's first row at the other end of y: both sides of
-    // a quad are the same. A quad that emits is written as two, back to back and a little apart: Mitsuba's emit on one
+    // A textured quad lies face down, as Mitsuba has an image's first row at the other end of y; both sides of a quad
+    // look the same. An emitting quad becomes two rectangles back to back, slightly apart, as Mitsuba's emit on one
     // side only.
     void write_quad(const SceneObject& object) {
         if (!is_emissive(scene_.materials[object.material])) {
@@ -377,7 +377,7 @@ private:
         return known->second;
     }
 
-    // An image's first row is where v is 0 in Mitsuba, and where it is 1 here.
+    // Mitsuba's v is 0 at an image's first row and ptbench's is 1, so v is flipped.
     void write_mesh_file(const SceneObject& object) {
         value("string", "filename", file_of(object.mesh));
         value("boolean", "face_normals", "true");
@@ -386,11 +386,11 @@ private:
         }
     }
 
-    // A mesh in one material that several objects show.
+    // Instances of one mesh with one material: mesh and material index.
     using Group = std::pair<std::uint32_t, std::uint32_t>;
     static std::string id_of(const Group& group) { return fmt::format("mesh_{}_{}", group.first, group.second); }
 
-    // Lamps cannot be instances in Mitsuba.
+    // Whether an object is exported as an instance; Mitsuba's emitters cannot be instances.
     bool is_instance(const SceneObject& object) const {
         const auto copies = copies_.find({object.mesh, object.material});
         return copies != copies_.end() && copies->second > 1 && !is_emissive(scene_.materials[object.material]);
@@ -449,9 +449,9 @@ private:
     const MitsubaSettings& settings_;
     std::string stem_;
     MitsubaScene made_;
-    double reach_;  // in the exported scene's units
+    double reach_;  // largest distance of an object from the eye, in exported units
     XmlText xml_;
-    std::map<std::string, std::string> image_files_;  // by the paths of what they are copies of
+    std::map<std::string, std::string> image_files_;  // names of exported images by the path of the original
     std::map<std::uint32_t, std::string> mesh_files_;
     std::map<Group, std::size_t> copies_;
 };
@@ -464,7 +464,7 @@ MitsubaScene mitsuba_scene(const Scene& scene, const MitsubaSettings& settings, 
 
 Mesh indexed_mesh(const SceneMesh& mesh) {
     using Corner = std::array<float, 3>;
-    // Adding +0 turns -0 into +0: they are one place.
+    // Adding +0 turns -0 into +0, so that equal vertex positions compare equal.
     const auto corner = [](const Vec3<float>& v) { return Corner{v.x + 0.0f, v.y + 0.0f, v.z + 0.0f}; };
     Mesh indexed;
     for (const Triangle<float>& t : mesh.triangles) {

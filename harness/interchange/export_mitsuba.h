@@ -1,5 +1,5 @@
-// A scene as Mitsuba 3's XML, with its meshes as PLY files, its environment as an EXR file and copies of the images
-// that surfaces show beside it. Conventions, and what differs all the same: docs/other_renderers.md.
+// Exports a scene as Mitsuba 3 XML, and beside it meshes as PLY files, the environment as an EXR file and copies of the
+// textures. docs/other_renderers.md has the conventions and the remaining differences.
 #pragma once
 
 #include <cstdint>
@@ -14,20 +14,20 @@ namespace pt {
 
 struct MitsubaSettings {
     std::uint32_t width = 0, height = 0, depth = 1, samples = 64;
-    double scale = 1;  // every length times it
+    double scale = 1;  // factor on every length in the exported scene
 };
 
 struct MitsubaScene {
     std::string xml;
-    FilesBeside files;  // what xml names
+    FilesBeside files;  // mesh and image files that the XML names
     std::size_t meshes = 0, images = 0;
 };
 
-// The scene as Mitsuba's XML. Precondition: it has no mitsuba_problems. `out`: the file that it is to be written to,
-// from which the names of the others follow.
+// Converts a scene to Mitsuba XML. The scene must have no `mitsuba_problems`. `out` is the path of the XML file, from
+// which the names of the other files follow.
 MitsubaScene mitsuba_scene(const Scene& scene, const MitsubaSettings& settings, const std::filesystem::path& out);
 
-// The triangles with each corner once, and their texture coordinates.
+// Converts a scene's mesh to an indexed mesh that has each corner once, with texture coordinates.
 Mesh indexed_mesh(const SceneMesh& mesh);
 
 }  // namespace pt

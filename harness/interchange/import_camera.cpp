@@ -1,4 +1,4 @@
-// What a CAMERA section is read as.
+// Imports the CAMERA section of a CIS 565 scene.
 #include <cmath>
 
 #include <fmt/format.h>
@@ -10,7 +10,7 @@ namespace pt {
 
 namespace {
 
-// Eye, point and direction up are allowed or not together: where one cannot be read, others stand for all three.
+// Adds eye, look_at and up. The three are valid only together: if one cannot be read, stand-ins replace all three.
 void add_view(Cis565SectionReader& reader, ScenePart& camera, ImportResult& result) {
     const std::string view_key = reader.line("VIEW") != nullptr ? "VIEW" : "LOOKAT";
     const std::optional<Vec3d> eye = reader.required_vector("EYE");
@@ -53,14 +53,14 @@ void add_resolution(Cis565SectionReader& reader, ScenePart& camera) {
                is_good ? reader.line("RES") : nullptr, stand_in);
 }
 
-// The lens of a thin-lens camera: how wide, where it is sharp, and the lines that say so.
+// Radius and focus distance of the camera's thin lens, with the source lines that set them.
 struct CourseLens {
     double radius = 0, focus = 0;
     const Cis565Line* radius_line = nullptr;
     const Cis565Line* focus_line = nullptr;
 };
 
-// Reads the lens of a DOF line, which has the radius and the distance.
+// Reads the camera's lens from a DOF line, which has the lens radius and the focus distance.
 CourseLens lens_of_dof(Cis565SectionReader& reader, const Cis565Line& line) {
     if (line.words.size() != 3) {
         reader.fail(line, "DOF and 2 numbers, the lens's radius and the distance of focus");
@@ -71,7 +71,7 @@ CourseLens lens_of_dof(Cis565SectionReader& reader, const Cis565Line& line) {
     return {radius, focus, &line, &line};
 }
 
-// APERTURE is a diameter in texts, a factor beside a radius, and a radius in JSON: so their programs have it.
+// Reads the camera's lens. APERTURE is a diameter in texts, a factor beside a given radius, and a radius in JSON.
 CourseLens read_lens(Cis565SectionReader& reader, bool is_json, ImportResult& result) {
     if (const Cis565Line* dof = reader.line("DOF")) {
         return lens_of_dof(reader, *dof);
@@ -139,7 +139,7 @@ ScenePart import_camera(const CourseImport& import) {
                         "\"{}\"",
                         motion.first->text(), density));
     }
-    (void)reader.number("ITERATIONS");  // of no use, but it must be a number
+    (void)reader.number("ITERATIONS");  // the sample count is not used but must be a number
     camera.is_whole = reader.is_whole();
     return camera;
 }

@@ -36,7 +36,7 @@ public:
           import_{.sections = &sections, .source = &source, .result = &result, .files = CourseFileFinder(source.file)} {
     }
 
-    // The parts of the scene, whose lines live as long as this object does.
+    // Builds the parts of the scene file. Their source lines live as long as this importer.
     SceneParts parts();
 
 private:
@@ -68,7 +68,7 @@ void SceneImporter::read_name(Cis565SectionReader& reader, ScenePart& root) {
         root.add("name", json_of(line->words[1]), line);
         return;
     }
-    // The program's picture, with folders or an ending.
+    // FILE names the picture that the course's program writes; its folders and extension are dropped.
     std::string picture = line != nullptr && line->words.size() == 2 ? line->words[1] : "";
     std::replace(picture.begin(), picture.end(), '\\', '/');
     const std::string stem = std::filesystem::path(picture).stem().string();
@@ -109,7 +109,7 @@ ScenePart SceneImporter::root() {
     return root;
 }
 
-// Adds the environment: the file that its light is in, whatever else a dialect says of it.
+// Adds the environment map named by the camera's ENVIRONMENT line; other values of the line are not used.
 void SceneImporter::add_environment(ScenePart& root, CourseFileFinder& files) {
     const auto line = sections_->camera->lines.find("ENVIRONMENT");
     if (line == sections_->camera->lines.end() || is_course_off("ENVIRONMENT", line->second.values())) {
@@ -132,7 +132,7 @@ void SceneImporter::add_environment(ScenePart& root, CourseFileFinder& files) {
                     "an image that can be read");
         return;
     }
-    // The formula of learnopengl.com's "Diffuse irradiance", which most have: u is 1/2 + atan2(z, x) / 2 pi.
+    // Most dialects use the formula of learnopengl.com's "Diffuse irradiance": u = 1/2 + atan2(z, x) / 2 pi.
     result_->warnings.add(
         line->second.number,
         fmt::format("{} has the direction -x at the image's left edge and +x in its middle{}; formats "
@@ -144,7 +144,7 @@ void SceneImporter::add_environment(ScenePart& root, CourseFileFinder& files) {
         &line->second, "[0, 0, 0]");
 }
 
-// The radiance of rays that meet nothing.
+// Adds BACKGROUND_COLOR, the radiance of rays that hit nothing.
 void SceneImporter::add_background(ScenePart& root) {
     const std::optional<Cis565Line>& line = sections_->background;
     if (!line || is_course_off("BACKGROUND_COLOR", line->values())) {
@@ -242,19 +242,19 @@ Vec3d rotation_x_first(const Vec3d& degrees) {
     if (turned <= 1) {
         return degrees;
     }
-    // Rx(a) Ry(b) Rz(c) is the transpose of Rz(-c) Ry(-b) Rx(-a), so the columns of that are its rows.
+    // Rx(a) Ry(b) Rz(c) is the transpose of Rz(-c) Ry(-b) Rx(-a), so its rows are the columns of the latter.
     const Rotation transpose = rotation_of(-degrees);
     const auto matrix = [&](int row, int column) { return transpose.column[row][column]; };
     const double cosine_y = std::hypot(matrix(0, 0), matrix(1, 0));
-    // If cosine_y is 0, x and z turn about the same axis, and z may as well be 0.
+    // Gimbal lock: if cosine_y is 0, x and z rotate about the same axis, so z is set to 0.
     const double cosine_z = cosine_y > 0 ? matrix(0, 0) / cosine_y : 1;
     const double sine_z = cosine_y > 0 ? matrix(1, 0) / cosine_y : 0;
-    // x from what Rz^-1 leaves, not from the third row: that one is noise near cosine_y = 0.
+    // The angle x comes from the matrix after undoing z: the matrix's third row is noise if cosine_y is near 0.
     const double sine_x = sine_z * matrix(0, 2) - cosine_z * matrix(1, 2);
     const double cosine_x = cosine_z * matrix(1, 1) - sine_z * matrix(0, 1);
     const auto angle = [](double sine, double cosine) {
         const double value = std::atan2(sine, cosine) * (180.0 / pi<double>);
-        return std::round(value * 1e12) / 1e12;  // 30.000000000000004 is 30
+        return std::round(value * 1e12) / 1e12;  // an angle of 30.000000000000004 degrees becomes 30
     };
     return {angle(sine_x, cosine_x), angle(-matrix(2, 0), cosine_y), angle(sine_z, cosine_z)};
 }

@@ -15,7 +15,7 @@ namespace pt {
 
 namespace {
 
-// The numbers and words of a value, whatever it is nested in.
+// Collects all numbers and words of a JSON value, however nested, as the words of a line.
 void add_words(const Json& value, std::vector<std::string>& words) {
     if (value.is_structured()) {
         for (const Json& element : value) {
@@ -64,7 +64,7 @@ Cis565Line CourseJsonReader::line(const std::string& place, const Json& value) c
     return line;
 }
 
-// The member `key` of the file's object; null where it is missing, which is a problem.
+// Finds a top-level member of the JSON scene; null if it is missing, which is reported as a problem.
 const Json* CourseJsonReader::member(const char* key) {
     if (root_->contains(key)) {
         return &root_->at(key);
@@ -103,8 +103,8 @@ void CourseJsonReader::read_meshes() {
     }
 }
 
-// Adds a member of an object as words of the text format; an object's TYPE and its keys for files have words of their
-// own.
+// Adds a JSON member to its section as a line with the text format's keywords. An object's TYPE and file keys are
+// mapped to the text format's shape and FILE lines.
 void CourseJsonReader::add_member(Cis565Section& section, const std::string& key, const Json& value,
                                   const std::string& place) {
     const Cis565Line found = line(place + "." + key, value);
@@ -188,7 +188,7 @@ Cis565File CourseJsonReader::read() {
     return std::move(file_);
 }
 
-// A parser's message names the file once more.
+// Strips the file name from the start of a parser's message, since it would be repeated.
 std::string without_file(const std::string& message, const std::string& file) {
     return message.starts_with(file + ": ") ? message.substr(file.size() + 2) : message;
 }

@@ -18,11 +18,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Deviations from right angles between columns: one smaller than the first is a matter of a file's digits.
+// Limits on the cosine between columns of an affine map: a shear below the first comes from the digits of the file.
 constexpr double slight_shear = 1e-6, shear_of_rounding = 1e-12;
 
-// Normals turned by the map's cofactors, so that they stay across what they were across; outward of what it mirrors
-// too.
+// Vertex normals transformed by the map's cofactors, so that they stay perpendicular to surfaces, and outward.
 std::vector<std::array<float, 3>> normals_placed_by(const std::vector<std::array<float, 3>>& normals,
                                                     const Affine& map) {
     const auto& [x, y, z] = map.column;
@@ -37,7 +36,7 @@ std::vector<std::array<float, 3>> normals_placed_by(const std::vector<std::array
     return placed;
 }
 
-// The mesh placed by a map. If the map mirrors, triangles go round the other way, so that their outside stays outside.
+// A mesh transformed by an affine map. If the map mirrors, the winding is reversed, so that the outside stays outside.
 Mesh mesh_placed_by(const Mesh& mesh, const Affine& map) {
     Mesh made;
     for (const auto& vertex : mesh.vertices) {
@@ -181,8 +180,7 @@ bool ImportDraft::add_mesh(const std::string& file, const Affine& map, std::size
     return true;
 }
 
-// Keeps a mesh that is placed by a map, but for its translation: far off, single precision would have few digits left
-// for its shape.
+// Keeps a transformed mesh but for its translation, which would cost its shape digits in single precision.
 std::optional<std::string> ImportDraft::keep_placed(const std::string& file, const Affine& map, bool has_normals,
                                                     const Cis565Line* at) {
     try {

@@ -1,5 +1,5 @@
-// A scene under way from another program's file: its parts, each with the place it comes from, and the meshes that are
-// to be written beside it.
+// The draft of a scene that is imported from another program's file: its parts, each with its place in the source, and
+// the meshes and images to be written beside it.
 #pragma once
 
 #include <deque>
@@ -24,56 +24,56 @@ public:
     const ImportSource& source() const { return source_; }
     SceneParts parts;
 
-    // A place in the source for messages: a line (0: the file has none to tell) and what stands there.
+    // A place in the source file for messages: the line (0: unknown) and the text that stands there.
     const Cis565Line* place(std::size_t line, const std::string& text);
     void refuse(const Cis565Line& place, const std::string& allowed);
 
-    // The scene's name: the call's, else `wanted` if it can be one, else of the file.
+    // Sets the scene's name: the caller's, else `wanted` if it is valid as a name, else the file's name.
     void begin(const std::string& wanted, const Cis565Line* head);
 
-    // Adds the view of the camera, whose parts are allowed or not together.
+    // Adds the camera's eye, look_at and up, which are accepted or rejected together.
     void add_view(const Vec3d& eye, const Vec3d& look_at, const Vec3d& up, const Cis565Line* at);
 
-    // Adds a material under a name that no other one has. Returns the material's number.
+    // Adds a material under a name made unique. Returns the material's number.
     std::size_t add_material(ScenePart part, const std::string& name);
     const std::string& material_name_of(std::size_t material) const { return parts.materials[material].name; }
 
-    // Adds an object of a shape whose own space is that of scene files. False, and a problem, where scene files have no
-    // such placement.
+    // Adds an object of a shape in scene files' own units. Returns false, and reports a problem, if scene files cannot
+    // express the placement.
     bool add_shape(const std::string& shape, const Affine& placed, std::size_t material, const Cis565Line* at);
-    // Adds an object of a mesh in a file; a mesh that is placed in a way that scene files lack becomes a file of its
-    // own. `has_normals`: it is shaded with those of its vertices.
+    // Adds an object that shows a mesh file. If scene files cannot express the placement, the mesh is transformed and
+    // kept as a new file. `has_normals`: the object is shaded with vertex normals.
     bool add_mesh(const std::string& file, const Affine& placed, std::size_t material, const Cis565Line* at,
                   bool has_normals = false);
-    // Keeps a mesh that is to be written beside the scene; returns the name to add it by.
+    // Keeps a mesh that is to be written beside the scene, and returns its file name.
     std::string keep_mesh(const Mesh& mesh);
-    // Keeps an image file's content that is to be written beside the scene; `ending` with its dot. Returns the name
-    // that the scene has for it.
+    // Keeps an image file's content that is to be written beside the scene, and returns its name in the scene. `ending`
+    // is the file extension with its dot.
     std::string keep_image(const std::string& content, const std::string& ending);
-    // Whether a material shows an image, and so needs texture coordinates.
+    // Whether a material has a texture, so that its objects need texture coordinates.
     bool shows_image(std::size_t material) const;
 
-    // The path of a file that the source names, and the name by which the scene has a file.
+    // The path of a file that the source names, and a file's name as the scene file writes it.
     std::string path_of(const std::string& named) const;
     std::string name_in_scene(const std::string& path) const;
 
-    // Checks the parts; the scene where nothing is wrong with them.
+    // Validates the draft of an imported scene. Returns the scene if it has no problems.
     std::optional<Scene> checked();
     void finish();
 
 private:
     ScenePart object(const std::string& shape, std::size_t material, const Cis565Line* at) const;
     void add_placement(ScenePart& object, const TranslateRotateScale& parts, const Cis565Line* at);
-    // Keeps the mesh in the shape that a map gives it, as a file beside the scene, and returns its name there. Nothing,
-    // and told, where that leaves no triangle.
+    // Keeps a mesh transformed by an affine map as a file beside the scene, and returns its name. Returns nothing,
+    // after reporting a problem, if no triangle is left.
     std::optional<std::string> keep_placed(const std::string& file, const Affine& placed, bool has_normals,
                                            const Cis565Line* at);
 
     const ImportSource& source_;
     ImportResult* result_;
     std::deque<Cis565Line> places_;
-    std::map<std::string, Mesh> read_;  // meshes to place anew, by path
-    std::map<std::string, int> names_;  // of materials, and which number comes next for a further one
+    std::map<std::string, Mesh> read_;  // source meshes read for transformation, by path
+    std::map<std::string, int> names_;  // material names, and the next number to make each unique
 };
 
 }  // namespace pt

@@ -1,4 +1,4 @@
-// What the importer has to say of a text file, a line each.
+// Problems, warnings and notes of an import, one line of text each.
 #pragma once
 
 #include <cstddef>
@@ -8,12 +8,11 @@
 namespace pt {
 
 struct ImportFinding {
-    std::size_t line = 0;  // of the text file, from 1; 0: it is about the file as a whole
-    std::string text;      // one line
+    std::size_t line = 0;  // line in the source file, from 1; 0: the whole file
+    std::string text;      // text of the finding, one line
 };
 
-// What an import found in a file, in the file's order. A file can be wrong in every line: all findings are counted, the
-// first are kept.
+// Findings of an import in file order: all are counted, since every line may be wrong, but only the first are kept.
 class ImportFindings {
 public:
     static constexpr std::size_t most_listed = 50;
@@ -22,8 +21,8 @@ public:
 
     std::size_t count() const { return count_; }
     const std::vector<ImportFinding>& listed() const { return listed_; }
-    // A message for each finding that is kept, "FILE:LINE: KIND: TEXT", and how many more there are. An empty `kind`
-    // goes without its colon.
+    // Messages "FILE:LINE: KIND: TEXT" for the findings that are kept, and the number of further ones. With an empty
+    // `kind` the "KIND: " is left out.
     std::vector<std::string> messages(const std::string& file, const std::string& kind) const;
 
 private:

@@ -17,7 +17,7 @@ namespace pt {
 
 namespace {
 
-// Settings that glTF leaves to whoever shows a scene.
+// Image height, path depth, aspect ratio and field of view, which a glTF file leaves to the viewer.
 constexpr int gltf_picture_height = 600, gltf_max_depth = 8;
 constexpr double gltf_aspect = 4.0 / 3.0, gltf_view_degrees = 45;
 
@@ -30,8 +30,8 @@ Affine affine_of(const glm::dmat4& matrix) {
     return map;
 }
 
-// Rotations are of length 1 by the format; files have them rounded to single precision, which a mesh keeps and angles
-// should not show.
+// The matrix of a glTF node with its rotation normalised in double. Files round rotations to single precision, which
+// would show in the angles of the scene file.
 glm::dmat4 matrix_of_node(const tinygltf::Node& node) {
     tinygltf::Node exact = node;
     double square = 0;
@@ -68,7 +68,7 @@ private:
     void add_node(int index, const glm::dmat4& parent, int depth);
     void refuse_of_node(const tinygltf::Node& node, const std::string& pointer);
     void add_mesh(int index, const Affine& map, const Cis565Line* at);
-    // The name of a mesh file to add a primitive by; empty where there is none, which is told.
+    // The mesh file of a glTF primitive, written on first use. Empty, with a problem reported, if there is none.
     const std::string& file_of(int mesh, std::size_t primitive, const std::string& pointer);
     void add_camera(int index, const Affine& map, const std::string& node);
     void add_view(const Vec3d& eye, const Vec3d& look_at, const Vec3d& up, double degrees, double aspect,
@@ -81,8 +81,8 @@ private:
     GltfMaterials materials_;
     GltfMeshMaker maker_;
     std::map<std::pair<int, std::size_t>, std::string> files_;
-    std::set<std::string> has_coordinates_;  // of files_
-    std::set<std::string> has_normals_;      // likewise
+    std::set<std::string> has_coordinates_;  // mesh files with texture coordinates
+    std::set<std::string> has_normals_;      // mesh files with vertex normals
     int visits_ = 0;
     std::uint64_t vertices_ = 0;
     bool has_camera_ = false;
@@ -118,7 +118,7 @@ void GltfImporter::refuse_of_node(const tinygltf::Node& node, const std::string&
         refuse(pointer + "/weights", "weights of morph targets", "weights of 0");
     }
     for (const auto& [name, value] : node.extensions) {
-        if (name != "KHR_lights_punctual") {  // told once, of the light
+        if (name != "KHR_lights_punctual") {  // KHR_lights_punctual is reported once, elsewhere
             refuse(pointer + "/extensions/" + name, "an extension", "none of a node");
         }
     }
@@ -193,7 +193,7 @@ void GltfImporter::add_view(const Vec3d& eye, const Vec3d& look_at, const Vec3d&
                                       width, gltf_picture_height));
 }
 
-// Adds a camera, which looks along -z of its node, y being up. What the node scales, its view is not.
+// Adds a camera, which looks along -z of its node with y up. Scales of the node do not apply to a camera.
 void GltfImporter::add_camera(int index, const Affine& map, const std::string& node) {
     const std::string pointer = fmt::format("/cameras/{}", index);
     if (static_cast<std::size_t>(index) >= model_->cameras.size()) {
@@ -216,7 +216,7 @@ void GltfImporter::add_camera(int index, const Affine& map, const std::string& n
         return;
     }
     const auto unit = [](const Vec3d& v) { return v * (1 / std::sqrt(dot(v, v))); };
-    // Radians of a file that has them in single precision are decimals in double.
+    // Rounds away noise from a field of view that the file has in single precision, in radians.
     const double degrees = shortest_within(camera.perspective.yfov * (180 / pi<double>), 1e-12);
     const double aspect = camera.perspective.aspectRatio > 0 ? camera.perspective.aspectRatio : gltf_aspect;
     add_view(map.origin, map.origin - unit(map.column[2]), unit(map.column[1]), degrees, aspect,
@@ -232,7 +232,7 @@ void GltfImporter::add_node(int index, const glm::dmat4& parent, int depth) {
         return;
     }
     if (depth > deepest || ++visits_ > most_visits) {
-        if (visits_ <= most_visits + 1) {  // told once
+        if (visits_ <= most_visits + 1) {  // report the limit on nodes only once
             refuse(pointer, "nodes within nodes without end", "at most 64 levels and 10^5 nodes");
             visits_ = most_visits + 1;
         }
@@ -256,7 +256,7 @@ void GltfImporter::add_node(int index, const glm::dmat4& parent, int depth) {
     }
 }
 
-// Makes a camera in front of all objects, looking along -z, so far off that a ball about all fits into the view.
+// Adds a camera in front of all objects that looks along -z from where their bounding sphere fits into the view.
 void GltfImporter::make_camera(const Scene& scene) {
     Vec3d low(0.0), high(0.0);
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {
@@ -318,7 +318,7 @@ void GltfImporter::import() {
     draft_.finish();
 }
 
-// The files that a model names, beside it; none of a picture is asked for.
+// Reads a data file that a glTF model names, relative to the model. Image files are never read this way.
 std::string read_beside(const ImportSource& source, const std::string& name) {
     return read_file((std::filesystem::path(source.file).parent_path() / name).string(), largest_gltf);
 }
@@ -351,7 +351,7 @@ ImportResult import_gltf(const ImportSource&) {
 #endif
 
 bool is_like_gltf(const std::string& text) {
-    return text.starts_with("glTF");  // JSON may be anything
+    return text.starts_with("glTF");  // glTF in JSON is recognised by its extension only
 }
 
 }  // namespace pt

@@ -1,5 +1,5 @@
-// Turns a glTF 2 scene (.gltf, .glb) into a scene file, with its meshes as PLY files beside it: cameras, nodes, and the
-// materials that scene files have. What is read how is in docs/other_renderers.md.
+// Converts a glTF 2 scene (.gltf, .glb) into a scene file with its meshes as PLY files beside it: cameras, nodes and
+// the materials that scene files can express. docs/other_renderers.md tells how each part is read.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@ namespace pt {
 
 ImportResult import_gltf(const ImportSource& source);
 
-// Whether a text may be glTF, for a file whose ending tells nothing.
+// Whether a text looks like glTF; for files whose extension names no format.
 bool is_like_gltf(const std::string& text);
 
 }  // namespace pt

@@ -1,4 +1,4 @@
-// glTF 2.0, sections 3.8 and 5.26: samplers, and how an image lies in a file.
+// Imports glTF images and samplers (glTF 2.0, sections 3.8 and 5.26).
 #ifdef PTBENCH_HAS_TINYGLTF
 
 #include "harness/interchange/import_gltf_image.h"
@@ -10,7 +10,7 @@ namespace pt {
 
 namespace {
 
-// The file name of a URI: "my%20image.png" is "my image.png".
+// Decodes percent codes in a URI: "my%20image.png" is the file "my image.png".
 std::string without_percents(const std::string& uri) {
     const auto digit = [](char c) {
         return c >= '0' && c <= '9'   ? c - '0'
@@ -31,7 +31,8 @@ GltfImage no_image(const std::string& refusal) { return {.value = "", .refusal =
 
 }  // namespace
 
-// A path tracer has no smaller images of an image: the mean of a pixel's rays is what they stand for.
+// Why a glTF sampler cannot be imported; empty if it can. Mipmap filters are accepted, since a path tracer averages the
+// rays of a pixel instead.
 std::string GltfImages::sampler_refusal(int index) {
     if (index < 0) {
         return "";
@@ -57,10 +58,10 @@ std::string GltfImages::sampler_refusal(int index) {
     return "";
 }
 
-// The bytes of an image's file; of one that lies in a buffer, held to lie within it. Empty: it does not.
+// The bytes of an embedded image: a data URI, or a buffer view checked to lie within its buffer (empty if it does not).
 std::string GltfImages::embedded_content(const tinygltf::Image& image) const {
     if (image.bufferView < 0) {
-        return {image.image.begin(), image.image.end()};  // of a data URI, as parse_gltf_model keeps it
+        return {image.image.begin(), image.image.end()};  // bytes of a data URI, decoded by parse_gltf_model
     }
     const tinygltf::BufferView& part = model_->bufferViews[static_cast<std::size_t>(image.bufferView)];
     const std::vector<unsigned char>& data = model_->buffers[static_cast<std::size_t>(part.buffer)].data;

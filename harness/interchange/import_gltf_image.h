@@ -1,5 +1,5 @@
-// The images of a glTF file that surfaces show: beside it, or in it and then to be written beside the scene. Only for
-// files that are compiled with tinygltf.
+// Imports texture images of a glTF file: those beside the file, and embedded ones, which are written beside the scene.
+// Only for files compiled with tinygltf.
 #pragma once
 
 #include <map>
@@ -12,9 +12,9 @@
 namespace pt {
 
 struct GltfImage {
-    std::string value;  // of a colour in the scene file: {"image": NAME}; empty: it cannot be shown
+    std::string value;  // colour in the scene file: {"image": NAME}; empty: not possible
     bool has_alpha = false;
-    std::string refusal = {};  // what a texture would have to be
+    std::string refusal = {};  // what a refused texture would have to be
 };
 
 class GltfImages {
@@ -32,8 +32,8 @@ private:
 
     const tinygltf::Model* model_;
     ImportDraft* draft_;
-    std::map<int, GltfImage> known_;  // by image
-    std::set<int> noted_;             // samplers
+    std::map<int, GltfImage> known_;  // images converted so far, by image index
+    std::set<int> noted_;             // glTF samplers that a note has reported
 };
 
 }  // namespace pt

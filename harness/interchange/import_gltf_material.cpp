@@ -1,4 +1,5 @@
-// glTF 2.0, section 3.9 and appendix B; KHR_materials_emissive_strength, _ior, _specular, _transmission and _volume.
+// Imports glTF 2.0 materials (3.9, appendix B), KHR_materials_emissive_strength, _ior, _specular, _transmission,
+// _volume.
 #ifdef PTBENCH_HAS_TINYGLTF
 
 #include "harness/interchange/import_gltf_material.h"
@@ -23,14 +24,14 @@ bool is_white_colour(const Vec3d& v) { return v.x == 1 && v.y == 1 && v.z == 1; 
 
 }  // namespace
 
-// Reads one material.
+// Reads one glTF material.
 struct GltfMaterials::Reader {
     const tinygltf::Material* material;
     ImportDraft* draft;
-    std::string pointer;  // "/materials/3"
+    std::string pointer;  // JSON pointer to the glTF material, such as "/materials/3"
     bool is_good = true;
-    GltfImage image = {};      // that the base colour is; without a value there is none
-    std::string normals = {};  // likewise, as the scene file has them
+    GltfImage image = {};      // base colour texture; empty: none
+    std::string normals = {};  // JSON text of the normal map; empty: none
 
     const Cis565Line* place(const std::string& key, const std::string& value) const {
         return draft->place(0, pointer + key + ": " + value);
@@ -192,7 +193,7 @@ void GltfMaterials::Reader::warn_of_thin_walls() const {
          "is of a thin wall there (KHR_materials_volume gives no thickness); here the mesh is solid glass");
 }
 
-// A surface that all light goes through or is reflected by.
+// Adds the keys of glass: a surface that reflects or transmits all light.
 void GltfMaterials::Reader::add_glass(ScenePart& part, const Vec3d& colour, double roughness) {
     const double index = number_in(index_of_refraction, "ior", 1.5);
     if (number_in(specular, "specularFactor", 1) != 1 ||
@@ -219,7 +220,7 @@ void GltfMaterials::Reader::add_glass(ScenePart& part, const Vec3d& colour, doub
     }
     const double length = number_in(volume, "attenuationDistance", 1);
     const Vec3d kept = colour_in(volume, "attenuationColor", Vec3d(1.0));
-    // The attenuation colour is what is left of light that has come the attenuation distance.
+    // glTF's attenuationColor is the transmittance over the attenuationDistance, which gives sigma_a.
     Vec3d sigma(0.0);
     for (int i = 0; i < 3; ++i) {
         sigma[i] = -std::log(kept[i]) / length;
@@ -234,8 +235,8 @@ void GltfMaterials::Reader::add_glass(ScenePart& part, const Vec3d& colour, doub
     }
 }
 
-// The index of refraction of the coat over what is no metal; 1 where it reflects nothing. KHR_materials_specular scales
-// what it reflects: this is the index that reflects as much at normal incidence.
+// Index of refraction of a dielectric's coat; 1 if it reflects nothing. KHR_materials_specular scales the reflectance:
+// the index returned has the scaled reflectance at normal incidence.
 double GltfMaterials::Reader::coat_index() {
     const double index = number_in(index_of_refraction, "ior", 1.5);
     const double factor = number_in(specular, "specularFactor", 1);
@@ -265,7 +266,7 @@ double GltfMaterials::Reader::coat_index() {
     return same;
 }
 
-// Adds the keys of a principled material but for its base colour and emission.
+// Adds the keys of a principled material except base colour and emission.
 void GltfMaterials::Reader::add_principled(ScenePart& part, double metallic, double roughness, double through) {
     const double index = coat_index();
     part.add("metallic", json_of(metallic), place("/pbrMetallicRoughness/metallicFactor", json_of(metallic)), "0");

@@ -1,5 +1,4 @@
-// The materials of a glTF file, core and extensions, as those of scene files. Only for files that are compiled with
-// tinygltf.
+// Converts glTF materials, core and extensions, to those of scene files. Only for files compiled with tinygltf.
 #pragma once
 
 #include <map>
@@ -16,8 +15,8 @@ public:
     GltfMaterials(const tinygltf::Model& model, ImportDraft& draft)
         : model_(&model), draft_(&draft), images_(model, draft) {}
 
-    // The material's number in the draft, -1 being glTF's own; nothing, and a problem, where scene files have none
-    // such.
+    // Converts a glTF material (-1: glTF's default) and returns its number in the draft. Returns nothing, after
+    // reporting a problem, if scene files cannot express the material.
     std::optional<std::size_t> material_of(int index);
 
 private:

@@ -14,7 +14,7 @@ namespace pt {
 
 namespace {
 
-constexpr std::size_t longest_text = 80;  // bytes of a line that a message quotes
+constexpr std::size_t longest_text = 80;  // most bytes of a line quoted in a message
 
 bool is_key_of_any_section(const std::string& word) {
     return find_course_word("MATERIAL", word) != nullptr || find_course_word("CAMERA", word) != nullptr ||
@@ -27,7 +27,7 @@ bool is_section(const std::string& word) {
 
 bool is_shape(const std::string& key) { return key == "cube" || key == "sphere" || key == "rect" || key == "mesh"; }
 
-// The name of a mesh's file stands alone on its line in some dialects.
+// Whether a word is a mesh file's name, which in some dialects stands alone on its line.
 bool is_file_name(const std::string& word) {
     for (const char* ending : {".obj", ".gltf", ".glb", ".ply"}) {
         if (word.ends_with(ending)) {
@@ -37,7 +37,7 @@ bool is_file_name(const std::string& word) {
     return false;
 }
 
-// The key that may not stand beside `key`; empty: there is none.
+// The keyword that excludes `key` in a section of a CIS 565 scene; empty if none does.
 std::string rival_of(const std::string& key) {
     static const std::map<std::string, std::string> rivals{
         {"cube", "sphere"}, {"sphere", "cube"}, {"LOOKAT", "VIEW"}, {"VIEW", "LOOKAT"}};
@@ -45,14 +45,14 @@ std::string rival_of(const std::string& key) {
     return found == rivals.end() ? "" : found->second;
 }
 
-// Whether a character is part of a number. "0.5," counts as 0.5: programs read it so that stop at what is no number.
+// Whether a character belongs to a number, which ends at any other: many programs read "0.5," as 0.5.
 bool is_of_number(char c) { return (c >= '0' && c <= '9') || c == '.'; }
 
 class LineSorter {
 public:
     explicit LineSorter(ImportResult& result) : result_(&result) {}
 
-    // Adds a line to its section. `is_first`: it stands behind an empty line or a comment, where sections start.
+    // Adds a line to its section. `is_first`: it follows an empty line or a comment, where new sections may start.
     void add(const Cis565Line& line, bool is_first);
     Cis565File take() { return std::move(file_); }
 
@@ -61,7 +61,7 @@ private:
         result_->problems.add(line.number, fmt::format("found \"{}\", allowed: {}", line.text(), allowed));
     }
     bool starts_section(const Cis565Line& line, bool is_first) const;
-    // Starts a section; null for a second camera, since nobody knows whose the lines behind it are.
+    // Starts a section. Returns null for a second camera, since its lines belong to no section.
     Cis565Section* start_section(const Cis565Line& line);
     Cis565Section* start_camera(const Cis565Line& line);
     void start_numbered(const Cis565Line& line, std::vector<Cis565Section>& sections);
@@ -73,10 +73,10 @@ private:
     ImportResult* result_;
     Cis565File file_;
     Cis565Section* section_ = nullptr;
-    bool is_outside_ = false;  // a line was, before the first section
+    bool is_outside_ = false;  // some line came before the first section of the CIS 565 scene
 };
 
-// MATERIAL within an object names its material, in some dialects.
+// Whether a line starts a section. In some dialects MATERIAL within an object names the object's material.
 bool LineSorter::starts_section(const Cis565Line& line, bool is_first) const {
     const bool is_of_object = !is_first && section_ != nullptr && section_->kind == "OBJECT" &&
                               line.words[0] == "MATERIAL" && !section_->lines.contains("material");
@@ -123,8 +123,8 @@ Cis565Section* LineSorter::start_camera(const Cis565Line& line) {
     return &file_.camera.emplace(Cis565Section{.kind = "CAMERA", .head = line, .lines = {}});
 }
 
-// Starts a numbered section. They count up from 0 in the course, whose programs leave out what does not; students'
-// programs do not.
+// Starts a numbered section. The course's programs skip sections that do not count up from 0; students' programs do
+// not, and neither does this importer.
 void LineSorter::start_numbered(const Cis565Line& line, std::vector<Cis565Section>& sections) {
     const std::string next = std::to_string(sections.size());
     const std::string label = line.words.size() == 2 ? line.words[1] : "";
@@ -137,7 +137,7 @@ void LineSorter::start_numbered(const Cis565Line& line, std::vector<Cis565Sectio
     sections.push_back({.kind = line.words[0], .head = line, .lines = {}, .label = label.empty() ? next : label});
 }
 
-// Objects mean a material by its label.
+// Registers a material's label, by which objects refer to the material.
 void LineSorter::add_label(const Cis565Line& line) {
     std::string& label = file_.materials.back().label;
     const auto [first, is_new] = file_.materials_by_word.emplace(label, file_.materials.size() - 1);
@@ -148,17 +148,17 @@ void LineSorter::add_label(const Cis565Line& line) {
     }
 }
 
-// The keys behind a section's head that was not known follow from that: they are no problems of their own.
+// Reports a line outside of all sections, but not keywords behind an unknown section head, which was reported itself.
 void LineSorter::add_outside(const Cis565Line& line) {
     const bool is_first = !file_.camera && file_.materials.empty() && file_.objects.empty() && !is_outside_;
     is_outside_ = true;
     if (is_first || !is_key_of_any_section(line.words[0])) {
         fail(line, "MATERIAL n, CAMERA or OBJECT n");
-        file_.has_all_materials = false;  // this may have been one
+        file_.has_all_materials = false;  // the unknown section may have been a material
     }
 }
 
-// Takes the background's line, which stands in no section, wherever it is.
+// Stores the line of the background, which belongs to no section and may be anywhere.
 void LineSorter::add_background(const Cis565Line& line) {
     if (file_.background) {
         fail(line, fmt::format("{} once; line {} has it", line.words[0], file_.background->number));
@@ -175,7 +175,7 @@ void LineSorter::add_to(Cis565Section& section, const Cis565Line& line) {
         return;
     }
     const bool is_of_shape = known != nullptr && is_shape(known->key) && line.words.size() != 1;
-    if (is_of_shape && known->key == "mesh") {  // GLTF and a path
+    if (is_of_shape && known->key == "mesh") {  // a line "GLTF path"
         add_course_line(section, "FILE", line, *result_);
     } else if (is_of_shape) {
         fail(line, word + " alone on its line");
@@ -184,7 +184,7 @@ void LineSorter::add_to(Cis565Section& section, const Cis565Line& line) {
     add_course_line(section, word, line, *result_);
 }
 
-// Whether a word stands a second time, or beside one that says the same in another way.
+// Whether a keyword is repeated, or stands beside one that excludes it; reports a problem if so.
 bool stands_twice(const Cis565Section& section, const std::string& key, const Cis565Line& line, ImportResult& result) {
     for (const std::string& other : {key, rival_of(key)}) {
         if (const auto found = section.lines.find(other); found != section.lines.end()) {
@@ -206,7 +206,7 @@ std::string Cis565Line::text() const {
     }
     std::size_t cut = longest_text - 3;
     while (cut > 0 && (static_cast<unsigned char>(text[cut]) & 0xc0) == 0x80) {
-        cut -= 1;  // not within a character of UTF-8
+        cut -= 1;  // do not cut within a UTF-8 character
     }
     return text.substr(0, cut) + "...";
 }
@@ -251,7 +251,7 @@ Cis565File read_cis565_file(const std::string& text, ImportResult& result) {
     bool is_first = true;
     for (std::size_t number = 1; std::getline(stream, content); ++number) {
         Cis565Line line{number, {}};
-        std::istringstream words(content);  // white space includes the \r of files from Windows
+        std::istringstream words(content);  // white space includes the \r of Windows files
         for (std::string word; words >> word && !word.starts_with("//") && word[0] != '#';) {
             const bool is_listed = word.size() > 1 && word.back() == ',' && is_of_number(word[word.size() - 2]);
             line.words.push_back(is_listed ? word.substr(0, word.size() - 1) : word);
@@ -331,7 +331,7 @@ std::optional<Vec3d> Cis565SectionReader::vector_of(const Cis565Line& line) {
     for (std::size_t i = 0; i < 3; ++i) {
         const std::optional<double> value = parse(line, i + 1, allowed);
         if (!value) {
-            return std::nullopt;  // one problem a line
+            return std::nullopt;  // report one problem per line only
         }
         values[i] = *value;
     }

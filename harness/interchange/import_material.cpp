@@ -1,4 +1,4 @@
-// What a MATERIAL section is read as: harness/interchange/import_cis565.h says it in words.
+// Imports a MATERIAL section of a CIS 565 scene; the rules are in harness/interchange/import_cis565.h.
 #include <fmt/format.h>
 
 #include "harness/failure.h"
@@ -11,7 +11,7 @@ namespace pt {
 namespace {
 
 constexpr const char* black = "[0, 0, 0]";
-constexpr double common_index = 1.5;  // of glass
+constexpr double common_index = 1.5;  // index of refraction of common glass
 
 class MaterialImporter {
 public:
@@ -54,12 +54,12 @@ private:
 
     CourseImport* import_;
     const Cis565Section* section_;
-    std::string label_;  // e.g. "material 2"
+    std::string label_;  // name of the material in messages, e.g. "material 2"
     Cis565SectionReader reader_;
     ImportFindings* warnings_;
-    std::map<std::string, Vec3d> values_;  // by key; a number is x; 0 where there is no such line
-    std::string what_;                     // e.g. "material 2 is a mirror"
-    std::string image_;                    // in the scene file; empty: one colour
+    std::map<std::string, Vec3d> values_;  // values by key, a number in x; 0 if the line is missing
+    std::string what_;                     // description of the material in messages, e.g. "material 2 is a mirror"
+    std::string image_;                    // texture as JSON for the scene file; empty: none
     CourseType type_ = CourseType::by_values;
     bool is_black_ = false;
 };
@@ -101,7 +101,7 @@ MaterialImporter::MaterialImporter(CourseImport& import, std::size_t index)
     }
 }
 
-// Whether TYPE names another material, which only JSON scenes can, where materials have names.
+// Whether TYPE is the name of another material, which happens only in JSON scenes, where materials have names.
 bool MaterialImporter::names_a_material() const {
     return has("TYPE") && line("TYPE").words.size() == 2 && import_->sections->is_json &&
            !is_course_type(line("TYPE").words[1]) &&
@@ -148,7 +148,7 @@ void MaterialImporter::warn_unless_one(const std::string& key) {
     }
 }
 
-// Warns of a colour that is not used, unless it is white, which would change nothing.
+// Warns of a colour that is not used, unless it is white and so has no effect.
 void MaterialImporter::warn_unless_white(const std::string& key) {
     if (colour(key) != Vec3d(1.0)) {
         warn(key, "is not used: " + what_);
@@ -161,7 +161,7 @@ void MaterialImporter::warn_of_rgb() {
     }
 }
 
-// A material with a TYPE has RGB for its colour, whatever it is.
+// Warns that RGB serves as specular colour. No warning for a material with a TYPE, whose colour is always RGB.
 void MaterialImporter::warn_of_no_specular(const std::string& asking_key) {
     if (is_set("SPECRGB") || !is_set("RGB") || !has("RGB") || type_ != CourseType::by_values) {
         return;
@@ -183,7 +183,7 @@ void MaterialImporter::add_colour(ScenePart& part, const std::string& member, co
     part.add(member, json_of(colour(key)), reader_.line(key), black);
 }
 
-// The image, where there is one; then the colours `replaced` are not used.
+// Adds the surface's colour: its texture, with warnings for the colours `replaced` by it, or else the colour of `key`.
 void MaterialImporter::add_surface_colour(ScenePart& part, const std::string& member, const std::string& key,
                                           const std::vector<std::string>& replaced) {
     if (image_.empty()) {
@@ -198,7 +198,7 @@ void MaterialImporter::add_surface_colour(ScenePart& part, const std::string& me
     }
 }
 
-// Roughness is the square root of the width of GGX here; the course's programs have it as they like.
+// Adds the roughness, the square root of the GGX width alpha. The course's programs differ in what ROUGHNESS means.
 void MaterialImporter::add_roughness(ScenePart& part) {
     part.add("roughness", json_of(number("ROUGHNESS")), reader_.line("ROUGHNESS"), "0");
     warn("ROUGHNESS", fmt::format("is read as GGX of the width {:.4g}, its square: programs differ",
@@ -240,7 +240,7 @@ ScenePart MaterialImporter::subsurface() {
     return part;
 }
 
-// REFL beside REFR is the course's glass, which reflects by Fresnel's equations, as every dielectric does.
+// Adds a dielectric. REFL beside REFR is the course's glass, with Fresnel reflection like every dielectric.
 ScenePart MaterialImporter::dielectric() {
     const bool is_rough = is_set("ROUGHNESS");
     ScenePart part = start(is_rough ? "rough_dielectric" : "dielectric", "a dielectric");
@@ -311,7 +311,7 @@ ScenePart MaterialImporter::diffuse() {
     return part;
 }
 
-// A type says which of REFL and REFR there are, where the lines do not.
+// Sets REFL, REFR and EMITTANCE of a CIS 565 material as its TYPE implies.
 void MaterialImporter::apply_type() {
     if (type_ == CourseType::emitter && !has("EMITTANCE")) {
         warnings_->add(section_->head.number, fmt::format("{} has no EMITTANCE: read as 1", section_->head.text()));
@@ -338,7 +338,7 @@ void MaterialImporter::apply_type() {
     }
 }
 
-// Glass, metal or a diffuse surface, whichever there is most of: scene files have no blend of them.
+// Reduces a layered material to the largest of glass, metal and diffuse, since scene files cannot blend these.
 void MaterialImporter::apply_layers() {
     if (number("REFR") >= 0.5) {
         return;
@@ -368,7 +368,7 @@ void MaterialImporter::apply_layers() {
     }
 }
 
-// Refuses what no material of a scene file can be; returns whether it did.
+// Reports combinations that no material of a scene file can express; returns whether there is one.
 bool MaterialImporter::refuse() {
     if (is_set("EMITTANCE")) {
         return false;

@@ -14,10 +14,10 @@ namespace pt {
 
 namespace {
 
-// An endless path with roulette there has an end here: at half the light a bounce, 2^-64 is left.
+// Path depth in place of Mitsuba's endless paths: with half the light lost per bounce, 2^-64 is left.
 constexpr int depth_for_endless = 64;
 
-// The view that look_at_map makes a map of.
+// A camera's view as eye, look_at and up; `look_at_map` converts it to an affine map.
 struct SensorView {
     Vec3d eye{0.0}, look_at{0, 0, 1}, up{0, 1, 0};
 };
@@ -52,10 +52,10 @@ private:
     std::map<std::string, std::string> parameters_;
     const XmlElement *integrator_ = nullptr, *sensor_ = nullptr, *environment_ = nullptr;
     Vec3d eye_{0.0};
-    double width_ = 768, height_ = 576;  // as Mitsuba's films are
+    double width_ = 768, height_ = 576;  // Mitsuba's default film size
 };
 
-// An attribute's value with $NAME replaced by that of a <default> that stands before it; the longest name that fits.
+// Replaces $NAME in an attribute's value by the value of an earlier <default>; the longest matching name wins.
 std::string MitsubaImporter::filled(const XmlElement& element, std::string value) {
     constexpr std::size_t longest = 4096;
     for (std::size_t at = value.find('$'); at != std::string::npos && value.size() < longest;
@@ -63,7 +63,7 @@ std::string MitsubaImporter::filled(const XmlElement& element, std::string value
         const auto is_named = [&](const auto& parameter) {
             return value.compare(at + 1, parameter.first.size(), parameter.first) == 0;
         };
-        // The search runs backward, since names that begin with another come after it.
+        // Parameters are searched backward, so that a longer name comes before one that is its prefix.
         const auto found = std::find_if(parameters_.rbegin(), parameters_.rend(), is_named);
         if (found == parameters_.rend()) {
             file_.refuse(element, fmt::format("a <default> before it that gives {} its value", value.substr(at)));
@@ -81,7 +81,7 @@ void MitsubaImporter::fill_in(XmlElement& element) {
             value = filled(element, value);
         }
     }
-    constexpr std::size_t longest = 256;  // of a value, so that a file cannot grow without end
+    constexpr std::size_t longest = 256;  // limit on a value's length, so that substitution cannot blow up a file
     if (element.tag == "default" && element.value_of("value").size() > longest) {
         file_.refuse(element, "a value of at most 256 letters");
     } else if (element.tag == "default") {
@@ -92,7 +92,7 @@ void MitsubaImporter::fill_in(XmlElement& element) {
     }
 }
 
-// Turns camelCase names of before version 2 into today's, as Mitsuba 3 reads them.
+// Converts camelCase names from before Mitsuba 2 to snake_case, as Mitsuba 3 does.
 void MitsubaImporter::modernise(XmlElement& element) {
     for (auto& [key, value] : element.attributes) {
         if (key != "name") {
@@ -196,7 +196,7 @@ void MitsubaImporter::read_field_of_view(MitsubaObject& sensor) {
     std::string axis = in_lower_case(sensor.text("fov_axis", "x"));
     const XmlElement* at = sensor.property("fov");
     if (!angle) {
-        // The diagonal of a frame of 36 by 24 mm.
+        // Mitsuba's focal length of a camera refers to the diagonal of a 36 x 24 mm frame.
         std::string length = sensor.text("focal_length", "50mm");
         at = sensor.property("focal_length");
         length = length.ends_with("mm") ? length.substr(0, length.size() - 2) : length;
@@ -212,7 +212,7 @@ void MitsubaImporter::read_field_of_view(MitsubaObject& sensor) {
         axis = (aspect > 1) == (axis == "smaller") ? "y" : "x";
     }
     const double half = std::tan(*angle * (pi<double> / 360));
-    double half_height = half;  // for a distance of 1
+    double half_height = half;  // half the height of the camera's image plane at distance 1
     if (axis == "x") {
         half_height = half / aspect;
     } else if (axis == "diagonal") {
@@ -232,7 +232,7 @@ std::optional<SensorView> MitsubaImporter::read_view(MitsubaObject& sensor) {
     if (!sensor.is_good()) {
         return std::nullopt;
     }
-    // A lone lookat is read by its own numbers.
+    // A camera transform of a single lookat is read directly, without rounding through a matrix.
     if (element != nullptr && element->children.size() == 1 && element->children.front().tag == "lookat") {
         const XmlElement& look = element->children.front();
         const auto three = [&](const char* name) {
@@ -241,7 +241,7 @@ std::optional<SensorView> MitsubaImporter::read_view(MitsubaObject& sensor) {
         };
         return SensorView{three("origin"), three("target"), three("up")};
     }
-    constexpr double slight = 1e-3;  // as Mitsuba has it
+    constexpr double slight = 1e-3;  // Mitsuba's tolerance for scale and shear in a camera transform
     double off = shear_of(map);
     for (const Vec3d& column : map.column) {
         off = std::max(off, std::abs(dot(column, column) - 1));
@@ -292,12 +292,12 @@ void MitsubaImporter::read_sensor(const XmlElement& element) {
             sensor.refuse_property(offset, "0: the view goes through the picture's middle");
         }
     }
-    // Rays begin at the eye here and have no end, and nothing moves.
+    // Ignored: ptbench's camera rays start at the eye and have no end, and nothing in a Mitsuba import moves.
     sensor.ignore({"near_clip", "far_clip", "shutter_open", "shutter_close"});
     sensor.finish("what a " + type + " has here");
 }
 
-// An image from all round, turned about y alone.
+// Reads an environment map, which may only be rotated about y.
 void MitsubaImporter::read_envmap(const XmlElement& element) {
     MitsubaObject emitter(element, file_);
     const std::string name = emitter.text("filename", "");

@@ -1,5 +1,5 @@
-// Turns a scene in Mitsuba 3's XML into a scene file: the part of that format that scene files have. What is read how
-// is in docs/other_renderers.md.
+// Converts a scene in Mitsuba 3 XML into a scene file, as far as scene files can express it. docs/other_renderers.md
+// tells how each element is read.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@ namespace pt {
 
 ImportResult import_mitsuba(const ImportSource& source);
 
-// Whether a text may be Mitsuba's XML, for a file whose ending tells nothing.
+// Whether a text looks like Mitsuba XML; for files whose extension names no format.
 bool is_like_mitsuba(const std::string& text);
 
 }  // namespace pt

@@ -1,4 +1,4 @@
-// Images of a Mitsuba file: <texture type="bitmap">, and the meshes that show them.
+// Imports the textures of a Mitsuba scene, <texture type="bitmap">, and adapts the meshes that show them.
 #include <fmt/format.h>
 
 #include "harness/failure.h"
@@ -9,7 +9,7 @@
 
 namespace pt {
 
-// Reads an image. Its first row is where v is 0 (src/textures/bitmap.cpp of Mitsuba).
+// Reads a bitmap texture. In Mitsuba its first row is at v = 0 (src/textures/bitmap.cpp).
 MitsubaMaterials::Colour MitsubaMaterials::read_bitmap(const XmlElement& element, MitsubaObject& object) {
     MitsubaObject bitmap(element, *file_);
     if (bitmap.type() != "bitmap") {

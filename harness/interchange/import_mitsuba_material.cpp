@@ -1,4 +1,4 @@
-// The parameters and their defaults: src/bsdfs/ and include/mitsuba/render/ior.h of Mitsuba 3.
+// Imports Mitsuba BSDFs. Parameters and defaults are those of src/bsdfs/ and include/mitsuba/render/ior.h of Mitsuba 3.
 #include "harness/interchange/import_mitsuba_material.h"
 
 #include <cmath>
@@ -35,7 +35,7 @@ MitsubaMaterials::Bsdf MitsubaMaterials::read_diffuse(MitsubaObject& object) {
             .image = albedo.image};
 }
 
-// Reads a roughness, of which Mitsuba has the square, alpha. `changes`: what is told of the distribution.
+// Reads a roughness, which is the square root of Mitsuba's alpha. `changes` receives a remark on the distribution.
 double MitsubaMaterials::read_roughness(MitsubaObject& object, std::string& changes) {
     const double alpha = object.number("alpha", 0.1);
     const double along = object.number("alpha_u", alpha), across = object.number("alpha_v", alpha);
@@ -105,7 +105,7 @@ MitsubaMaterials::Bsdf MitsubaMaterials::read_conductor(MitsubaObject& object, b
             .image = shown.image};
 }
 
-// A number, or the name of what it is the index of.
+// Reads an index of refraction: a number, or the name of a substance.
 std::optional<double> MitsubaMaterials::read_index(MitsubaObject& object, const std::string& name,
                                                    const std::string& otherwise) {
     const XmlElement* found = object.property(name);
@@ -177,7 +177,7 @@ MitsubaMaterials::Bsdf MitsubaMaterials::read_blend(MitsubaObject& object, int d
 }
 
 MitsubaMaterials::Bsdf MitsubaMaterials::read_bsdf(const XmlElement& element, int depth) {
-    constexpr int deepest = 8;  // a file's ids can go round in circles
+    constexpr int deepest = 8;  // BSDFs in a file may refer to each other in a circle
     MitsubaObject object(element, *file_);
     const std::string type = object.type();
     Bsdf bsdf;
@@ -217,7 +217,7 @@ const MitsubaMaterials::Bsdf& MitsubaMaterials::bsdf_of(const XmlElement* elemen
     return known != bsdfs_.end() ? known->second : bsdfs_.emplace(element, read_bsdf(*element, 0)).first->second;
 }
 
-// Mitsuba's medium inside: light is absorbed on the way, or scattered too, which is another material here.
+// Adds a dielectric's interior medium: absorption alone, or scattering, which makes it a subsurface material.
 bool MitsubaMaterials::add_medium(const XmlElement& element, const MitsubaSurface& surface, const Bsdf& bsdf,
                                   ScenePart& part) {
     MitsubaObject medium(element, *file_);

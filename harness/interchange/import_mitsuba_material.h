@@ -1,4 +1,4 @@
-// What a shape of a Mitsuba file looks like, as a material of a scene file: BSDF, emission and the medium inside.
+// Converts the surface of a Mitsuba shape (BSDF, emitter and interior medium) to a material of a scene file.
 #pragma once
 
 #include <map>
@@ -10,44 +10,45 @@
 namespace pt {
 
 struct MitsubaSurface {
-    const XmlElement* bsdf = nullptr;      // null: Mitsuba's own, diffuse 0.5, or black under an emitter
-    const XmlElement* emitter = nullptr;   // of type area
-    const XmlElement* interior = nullptr;  // medium
+    const XmlElement* bsdf = nullptr;      // null: Mitsuba's default BSDF, diffuse 0.5 (black with an emitter)
+    const XmlElement* emitter = nullptr;   // Mitsuba emitter of type area
+    const XmlElement* interior = nullptr;  // Mitsuba medium inside the shape
     const XmlElement* shape = nullptr;
 };
 
-// Which way up a material's image is: with v, which is 0 at the bottom here, or as Mitsuba has it without to_uv,
-// against it.
+// Vertical direction of a material's texture: v_up if v is 0 at the bottom, as in scene files; v_down as in Mitsuba
+// without to_uv.
 enum class MitsubaImage { none, v_down, v_up };
 
 class MitsubaMaterials {
 public:
     explicit MitsubaMaterials(const MitsubaFile& file) : file_(&file) {}
 
-    // The material's number; nothing, and a problem, where there is no such material.
+    // Converts a Mitsuba surface and returns the material's number. Returns nothing, after reporting a problem, if
+    // scene files cannot express it.
     std::optional<std::size_t> material_of(const MitsubaSurface& surface);
-    // What stands behind a lamp that shines to one side: the surface without its emitter, black where it has one side
-    // only.
+    // The material on the back of a one-sided emitter: the surface without its emitter if it is two-sided in Mitsuba,
+    // otherwise black.
     std::optional<std::size_t> material_behind(const MitsubaSurface& surface);
 
-    // The element that has one side in Mitsuba; null where both sides of the material reflect here and there.
+    // The element that makes a material one-sided in Mitsuba; null if both programs reflect on both sides.
     const XmlElement* one_sided(std::size_t material) const { return one_sided_.at(material); }
     const XmlElement* emitter(std::size_t material) const { return emitters_.at(material); }
     MitsubaImage image(std::size_t material) const { return images_.at(material); }
-    std::set<const XmlElement*> used() const;  // BSDFs
+    std::set<const XmlElement*> used() const;  // all Mitsuba BSDFs that shapes use
 
 private:
     struct Bsdf {
-        std::string type;  // of the scene file
+        std::string type;  // kind of material in the scene file
         std::vector<SceneMember> members;
         const XmlElement* one_sided = nullptr;
         bool is_good = true, is_black = false, is_glass = false;
         MitsubaImage image = MitsubaImage::none;
     };
-    // A colour of a material: one colour, or an image.
+    // A colour of a Mitsuba BSDF: constant or a texture.
     struct Colour {
         Vec3d value{0.0};
-        std::string json;  // as scene files have it
+        std::string json;  // the colour or texture as JSON for the scene file
         MitsubaImage image = MitsubaImage::none;
     };
     using Key = std::tuple<const XmlElement*, const XmlElement*, const XmlElement*, bool>;

@@ -1,4 +1,4 @@
-// The shapes and their own spaces: src/shapes/ of Mitsuba 3.
+// Imports the shapes of Mitsuba 3 (src/shapes/), which differ from those of scene files in size and orientation.
 #include "harness/interchange/import_mitsuba_shapes.h"
 
 #include <algorithm>
@@ -16,17 +16,17 @@ namespace pt {
 
 namespace {
 
-// Mitsuba's word for an emitter on a surface, which is no choice of light_sampling.
+// Name of Mitsuba's area emitter; not a choice of the axis light_sampling.
 constexpr std::string_view mitsuba_area_emitter = "area";
 
-// Instances of groups of instances can be without end.
+// Limit on shapes, since nested instances of groups can multiply without end.
 constexpr std::size_t most_shapes = 100000;
 
 double length_of_vector(const Vec3d& v) { return std::sqrt(dot(v, v)); }
 
 double largest_part_of(const Vec3d& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
-// The map for a shape that has the side 1 here and the side 2 in Mitsuba.
+// Scales the map of a shape whose side is 2 in Mitsuba and 1 in scene files.
 Affine of_twice_the_side(const Affine& map) {
     Affine own = map;
     for (Vec3d& column : own.column) {
@@ -35,8 +35,8 @@ Affine of_twice_the_side(const Affine& map) {
     return own;
 }
 
-// Mitsuba's lies in xy and faces +z; here a quad lies in xz and faces +y. What its third axis does besides pointing to
-// its front changes nothing.
+// The affine map of a quad, which lies in xz and faces +y, from that of Mitsuba's rectangle, which lies in xy and faces
+// +z. Of the rectangle's third axis only the side on which it points matters.
 Affine quad_of(const Affine& map, bool is_flipped) {
     const Affine own = of_twice_the_side(map);
     const Vec3d normal = cross(own.column[0], own.column[1]);
@@ -53,7 +53,7 @@ Affine quad_of(const Affine& map, bool is_flipped) {
     return quad;
 }
 
-// The middle of two numbers that were one until a small gap was put between them.
+// The middle of two almost equal coordinates, which an export had separated by a small gap.
 double middle_of(double a, double b) {
     constexpr double last_bits = 2 * std::numeric_limits<double>::epsilon();
     return a == b ? a : shortest_within(0.5 * a + 0.5 * b, last_bits * std::max(std::abs(a), std::abs(b)));
@@ -62,12 +62,12 @@ double middle_of(double a, double b) {
 }  // namespace
 
 void MitsubaShapes::add(const XmlElement& shape) {
-    if (shape.value_of("type") != "shapegroup") {  // is where its instances are
+    if (shape.value_of("type") != "shapegroup") {  // a shapegroup is placed by its instances
         add_placed(shape, Affine(), 0);
     }
 }
 
-// Reads the surface of a shape; false where nothing can be made of it.
+// Reads BSDF, emitter and medium of a Mitsuba shape; false if they cannot be imported.
 bool MitsubaShapes::read_surface(MitsubaObject& object, MitsubaSurface& surface) {
     surface.shape = &object.element();
     const std::vector<const XmlElement*> bsdfs = object.objects("bsdf"), emitters = object.objects("emitter"),
@@ -158,10 +158,10 @@ void MitsubaShapes::add_instance(MitsubaObject& object, const Affine& outer, int
 }
 
 void MitsubaShapes::add_placed(const XmlElement& shape, const Affine& outer, int depth) {
-    constexpr int deepest = 4;  // Mitsuba has no instances within instances
+    constexpr int deepest = 4;  // Mitsuba allows no instances within instances
     visits_ += 1;
     if (depth > deepest || visits_ > most_shapes) {
-        if (depth > deepest || visits_ == most_shapes + 1) {  // told once
+        if (depth > deepest || visits_ == most_shapes + 1) {  // report the limit on shapes only once
             file_->refuse(shape, "instances of shapes only, and at most 10^5 shapes");
         }
         return;
@@ -196,7 +196,7 @@ void MitsubaShapes::add_placed(const XmlElement& shape, const Affine& outer, int
     }
 }
 
-// Whether two lamps stand back to back. `far`: the length that a gap between the two is small against.
+// Whether two emitting quads stand back to back. `far`: the length relative to which their gap must be small.
 bool MitsubaShapes::are_back_to_back(const Placed& a, const Placed& b, double far) const {
     const auto is_lamp = [](const Placed& p) {
         return p.kind == "quad" && p.surface.emitter != nullptr && !p.is_pair && !p.is_gone;
@@ -224,7 +224,7 @@ bool MitsubaShapes::are_back_to_back(const Placed& a, const Placed& b, double fa
            length_of_vector(gap - normal * along) <= std::ldexp(along, -8) + 1e-14 * far;
 }
 
-// Joins pairs of lamps of one side into a lamp of two sides, which `ptbench export` writes as such a pair.
+// Joins pairs of one-sided emitters into one two-sided emitter, which `ptbench export` writes as such a pair.
 void MitsubaShapes::pair_lamps(const Vec3d& eye) {
     double far = 0;
     for (const Placed& shape : shapes_) {
@@ -244,7 +244,7 @@ void MitsubaShapes::pair_lamps(const Vec3d& eye) {
     }
 }
 
-// Lays an image on a shape so that each point has the texel that it has in Mitsuba (src/shapes/ of Mitsuba 3, and
+// Adapts a textured shape so that each point has the texel that it has in Mitsuba (src/shapes/ of Mitsuba 3,
 // kernels/texture.h).
 bool MitsubaShapes::lay_image(Placed& placed, MitsubaImage image) {
     const XmlElement& shape = *placed.surface.shape;
@@ -253,7 +253,7 @@ bool MitsubaShapes::lay_image(Placed& placed, MitsubaImage image) {
         return lay_image_on_mesh(placed, is_up == placed.flips_v);
     }
     if (placed.kind == "sphere" && !is_up && determinant(placed.map) > 0) {
-        // u is the angle about z from x on, and v that from z; here from -z on about y, and from y.
+        // Mitsuba: u is the angle about z from x on, v the angle from z. ptbench: about y from -z on, and from y.
         const double size = length_of_vector(placed.own.column[0]) / length_of_vector(placed.map.column[0]);
         placed.own.column[0] = placed.map.column[1] * -size;
         placed.own.column[1] = placed.map.column[2] * size;
@@ -290,7 +290,7 @@ void MitsubaShapes::write(const Vec3d& eye) {
     }
 }
 
-// A rectangle shines to its front only: a quad of its size stands so close behind it that nothing is seen between.
+// Adds the back of each one-sided emitter: a quad of equal size so close behind it that the gap is not seen.
 void MitsubaShapes::write_behind(const Scene& scene) {
     double farthest = 0;
     for (const SceneObject& object : scene.objects) {
@@ -317,7 +317,7 @@ void MitsubaShapes::write_behind(const Scene& scene) {
     }
 }
 
-// Mitsuba's radiance in glass is n^2 times what it is here (docs/other_renderers.md).
+// Divides the radiance of emitters inside glass by n^2, by which Mitsuba's is larger (docs/other_renderers.md).
 void MitsubaShapes::dim_lamps_in_glass(const Scene& scene) {
     if (std::none_of(scene.materials.begin(), scene.materials.end(), is_glass)) {
         return;
@@ -354,7 +354,7 @@ void MitsubaShapes::dim_lamps_in_glass(const Scene& scene) {
     }
 }
 
-// Warns of shapes that reflect or shine on one side in Mitsuba, and on both here.
+// Warns of shapes that reflect or emit on one side in Mitsuba but on both in ptbench.
 void MitsubaShapes::warn_of_sides(const Scene& scene) {
     std::map<const XmlElement*, std::size_t> one_sided;
     for (const Placed& shape : shapes_) {
@@ -389,7 +389,7 @@ void MitsubaShapes::warn_of_differences(const Scene& scene) {
         const std::size_t found = message.find(before_found), allowed = message.rfind(before_allowed);
         const std::string place = message.substr(start.size(), found - start.size());
         if (!place.starts_with("$.objects[") || allowed == std::string::npos) {
-            continue;  // of materials and the camera it has been told
+            continue;  // problems of materials and camera were reported before
         }
         const std::size_t object = std::stoul(place.substr(std::string("$.objects[").size()));
         const Cis565Line& head = *file_->draft->parts.objects[object].head;

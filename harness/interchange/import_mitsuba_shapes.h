@@ -1,4 +1,4 @@
-// The shapes of a Mitsuba file as objects of a scene file.
+// Converts the shapes of a Mitsuba scene to objects of a scene file.
 #pragma once
 
 #include <vector>
@@ -11,27 +11,27 @@ class MitsubaShapes {
 public:
     explicit MitsubaShapes(const MitsubaFile& file) : file_(&file), materials_(file) {}
 
-    // Takes a shape that stands in the scene itself; shapes are to come in the file's order.
+    // Converts a shape that stands directly in the Mitsuba scene. Shapes must be added in the file's order.
     void add(const XmlElement& shape);
-    // Writes the objects, once all shapes are there. `eye` tells what is far.
+    // Writes all objects, after the last shape was added. `eye`: the camera's position, which decides what is far.
     void write(const Vec3d& eye);
-    // What takes the scene as a whole: what stands behind lamps of one side, lamps in glass, and what is different here
-    // and there.
+    // Handles what needs the whole scene: backs of one-sided emitters, emitters inside glass, and warnings about
+    // differences between the two programs.
     void write_whole(const Scene& scene);
 
     const MitsubaMaterials& materials() const { return materials_; }
 
 private:
     struct Placed {
-        std::string kind;  // of scene files
-        Affine own;        // from the space of scene files' shapes
-        Affine map;        // from that of Mitsuba's
+        std::string kind;  // shape name in scene files
+        Affine own;        // affine map from scene files' unit shape
+        Affine map;        // affine map from Mitsuba's unit shape
         MitsubaSurface surface;
-        std::string mesh;  // its file
+        std::string mesh;  // mesh file of the shape
         bool is_flipped = false;
-        bool is_pair = false;  // of two lamps back to back: shines to both sides
-        bool is_gone = false;  // the other of such a pair
-        bool flips_v = false;  // of a mesh: Mitsuba has 1 - v of its file
+        bool is_pair = false;  // quad that stands for two back-to-back emitters: two-sided
+        bool is_gone = false;  // second of two back-to-back emitters, left out
+        bool flips_v = false;  // Mitsuba uses 1 - v of the mesh file
         std::size_t object = no_object;
         std::size_t material = 0;
     };
@@ -55,7 +55,7 @@ private:
     MitsubaMaterials materials_;
     std::vector<Placed> shapes_;
     std::size_t visits_ = 0;
-    std::map<std::string, std::string> turned_;  // meshes whose v is turned round, by their files
+    std::map<std::string, std::string> turned_;  // meshes written with v flipped, by file
 };
 
 }  // namespace pt

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t largest_library = std::uint64_t{1} << 24;  // in bytes
+constexpr std::uint64_t largest_library = std::uint64_t{1} << 24;  // size limit of an MTL library in bytes
 
 class OwnMaterials {
 public:
@@ -40,7 +40,7 @@ private:
     void read_libraries(const std::vector<std::string>& names);
     void read_library(const std::string& name);
     void add_entry(const fs::path& library, MtlMaterial material);
-    // The number in `entries_` of the material of that name.
+    // Finds an MTL material by name and returns its index in `entries_`.
     std::optional<std::size_t> entry_called(const std::string& name);
     std::optional<std::size_t> entry_of(const ObjPart& part);
     std::string material_of(std::size_t entry);
@@ -62,7 +62,7 @@ std::optional<fs::path> OwnMaterials::library_called(const std::string& name) {
     return fs::is_regular_file(beside, error) ? std::optional(beside) : import_->files.find(name);
 }
 
-// Reads the libraries of a line, which names one whose name may have spaces in it, or several.
+// Reads the MTL libraries of a line, which names either one library whose name may contain spaces, or several.
 void OwnMaterials::read_libraries(const std::vector<std::string>& names) {
     for (const std::string& whole : names) {
         const std::string name = library_called(whole) ? whole : without_comment(whole);
@@ -84,7 +84,7 @@ void OwnMaterials::read_library(const std::string& name) {
         return;
     }
     if (!read_.insert(found->lexically_normal()).second) {
-        return;  // some programs name it before every object
+        return;  // some programs name the MTL library before every object
     }
     try {
         for (MtlMaterial& material : parse_mtl(read_text_file(found->string(), largest_library), found->string())) {
@@ -95,7 +95,7 @@ void OwnMaterials::read_library(const std::string& name) {
     }
 }
 
-// Adds a material of a library; of two of one name the first is used.
+// Adds a material of an MTL library. Of two with one name the first is used.
 void OwnMaterials::add_entry(const fs::path& library, MtlMaterial material) {
     const auto [known, is_new] = by_name_.emplace(material.name, entries_.size());
     if (is_new) {
@@ -119,8 +119,8 @@ void OwnMaterials::add_entry(const fs::path& library, MtlMaterial material) {
     }
 }
 
-// Finds a material by name. Of "wood # of the floor" and "wood" one may be the other with a comment; "Material #25" and
-// "Material #26" are two.
+// Finds an MTL material by name, also if either name has a comment: "wood # of the floor" may mean "wood". "Material
+// #25" and "Material #26" are two materials.
 std::optional<std::size_t> OwnMaterials::entry_called(const std::string& name) {
     if (const auto found = by_name_.find(name); found != by_name_.end()) {
         return found->second;
@@ -139,7 +139,7 @@ std::optional<std::size_t> OwnMaterials::entry_called(const std::string& name) {
                                   fmt::format("{}: \"{}\" is read as the material \"{}\", as if a comment "
                                               "began at #",
                                               file_.filename().string(), name, entries_[meant.front()].material.name));
-    by_name_.emplace(name, meant.front());  // is told once
+    by_name_.emplace(name, meant.front());  // warn only once about this material name
     return meant.front();
 }
 
@@ -157,14 +157,14 @@ std::optional<std::size_t> OwnMaterials::entry_of(const ObjPart& part) {
         has_told_of_groups_ = true;
         return found;
     }
-    if (is_whole_) {  // else it may be in the library that is missing
+    if (is_whole_) {  // if a library is missing, the material may be there
         fail(part.material.empty() ? "faces before any usemtl" : "usemtl " + part.material,
              "a material of its libraries, mtllib");
     }
     return std::nullopt;
 }
 
-// The name in the scene of an entry's material, which is added when it is first asked for.
+// The scene's name of an MTL material, which is added to the scene on first use.
 std::string OwnMaterials::material_of(std::size_t entry) {
     const Entry& meant = entries_[entry];
     const auto [known, is_new] = import_->own_names.try_emplace({meant.library.string(), meant.material.name});
@@ -186,7 +186,7 @@ std::string OwnMaterials::material_of(std::size_t entry) {
     return known->second = part.name;
 }
 
-// The triangles of one material, in a file of their own; nothing where they have no area.
+// Writes the triangles of one material as a mesh of their own; nothing if none has an area.
 std::optional<OwnPart> OwnMaterials::part_with(const ObjParts& whole,
                                                const std::vector<std::optional<std::size_t>>& entries,
                                                std::size_t entry) {
@@ -212,7 +212,7 @@ std::vector<OwnPart> OwnMaterials::parts() {
     warn_of_mesh(*import_->result, at_->number, file_, whole.mesh.warnings.messages());
     read_libraries(whole.libraries);
     std::vector<std::optional<std::size_t>> entries;
-    std::vector<std::size_t> used;  // in the file's order
+    std::vector<std::size_t> used;  // MTL materials in the order of their first use
     for (const ObjPart& part : whole.parts) {
         const std::optional<std::size_t> entry = entry_of(part);
         entries.push_back(entry);

@@ -131,7 +131,7 @@ std::vector<double> MtlImporter::numbers(const std::string& key, std::size_t mos
     return values;
 }
 
-// Reads a colour; a single number is a grey.
+// Reads a colour of an MTL material; a single number means grey.
 Vec3d MtlImporter::colour(const std::string& key, double otherwise) {
     if (!has(key)) {
         return Vec3d(otherwise);
@@ -156,8 +156,7 @@ int MtlImporter::illumination() {
     return static_cast<int>(value);
 }
 
-// Whether the material is seen through, by d or, where there is none, by Tr. Programs that write both do not agree on
-// which way Tr goes.
+// Whether an MTL material is transparent, by d or else by Tr, whose sense differs between programs that write both.
 bool MtlImporter::is_seen_through() {
     const std::string key = has("d") ? "d" : "tr";
     const double opacity = has("d") ? number("d", 1) : 1 - number("tr", 0);
@@ -217,7 +216,7 @@ void MtlImporter::make_glass(ScenePart& part) {
     warn_if_coloured("kd", fmt::format("is not used: it is glass, by illum {}", illumination_));
 }
 
-// Makes a mix of Kd and a mirror of Ks: each is drawn as often as it is bright, and divided by that.
+// Makes a mix of diffuse Kd and mirror Ks: each is sampled in proportion to its brightness and divided by its share.
 void MtlImporter::make_shiny(ScenePart& part) {
     const Vec3d albedo = colour("kd", 0), reflectance = colour("ks", 0);
     const double of_mirror = brightest_of(reflectance), sum = brightest_of(albedo) + of_mirror;
@@ -253,7 +252,7 @@ void MtlImporter::make_diffuse(ScenePart& part) {
     warn_if_coloured("ks", "is lost: highlights of lamps alone are no reflection");
 }
 
-// A surface that neither shines nor lets light through.
+// Makes a material that neither emits nor transmits light.
 void MtlImporter::make_surface(ScenePart& part) {
     if (has("map_kd")) {
         find_image();

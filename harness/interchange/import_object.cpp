@@ -1,4 +1,4 @@
-// What an OBJECT section is read as.
+// Imports an OBJECT section of a CIS 565 scene.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -16,7 +16,7 @@ namespace pt {
 namespace {
 
 constexpr const char* zero_vector = "[0, 0, 0]";
-// A square of side 1 in the plane z = 0.
+// Vertices of a square of side 1 in the plane z = 0.
 constexpr const char* unit_square = "[[-0.5, -0.5, 0], [0.5, -0.5, 0], [0.5, 0.5, 0], [-0.5, 0.5, 0]]";
 
 class ObjectImporter {
@@ -77,7 +77,7 @@ void ObjectImporter::add_shape() {
     }
 }
 
-// An object has one shape. Some programs take a mesh's file behind all objects for one more, of its own materials.
+// Warns of further shapes in an object, which has one. Some programs read a mesh file behind all objects as one more.
 void ObjectImporter::warn_of_shapes_beside(const std::string& shape, const std::vector<std::string>& others) {
     const Cis565Line* told = nullptr;
     for (const std::string& key : others) {
@@ -92,7 +92,7 @@ void ObjectImporter::warn_of_shapes_beside(const std::string& shape, const std::
     }
 }
 
-// Puts a box in place of a mesh that is not to be had, so that the object's other lines can be checked.
+// Replaces an unavailable mesh by a box, so that the object's other lines can be checked.
 void ObjectImporter::stand_in() {
     part_.members.clear();
     part_.add("shape", "\"box\"", nullptr);
@@ -132,7 +132,7 @@ void ObjectImporter::add_mesh() {
     part_.add("file", json_of(name_beside(course_scene_file(*import_->source), *found)), line);
 }
 
-// A mesh whose material is -1, or in JSON missing.
+// Whether an object uses the materials of its mesh file: its material is -1 or, in JSON, missing.
 bool ObjectImporter::has_own_materials() const {
     const auto has = [&](const char* key) { return reader_.line(key) != nullptr; };
     const bool is_mesh = (has("mesh") || has("FILE")) && !has("sphere") && !has("cube") && !has("rect");
@@ -158,7 +158,7 @@ void ObjectImporter::add_own_parts(const std::filesystem::path& file, const Cis5
     }
 }
 
-// Adds the object's vertices as triangles of three corners each.
+// Adds an object whose VERTICES line has three corners of three numbers for each triangle.
 void ObjectImporter::add_vertices() {
     part_.add("shape", "\"mesh\"", nullptr);
     const Cis565Line& line = *reader_.line("VERTICES");
@@ -199,7 +199,7 @@ std::optional<std::size_t> ObjectImporter::material_index(const Cis565Line& line
     }
     const std::size_t count = file.materials.size();
     if (file.is_json && line.words.size() == 2 && count > 0) {
-        // A map from names to numbers has 0 for a name that it does not have, and materials are sorted by their names.
+        // The course's loader looks up an unknown name in a map, which yields material 0, the first by name.
         const auto first = std::min_element(file.materials.begin(), file.materials.end(),
                                             [](const auto& a, const auto& b) { return a.name < b.name; });
         import_->result->warnings.add(
@@ -231,7 +231,8 @@ void ObjectImporter::add_material() {
     }
 }
 
-// A missing SCALE is 0 in the programs that read texts; the rest is neutral there.
+// Reads a vector of the object's transform or returns its neutral value. Programs that read texts take a missing SCALE
+// as 0, so it is required in texts.
 std::optional<Vec3d> ObjectImporter::vector_or(const std::string& key, double neutral) {
     const bool may_be_missing = import_->sections->is_json || key != "SCALE";
     if (reader_.line(key) != nullptr || !may_be_missing) {
@@ -265,7 +266,7 @@ void ObjectImporter::add_transform() {
     }
 }
 
-// A shape that turns or grows while the shutter is open.
+// Warns of a shape that rotates or scales while the shutter is open, which is lost.
 void ObjectImporter::warn_of_change(const std::string& key, const std::string& other) {
     const Cis565Line* line = reader_.line(key);
     const Vec3d still = other.empty() ? Vec3d(0.0) : reader_.vector(other);
@@ -277,8 +278,8 @@ void ObjectImporter::warn_of_change(const std::string& key, const std::string& o
     }
 }
 
-// VEL is in units a second; T_MOTION is how far it goes while the shutter is open, a second. ANIMET comes before the
-// object's own transform, TRANS_DST is where TRANS ends.
+// Adds the velocity in units a second: VEL itself; T_MOTION, the distance in the second that the shutter is open;
+// ANIMET, a velocity before the object's own transform; or TRANS_DST, the place where TRANS ends.
 void ObjectImporter::add_velocity() {
     warn_of_change("ANIMER", "");
     warn_of_change("ROTAT_DST", "ROTAT");

@@ -19,14 +19,14 @@ namespace pt {
 
 namespace {
 
-// The rest of a scene within which a part is checked.
+// A minimal valid scene, into which one part at a time is put to be checked.
 constexpr const char* other_root = "\"name\": \"other\", \"max_depth\": 1";
 constexpr const char* other_camera =
     "{\"eye\": [0, 0, 1], \"look_at\": [0, 0, 0], \"up\": [0, 1, 0], \"vertical_fov_degrees\": 60, "
     "\"resolution\": [1, 1], \"shutter\": {\"open\": 0, \"close\": 1}}";
 constexpr const char* other_material = "{\"type\": \"diffuse\", \"albedo\": [0, 0, 0]}";
 
-// Number of problems from which the objects are not looked at any more: nobody reads them, and it takes a while.
+// Number of problems after which objects are no longer checked: nobody reads more, and checking takes time.
 constexpr std::size_t most_checked = 1000;
 
 std::string scene_text(const std::string& root, const std::string& camera, const std::string& materials,
@@ -35,7 +35,7 @@ std::string scene_text(const std::string& root, const std::string& camera, const
                        objects);
 }
 
-// "PLACE: found FOUND, allowed: ALLOWED", as the reader of scene files says it.
+// An error "PLACE: found FOUND, allowed: ALLOWED" of the scene file reader, split into its parts.
 struct SceneError {
     std::string place, found, allowed;
 };
@@ -64,7 +64,7 @@ bool is_within(const std::string& place, const std::string& outer) {
            (place.size() == outer.size() || place[outer.size()] == '.' || place[outer.size()] == '[');
 }
 
-// The member of a part that a place lies in; null where it is in none.
+// Finds the member of a part that contains a JSON path; null if none does.
 SceneMember* member_at(ScenePart& part, const std::string& place) {
     const auto found = std::find_if(part.members.begin(), part.members.end(), [&](const SceneMember& member) {
         return is_within(place, part.place + "." + member.key);
@@ -96,12 +96,13 @@ private:
     SceneParts parts_;
     std::string file_;
     ImportFindings* problems_;
-    bool has_camera_ = false;                            // a good one
-    std::map<std::string, std::string> good_materials_;  // by their names in JSON
+    bool has_camera_ = false;                            // whether the scene has a valid camera
+    std::map<std::string, std::string> good_materials_;  // JSON of valid materials by name
 };
 
-// Reports what is wrong with one part, whose place in the scene of `scene_of` is `place`. What is wrong with one member
-// hides what is wrong with the next: each gives way to its stand-in. Returns whether nothing is wrong.
+// Checks one part within the scene that `scene_of` makes, at the path `place`, and reports all problems. Since one
+// faulty member hides the next, each is replaced by its stand-in and the check repeated. Returns whether there is no
+// problem.
 bool PartsChecker::check(const ScenePart& part, const std::string& place, const SceneOf& scene_of) {
     ScenePart tried = part;
     tried.place = place;
@@ -117,9 +118,9 @@ bool PartsChecker::check(const ScenePart& part, const std::string& place, const 
     return false;
 }
 
-// Returns whether the part can be tried again.
+// Reports an error at the source line of its member; returns whether the check can be repeated without that member.
 bool PartsChecker::blame(ScenePart& tried, const ScenePart& part, SceneError error) {
-    // A body about the eye shows at the eye.
+    // A subsurface body around the eye is reported as an error of the camera's eye.
     const bool is_elsewhere = !is_within(error.place, tried.place) && is_within(error.place, parts_.camera.place);
     if (is_elsewhere && !has_camera_) {
         return false;
@@ -148,8 +149,7 @@ void PartsChecker::check_camera() {
     has_camera_ = is_good && parts_.camera.is_whole;
 }
 
-// Checks a material by itself. One with an unreadable line is not checked: nobody knows what that would have made of
-// its other lines.
+// Checks one material. A material with an unreadable line is not checked, since the line could affect the others.
 void PartsChecker::check_material(std::size_t index) {
     const ScenePart& material = parts_.materials[index];
     const std::string name = json_of(material.name);
@@ -161,8 +161,8 @@ void PartsChecker::check_material(std::size_t index) {
     }
 }
 
-// Checks an object alone, with the scene's own camera and material where they are good: a body may not stand about the
-// eye.
+// Checks one object with the scene's own camera and material if those are valid, since a subsurface body must not
+// surround the eye.
 void PartsChecker::check_object(const ScenePart& object) {
     const std::string name = "\"other\"";
     ScenePart renamed = object;
@@ -196,7 +196,7 @@ void PartsChecker::check_all() {
     for (std::size_t i = 0; i < parts_.objects.size() && problems_->count() < most_checked; ++i) {
         check_object(parts_.objects[i]);
     }
-    if (problems_->count() == 0) {  // only all of it together is wrong
+    if (problems_->count() == 0) {  // faults that only the whole scene has
         problems_->add(
             0, fmt::format("as a scene, {}: found {}, allowed: {}", error->place, error->found, error->allowed));
     }
@@ -212,8 +212,8 @@ std::string plain_part_of(const std::string& text) {
     return plain;
 }
 
-// Writes a number. Adding 0 turns -0 into 0. A number that a product has made infinite is written as the largest that
-// JSON has, which is refused as too large too.
+// Writes a number as JSON, -0 as 0. Infinity from an overflowing product becomes the largest double, which the scene
+// reader refuses as too large.
 std::string json_of(double value) {
     constexpr double largest = std::numeric_limits<double>::max();
     return fmt::format("{}", std::clamp(value, -largest, largest) + 0.0);
@@ -266,7 +266,7 @@ std::string material_name(const Cis565Section& section) {
 std::string ScenePart::members_json(const std::string& separator) const {
     std::string json;
     for (const SceneMember& member : members) {
-        const bool is_long = member.key == "shutter";  // on a line of its own
+        const bool is_long = member.key == "shutter";  // in the scene file, the shutter gets a line of its own
         json += json.empty() ? "" : is_long ? ",\n    " : separator;
         json += json_of(member.key) + ": " + member.value;
     }

@@ -1,4 +1,4 @@
-// What every importer of a foreign scene is given, and what it gives back: a scene file, or all that is in its way.
+// Input and output of every importer of foreign scenes: the result is a scene file, or all problems that prevent it.
 #pragma once
 
 #include <cstddef>
@@ -13,19 +13,19 @@
 namespace pt {
 
 struct ImportSource {
-    std::string text;  // of the file, whole
-    std::string file;  // its name: what it names is looked for near it
-    std::string out;   // the scene file to be written; empty: none is, and names of meshes are relative to `file`
-    std::string name;  // of the scene; empty: what the file says
+    std::string text;  // content of the source file
+    std::string file;  // path of the source file, near which files that it names are searched
+    std::string out;   // path of the scene file; empty: not written, and mesh names are relative to `file`
+    std::string name;  // name of the scene; empty: from the source file
 };
 
-// A mesh that the scene file names and that no file has yet.
+// A mesh that the scene file names and that still has to be written.
 struct ImportedMesh {
-    std::string file;  // .ply, in the scene file's folder
+    std::string file;  // file name, .ply, in the scene file's folder
     Mesh mesh;
 };
 
-// An image that is to be written beside the scene, as it lay in the source.
+// An image to be written beside the scene, as the bytes that the source had.
 struct ImportedImage {
     std::string file, content;
 };
@@ -34,18 +34,18 @@ struct ImportResult {
     ImportResult() = default;
     explicit ImportResult(const ImportSource& source) : files(source.out) {}
 
-    std::string json;  // the scene file's text; empty where there are problems
+    std::string json;  // text of the scene file; empty if there are problems
     std::vector<ImportedMesh> meshes;
     std::vector<ImportedImage> images;
-    FilesBeside files;  // those meshes and images, as they are written
+    FilesBeside files;  // imported meshes and images, as written to files
     ImportFindings problems, warnings, notes;
-    std::set<std::string> meshes_told;  // files whose own warnings are among `warnings`
+    std::set<std::string> meshes_told;  // mesh files whose warnings were passed on
     std::size_t objects = 0, materials = 0;
 };
 
-// Texts beyond this size are not read, in bytes: it holds 10^5 objects.
+// Most bytes of a source file in a text format, enough for 10^5 objects.
 inline constexpr std::size_t largest_import = std::size_t{16} << 20;
-// Most bytes of a glTF file, which holds meshes, or has them beside it.
+// Most bytes of a glTF file, which may contain its meshes.
 inline constexpr std::size_t largest_gltf = std::size_t{1} << 30;
 
 }  // namespace pt

@@ -14,7 +14,7 @@ namespace {
 
 bool is_any_text(const std::string&) { return true; }
 
-// The format that a file's ending names; null where no format has it.
+// The import format with a file's extension; null if none has it.
 const ImportFormat* format_by_ending(const std::string& file) {
     const std::vector<ImportFormat>& formats = import_formats();
     const std::string ending = ending_of(file);
@@ -26,7 +26,7 @@ const ImportFormat* format_by_ending(const std::string& file) {
 
 }  // namespace
 
-// A further format is a line here, before the last.
+// All import formats. A new format is added before the last, which accepts any text.
 const std::vector<ImportFormat>& import_formats() {
     static const std::vector<ImportFormat> formats{
         {"CIS 565 JSON", {".json"}, is_like_json, import_course_json},

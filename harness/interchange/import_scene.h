@@ -1,4 +1,4 @@
-// The formats that `ptbench import` reads, and which of them a file is in.
+// The list of formats that `ptbench import` reads, and the detection of a file's format.
 #pragma once
 
 #include <string>
@@ -10,19 +10,19 @@ namespace pt {
 
 struct ImportFormat {
     const char* name;
-    std::vector<std::string> endings;          // of file names, in lower case, with their dots
-    bool (*is_like)(const std::string& text);  // a look at the first bytes, for other endings
+    std::vector<std::string> endings;          // file extensions in lower case, with dots
+    bool (*is_like)(const std::string& text);  // whether the first bytes are of this format, for other extensions
     ImportResult (*import)(const ImportSource& source);
-    std::size_t largest = largest_import;  // bytes of a file with such an ending
+    std::size_t largest = largest_import;  // size limit of a source file in bytes
 };
 
 const std::vector<ImportFormat>& import_formats();
 
-// The format of a source by the file name's ending; where no format has that, the first that the text is like. Never
-// null: the last is like any text.
+// Detects the format of a source: by file extension, else the first format whose `is_like` accepts the text. The last
+// format accepts any text.
 const ImportFormat& import_format_of(const ImportSource& source);
 
-// The text of a file, readable, or its bytes where it is binary glTF; how large it may be is by its name.
+// Reads a source file: readable text, or the bytes of binary glTF. The extension decides how large it may be.
 std::string read_import(const std::string& file);
 
 ImportResult import_scene(const ImportSource& source);

@@ -25,8 +25,8 @@ constexpr MitsubaIndex mitsuba_indices[] = {
     {"pet", 1.5750},      {"diamond", 2.419},
 };
 
-// Indices of metals in Mitsuba 3.9.1: traverse(load_dict({"type": "conductor", "material": NAME})) in scalar_rgb, red
-// first.
+// Complex indices of metals for red, green and blue, printed by Mitsuba 3.9.1 in its variant scalar_rgb:
+// traverse(load_dict({"type": "conductor", "material": NAME})).
 const MitsubaMetal mitsuba_metals[] = {
     {"Ag", {0.1552762, 0.116728, 0.1383876}, {4.828354, 3.122222, 2.146901}},
     {"Al", {1.657501, 0.8804047, 0.5212445}, {9.223811, 6.269502, 4.837004}},

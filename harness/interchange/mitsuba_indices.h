@@ -1,5 +1,5 @@
-// Indices of refraction by the names that Mitsuba 3 has for them: of glass and fluids (include/mitsuba/render/ior.h)
-// and, as its RGB variants have them, of metals (its data/ior/*.spd, integrated over the spectrum).
+// Named indices of refraction of Mitsuba 3: dielectrics (include/mitsuba/render/ior.h), and metals as its RGB variants
+// have them (data/ior/*.spd, integrated over the spectrum).
 #pragma once
 
 #include <optional>
@@ -9,8 +9,7 @@
 
 namespace pt {
 
-// The index of refraction of a material of Mitsuba's, by its name in small or capital letters; nothing where there is
-// none.
+// Index of refraction of a dielectric by Mitsuba's name, in lower or upper case; nothing if unknown.
 std::optional<double> mitsuba_index_of(const std::string& name);
 std::string names_of_mitsuba_indices();
 
@@ -19,7 +18,7 @@ struct MitsubaMetal {
     Vec3d eta, k;
 };
 
-// Finds a metal of Mitsuba's; null where there is none of that name here (Mitsuba has more).
+// Finds a metal by Mitsuba's name; null if unknown (Mitsuba has more than this table).
 const MitsubaMetal* find_mitsuba_metal(const std::string& name);
 std::string names_of_mitsuba_metals();
 

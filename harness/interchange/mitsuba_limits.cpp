@@ -24,7 +24,7 @@ bool moves(const Scene& scene, const SceneObject& object) {
     return !is_black(object.velocity) && scene.camera.shutter_close > scene.camera.shutter_open;
 }
 
-// Problems of an export, each listed once: copies of an object have the same.
+// Problems of an export, each listed once even if many copies of an object share it.
 class Problems {
 public:
     explicit Problems(std::string file) : file_(std::move(file)) {}
@@ -88,7 +88,7 @@ void check_shape(const Scene& scene, const SceneObject& object, Problems& proble
     }
 }
 
-// Checks that each point of a shape has the texel in Mitsuba that it has here.
+// Checks that each point of a textured shape has the same texel in Mitsuba.
 void check_image(const SceneMaterial& material, const SceneObject& object, Problems& problems) {
     const std::string found = fmt::format("a {} with the image {}", name_of(object.shape), material.texture->file);
     if (object.shape == Shape::box) {
@@ -101,7 +101,7 @@ void check_image(const SceneMaterial& material, const SceneObject& object, Probl
     }
 }
 
-// Mitsuba's lamps send out light on one side only: enough of what has an inside that no path gets into, or out of.
+// Checks that an emitting mesh is closed. Mitsuba's emitters are one-sided, which is enough for a closed shape.
 void check_lamp(const Scene& scene, const SceneObject& object, Problems& problems) {
     const bool is_mesh = object.mesh != SceneObject::no_mesh;
     if (is_mesh && !scene.meshes[object.mesh]->is_closed) {
@@ -124,15 +124,14 @@ bool sphere_meets(const Scene& scene, const SceneObject& sphere, const Extent& b
     return 4 * dot(offset, offset) <= sphere.scale.x * sphere.scale.x;
 }
 
-// Whether two objects may have a point in common: never false where they have, and by their boxes, so sometimes true
-// where they have not.
+// Whether two objects may overlap: conservative, by bounding boxes, so it may be true for objects that do not.
 bool may_meet(const Scene& scene, const SceneObject& a, const SceneObject& b) {
     const Extent box_a = extent_of(scene, a), box_b = extent_of(scene, b);
     return overlap(box_a, box_b) && (name_of(a.shape) != "sphere" || sphere_meets(scene, a, box_b)) &&
            (name_of(b.shape) != "sphere" || sphere_meets(scene, b, box_a));
 }
 
-// Whether a body holds all of the other object's box: never for meshes, which need not be convex.
+// Whether a body contains the other object's bounding box; never true for meshes, which need not be convex.
 bool holds(const Scene& scene, const SceneObject& body, const SceneObject& other) {
     const Extent box = extent_of(scene, other);
     for (int corner = 0; corner < 8; ++corner) {
@@ -145,8 +144,8 @@ bool holds(const Scene& scene, const SceneObject& body, const SceneObject& other
     return true;
 }
 
-// Radiance is not divided by n^2 across a boundary here and is in Mitsuba, which cancels on a way in and out again; and
-// an absorbing body that another cuts is left at another place.
+// Checks glass. Mitsuba divides radiance by n^2 across a boundary and ptbench does not, which cancels only for paths
+// that enter and leave; and where absorbing bodies overlap, paths leave them at different places.
 void check_glass(const Scene& scene, const SceneObject& glass, Problems& problems) {
     const SceneMaterial& material = scene.materials[glass.material];
     const std::string place = place_in_file(glass);
@@ -174,7 +173,7 @@ void check_glass(const Scene& scene, const SceneObject& glass, Problems& problem
     }
 }
 
-// A walk sees its own body only; in Mitsuba it meets whatever is inside.
+// Checks a subsurface body. A random walk in ptbench sees only its own body; in Mitsuba it hits whatever is inside.
 void check_body(const Scene& scene, const SceneObject& body, Problems& problems) {
     const std::string place = place_in_file(body);
     if (contains_as_it_stands(scene, body, scene.camera.eye)) {
@@ -277,7 +276,7 @@ std::vector<std::string> mitsuba_problems(const Scene& scene, const std::string&
 }
 
 double mitsuba_offset_by_thickness(const Scene& scene, double scale) {
-    const double offset_by_size = std::ldexp(1500, -24);  // Mitsuba 3.9's RayEpsilon
+    const double offset_by_size = std::ldexp(1500, -24);  // RayEpsilon of Mitsuba 3.9, relative to coordinates
     double largest = 0;
     double thinnest = std::numeric_limits<double>::infinity();
     for (const SceneObject& object : scene.objects) {

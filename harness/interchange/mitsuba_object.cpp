@@ -133,7 +133,7 @@ std::optional<Vec3d> MitsubaObject::optional_radiance(const std::string& name) {
     std::optional<Vec3d> radiance = optional_colour(name);
     const XmlElement* found = property(name);
     if (radiance && found->tag == "spectrum") {
-        // The colour is XYZ (1, 1, 1), the same energy at every wavelength, in linear sRGB (IEC 61966-2-1).
+        // A constant spectrum is XYZ (1, 1, 1), equal energy at every wavelength, here in linear sRGB (IEC 61966-2-1).
         const Vec3d equal_energy{3.240479 - 1.537150 - 0.498535, -0.969256 + 1.875991 + 0.041556,
                                  0.055648 - 0.204043 + 1.057311};
         *radiance = *radiance * equal_energy;
@@ -147,7 +147,7 @@ Vec3d MitsubaObject::colour(const std::string& name, const Vec3d& otherwise) {
     return optional_colour(name).value_or(otherwise);
 }
 
-// A vector given as "x", "y" and "z", or with all of them in "value".
+// Reads a vector from the attributes "x", "y" and "z", or from "value" with 1 or 3 numbers.
 Vec3d MitsubaObject::vector_of(const XmlElement& element, double otherwise) {
     Vec3d vector(otherwise);
     if (const std::string* value = element.attribute("value")) {
@@ -253,7 +253,7 @@ Affine MitsubaObject::transform_of(const XmlElement& step) {
     return map;
 }
 
-// The step that stands first is taken first.
+// Reads a transform of a Mitsuba object, whose steps are applied in the order of the file.
 Affine MitsubaObject::transform(const std::string& name) {
     const XmlElement* found = property(name);
     Affine map;
@@ -266,7 +266,7 @@ Affine MitsubaObject::transform(const std::string& name) {
     }
     bool is_first = true;
     for (const XmlElement& step : found->children) {
-        // The first step is taken as it is, so that every bit of it is kept.
+        // The first step of a transform is not multiplied, so that all its bits are kept.
         map = is_first ? transform_of(step) : transform_of(step) * map;
         is_first = false;
     }

@@ -1,5 +1,5 @@
-// An object of a Mitsuba file, <bsdf type="diffuse" id="white">, with its properties: asked for by name, and what
-// nobody asked for is a problem. How values are written: src/core/parser.cpp of Mitsuba 3.
+// Reads the properties of a Mitsuba XML object, such as <bsdf type="diffuse" id="white">, by name. Properties that no
+// caller asked for are problems. Syntax of values: src/core/parser.cpp of Mitsuba 3.
 #pragma once
 
 #include <map>
@@ -14,7 +14,7 @@
 
 namespace pt {
 
-// A Mitsuba file that is imported: the draft of the scene, and the elements that references name.
+// The Mitsuba file under import: the draft of the scene, and the elements that references can name.
 struct MitsubaFile {
     ImportDraft* draft;
     std::map<std::string, const XmlElement*> by_id;
@@ -31,7 +31,7 @@ struct MitsubaFile {
     }
 };
 
-// Reads numbers with commas or white space between them; nothing where something else is there.
+// Parses numbers separated by commas or white space; nothing if the text has anything else.
 std::optional<std::vector<double>> mitsuba_numbers(const std::string& text);
 
 class MitsubaObject {
@@ -44,33 +44,32 @@ public:
     std::string id() const { return element_->value_of("id"); }
     bool is_good() const { return is_good_; }
 
-    // The property of that name, or null; it counts as asked for by finish().
+    // Finds a property of the Mitsuba object by name, or null, and marks it as asked for.
     const XmlElement* property(const std::string& name);
-    // The objects of that tag among the children, references followed.
+    // All children of the Mitsuba object with a given tag, references followed.
     std::vector<const XmlElement*> objects(const std::string& tag);
-    // Passes over properties without which the picture is the same, or which belong to a run.
+    // Ignores properties that do not change the picture or that belong to a run.
     void ignore(const std::vector<std::string>& names);
-    // Refuses a property that is of no use with what else is there: a problem where it has another value than `allowed`
-    // says in words.
+    // Reports a problem if a property is present whose value has no use with the others. `allowed` says in words which
+    // value would do.
     void refuse_property(const std::string& name, const std::string& allowed);
 
-    // These read a property of this name. One that is not there has the value `otherwise`; one that cannot be read is a
-    // problem.
+    // Read a property of the Mitsuba object by name; `otherwise` if it is missing, a problem if it cannot be read.
     double number(const std::string& name, double otherwise);
     std::optional<double> optional_number(const std::string& name);
     bool boolean(const std::string& name, bool otherwise);
     std::string text(const std::string& name, const std::string& otherwise);
     Vec3d colour(const std::string& name, const Vec3d& otherwise);
     std::optional<Vec3d> optional_colour(const std::string& name);
-    // The radiance of an emitter, for which Mitsuba's RGB variants have another grey for a <spectrum>.
+    // The radiance of an emitter, for which Mitsuba's RGB variants convert a <spectrum> to another grey than elsewhere.
     std::optional<Vec3d> optional_radiance(const std::string& name);
     Vec3d point(const std::string& name, const Vec3d& otherwise);
     Affine transform(const std::string& name);
 
     void fail(const XmlElement& element, const std::string& allowed);
-    // Marks the object as bad for what is wrong within an object of its own, and told.
+    // Marks the object as bad because of a problem in a child that was reported already.
     void spoil() { is_good_ = false; }
-    // Ends the reading: a property that was not asked for is a problem. `known` says in words what the object may have.
+    // Ends the reading: properties not asked for are problems. `known` lists in words what the object may have.
     void finish(const std::string& known);
 
 private:
@@ -83,7 +82,7 @@ private:
     bool is_good_ = true;
 };
 
-// Mitsuba's look_at as a map, with the columns left, up and forward.
+// The affine map of Mitsuba's look_at, with the columns left, up and forward.
 Affine look_at_map(const Vec3d& origin, const Vec3d& target, const Vec3d& up);
 
 }  // namespace pt

@@ -1,5 +1,4 @@
-// An XML file as a tree of elements, each with its line: what an importer needs of XML 1.0. pugixml reads it where the
-// build has that library.
+// Parses XML 1.0, as far as importers need it, into elements with line numbers; by pugixml if the build has it.
 #pragma once
 
 #include <optional>
@@ -14,22 +13,22 @@ namespace pt {
 struct XmlElement {
     std::string tag;
     std::vector<std::pair<std::string, std::string>> attributes;
-    std::vector<XmlElement> children;  // elements only: text and comments are left out
-    std::size_t line = 0;              // from 1
+    std::vector<XmlElement> children;  // child elements; text and comments are left out
+    std::size_t line = 0;              // line number of the XML element, from 1
 
-    // The value of an attribute; null where there is none of that name.
+    // The value of an XML attribute; null if there is none of that name.
     const std::string* attribute(const std::string& name) const;
-    // The value of an attribute, or "".
+    // The value of an XML attribute; empty if there is none of that name.
     std::string value_of(const std::string& name) const;
-    // The start tag, cut where it is more than a message should hold.
+    // The XML element's start tag, cut to the length of a message.
     std::string text() const;
 };
 
-// The element that holds all others; nothing, and a problem, where the text is no XML or beyond the limits (64 levels,
-// 10^6 elements).
+// Parses a text and returns its root element. Returns nothing, after reporting a problem, if the text is not XML or is
+// beyond the limits (64 levels, 10^6 elements).
 std::optional<XmlElement> read_xml(const std::string& text, ImportFindings& problems);
 
-// Whether the build found what reads XML (pugixml); without it every text is a problem that says so.
+// Whether the build has pugixml, which parses XML. Without it every text is a problem that says so.
 bool reads_xml();
 
 }  // namespace pt

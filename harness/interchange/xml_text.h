@@ -1,5 +1,5 @@
-// Writes XML of elements and attributes: all that scene files for other renderers need, so no library is asked for.
-// XML 1.0, fifth edition, section 2.4 says what is escaped.
+// Writes XML with elements and attributes only, which is all that exported scenes need, without a library. XML 1.0,
+// fifth edition, section 2.4 says what is escaped.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace pt {
 
-// The text as the value of an attribute in double quotes. What XML 1.0 cannot hold, control characters, becomes '?'.
+// Escapes a text as an XML attribute value in double quotes. Control characters, which XML 1.0 cannot hold, become '?'.
 std::string xml_escaped(const std::string& text);
 
 class XmlText {
@@ -17,10 +17,10 @@ public:
 
     void open(const std::string& tag, const Attributes& attributes);
     void close();
-    // An element without content.
+    // Writes an empty XML element.
     void leaf(const std::string& tag, const Attributes& attributes);
 
-    // The text, which is whole once every element that was opened is closed.
+    // The XML text that has been written; complete once all opened elements are closed.
     const std::string& text() const { return text_; }
 
 private:

@@ -1,4 +1,4 @@
-// What every mesh must hold before anything else sees it, wherever it came from.
+// Checks that every mesh must pass after it has been read or generated.
 #pragma once
 
 #include <string>
@@ -7,17 +7,17 @@
 
 namespace pt {
 
-// Whether the triangle has no area: a corner stands twice, or the cross product of two edges, in double precision, is
-// zero. Of a triangle whose corners are finite.
+// Whether a triangle has no area: two corners are equal, or the cross product of two edges, in double precision, is
+// zero. Its corners must be finite.
 bool is_degenerate(const Mesh& mesh, const std::array<std::uint32_t, 3>& triangle);
 
-// Takes degenerate triangles out and counts them in degenerate_left_out. The others keep their order, and the vertices
-// stay as they are.
+// Removes degenerate triangles from a mesh and counts them in `degenerate_left_out`. Vertices, and the order of the
+// other triangles, stay as they are.
 void leave_out_degenerate(Mesh& mesh);
 
-// Throws InputError, with `file` before it, for a mesh that is too large, an index out of range, a coordinate or a
-// normal that is not finite, or no triangle that has an area; leaves degenerate triangles out, and all texture
-// coordinates where one is not finite: most scenes have no use for them.
+// Checks a mesh and removes its degenerate triangles. Throws InputError, beginning with `file`, for a mesh that is too
+// large, an index out of range, a coordinate or normal that is not finite, or no triangle with an area. If a texture
+// coordinate is not finite, all are dropped, since most scenes have no use for them.
 void check_mesh(Mesh& mesh, const std::string& file);
 
 }  // namespace pt

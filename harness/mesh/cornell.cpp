@@ -1,5 +1,5 @@
-// The Cornell box (Goral, Torrance, Greenberg, Battaile 1984) as triangles: the room of scenes/cornell_open.json, and
-// the two blocks by the numbers that Cornell's graphics programme measured.
+// Generates the Cornell box (Goral, Torrance, Greenberg, Battaile 1984): the room of scenes/cornell_open.json, and two
+// blocks with the dimensions published by Cornell's graphics programme.
 #include "harness/mesh/exact_math.h"
 #include "harness/mesh/generators.h"
 
@@ -7,7 +7,7 @@ namespace pt {
 
 namespace {
 
-// Adds n x n x 2 triangles of a quad; a, b, c, d go round it counter-clockwise, seen from where its normal points.
+// Adds a quad as n x n x 2 triangles. Its corners a, b, c, d are counter-clockwise as seen from the side of its normal.
 void add_quad(Mesh& mesh, std::uint32_t n, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
               const glm::dvec3& d) {
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
@@ -26,10 +26,10 @@ void add_quad(Mesh& mesh, std::uint32_t n, const glm::dvec3& a, const glm::dvec3
     }
 }
 
-// A block of the Cornell box in millimetres, as measured: x to the left, z into the room, whose corner is the origin.
+// A block of the Cornell box as measured, in millimetres: x to the left, z into the room, whose corner is the origin.
 struct Block {
     double height;
-    double x[4], z[4];  // of its corners, round the upright
+    double x[4], z[4];  // corners of the block's base, in order round it
 };
 constexpr Block short_block{165, {130, 82, 240, 290}, {65, 225, 272, 114}};
 constexpr Block tall_block{330, {423, 265, 314, 472}, {247, 296, 456, 406}};
@@ -55,11 +55,11 @@ Mesh make_cornell_box(std::uint32_t n) {
     constexpr double low = -5.0, high = 5.0, ceiling = 10.0;
     const glm::dvec3 a(low, 0, low), b(high, 0, low), c(high, 0, high), d(low, 0, high), up(0, ceiling, 0);
     Mesh mesh;
-    add_quad(mesh, n, d, c, b, a);                      // floor
-    add_quad(mesh, n, a + up, b + up, c + up, d + up);  // ceiling
-    add_quad(mesh, n, a, b, b + up, a + up);            // back
-    add_quad(mesh, n, d, a, a + up, d + up);            // left
-    add_quad(mesh, n, b, c, c + up, b + up);            // right
+    add_quad(mesh, n, d, c, b, a);                      // floor of the Cornell box
+    add_quad(mesh, n, a + up, b + up, c + up, d + up);  // ceiling of the Cornell box
+    add_quad(mesh, n, a, b, b + up, a + up);            // back wall of the Cornell box
+    add_quad(mesh, n, d, a, a + up, d + up);            // left wall of the Cornell box
+    add_quad(mesh, n, b, c, c + up, b + up);            // right wall of the Cornell box
     add_block(mesh, n, short_block);
     add_block(mesh, n, tall_block);
     return mesh;

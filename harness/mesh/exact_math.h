@@ -1,6 +1,6 @@
-// Sine, cosine and random numbers that have the same bits on every machine: double precision, additions and products in
-// the order written here, and nothing of the C library, whose sine differs from version to version and from processor
-// to processor in its last bit. (The build's -ffp-contract=off keeps compilers from fusing them.)
+// Sine, cosine and random numbers that have the same bits on every machine: double precision, with sums and products in
+// the order written. The C library is not used, since the last bit of its sine differs between versions and processors.
+// (The build's -ffp-contract=off keeps compilers from fusing operations.)
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
-// Meshes that anyone can make: by name and size, with exact counts and the same bits on every machine (exact_math.h).
-// All are about the size of the unit sphere or cube, y up, but for what the table says otherwise.
+// Mesh generators: triangle meshes by name and size, with exact triangle counts and the same bits on every machine
+// (exact_math.h). Unless the table says otherwise a mesh has about the size of the unit sphere or cube, y up.
 #pragma once
 
 #include <cstdint>
@@ -12,21 +12,21 @@ namespace pt {
 
 struct Generator {
     std::string_view name, what;
-    std::string_view size, formula;  // what N counts, and how many triangles there are of N, in words
+    std::string_view size, formula;  // what the size N counts, and the triangle count as a formula of N, in words
     std::uint32_t least_size, most_size;
-    std::uint64_t (*triangles)(std::uint32_t size);  // that generate_mesh returns
-    std::uint64_t (*left_out)(std::uint32_t size);   // without area, at poles: not among them
+    std::uint64_t (*triangles)(std::uint32_t size);  // triangle count of the generated mesh
+    std::uint64_t (*left_out)(std::uint32_t size);   // number of degenerate triangles, left out at poles
     bool closed;     // every edge is shared by two triangles, in opposite directions, and the volume inside is positive
-    bool is_smooth;  // what it approximates has no edges, so that normals of its vertices mean something
+    bool is_smooth;  // whether the mesh approximates a smooth surface, so that vertex normals are useful
     Mesh (*make)(std::uint32_t size);
 };
 
-// All generators, in the order in which people are told of them.
+// All mesh generators, in the order in which they are listed to users.
 std::span<const Generator> generators();
-// Finds a generator; nullptr where there is none of that name.
+// Finds a mesh generator by name; nullptr if there is none.
 const Generator* find_generator(std::string_view name);
 
-// Generates a mesh. Throws InputError for a name that is no generator's, or a size out of its range.
+// Generates a mesh. Throws InputError for an unknown generator or a size out of its range.
 Mesh generate_mesh(std::string_view name, std::uint32_t size);
 
 }  // namespace pt

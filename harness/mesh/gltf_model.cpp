@@ -1,4 +1,4 @@
-// glTF 2.0 (Khronos, ISO/IEC 12113) by tinygltf: its JSON and chunks are the library's business.
+// Reads glTF 2.0 (Khronos, ISO/IEC 12113): tinygltf parses JSON and binary chunks, this file makes meshes of them.
 #ifdef PTBENCH_HAS_TINYGLTF
 
 #define TINYGLTF_IMPLEMENTATION
@@ -33,8 +33,8 @@ std::uint32_t word_at(const unsigned char* from) {
     return from[0] | from[1] << 8 | from[2] << 16 | static_cast<std::uint32_t>(from[3]) << 24;
 }
 
-// tinygltf (2.7) forgets the 8 bytes of the second chunk's header when it holds the chunk against the file's length,
-// and reads so far behind the end. What else is wrong with chunks it refuses itself.
+// Checks that the second chunk of a .glb ends within the file. tinygltf 2.7 leaves the 8 bytes of that chunk's header
+// out of its check and then reads beyond the end; it detects all other faults of chunks itself.
 void check_binary_chunk(std::string_view content, const std::string& file) {
     constexpr std::size_t file_header = 12, chunk_header = 8;
     if (content.size() < file_header + chunk_header) {
@@ -53,12 +53,11 @@ void check_binary_chunk(std::string_view content, const std::string& file) {
     }
 }
 
-// Refuses later versions: nobody here knows what they mean by the same words; as what version a file may be read,
-// minVersion says.
+// Refuses glTF versions after 2.x, by `minVersion`, the version that a reader needs, or else by `version`.
 void check_version(const tinygltf::Asset& asset, const std::string& file) {
     const bool has_least = !asset.minVersion.empty();
     const std::string& needed = has_least ? asset.minVersion : asset.version;
-    const double number = parse_number<double>(needed).value_or(0);  // of a version such as "2.1"
+    const double number = parse_number<double>(needed).value_or(0);  // a version such as "2.1" as a number
     if (has_least ? number != 2.0 : !(number >= 2.0 && number < 3.0)) {
         throw InputError(file, has_least ? "asset.minVersion" : "asset.version", "\"" + needed + "\"",
                          has_least ? "2.0" : "2.0, or a later 2.x");
@@ -68,7 +67,7 @@ void check_version(const tinygltf::Asset& asset, const std::string& file) {
 }  // namespace
 
 tinygltf::Model parse_gltf_model(std::string_view content, const std::string& file, const GltfFileReader& read) {
-    constexpr std::size_t largest = 0xffffffff;  // by the format
+    constexpr std::size_t largest = 0xffffffff;  // largest glTF file in bytes, by the format
     if (content.size() > largest) {
         throw InputError(file, "file", fmt::format("{} bytes", content.size()), fmt::format("at most {}", largest));
     }
@@ -77,7 +76,7 @@ tinygltf::Model parse_gltf_model(std::string_view content, const std::string& fi
         check_binary_chunk(content, file);
     }
     tinygltf::TinyGLTF loader;
-    // An image given as text of the file is kept as bytes, since nobody else has them; one in a buffer stays there.
+    // The bytes of a glTF image in a data URI are kept, as they are stored nowhere else; images in a buffer stay there.
     loader.SetImageLoader(
         [](tinygltf::Image* image, const int, std::string*, std::string*, int, int, const unsigned char* bytes,
            int size, void*) {
@@ -113,7 +112,7 @@ tinygltf::Model parse_gltf_model(std::string_view content, const std::string& fi
     return model;
 }
 
-// The numbers of an accessor, held to lie within its buffer.
+// The numbers of a glTF accessor, checked to lie within its buffer.
 struct GltfMeshMaker::AccessorView {
     const unsigned char* data = nullptr;
     std::size_t count = 0, stride = 0;
@@ -129,7 +128,7 @@ struct GltfMeshMaker::AccessorView {
                component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
                component_type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT;
     }
-    // A component of an accessor's element; whole numbers are fractions of their largest.
+    // A component of an accessor's element; integers are normalised by their largest value.
     float fraction(std::size_t i, std::size_t component) const {
         const unsigned char* from = data + i * stride;
         switch (component_type) {
@@ -154,7 +153,6 @@ struct GltfMeshMaker::AccessorView {
     }
 };
 
-// The root nodes of the scene that is shown first; without a scene, the nodes that no other has.
 std::vector<int> GltfMeshMaker::roots() const {
     if (!model_.scenes.empty()) {
         return element(model_.scenes, std::max(model_.defaultScene, 0), "scene").nodes;
@@ -174,7 +172,7 @@ std::vector<int> GltfMeshMaker::roots() const {
 
 namespace {
 
-// A node's rotation with length 1, as the format asks; what files have rounded to single precision stays as it is.
+// A glTF node's rotation, normalised unless it is off by rounding to single precision only.
 glm::dvec4 unit_rotation(const tinygltf::Node& node) {
     constexpr double rounding = 1e-6;
     const glm::dvec4 rotation(node.rotation[0], node.rotation[1], node.rotation[2], node.rotation[3]);
@@ -250,7 +248,7 @@ GltfMeshMaker::AccessorView GltfMeshMaker::view(int index, int type, const std::
     view.count = accessor.count;
     view.component_type = accessor.componentType;
     view.stride = part.byteStride > 0 ? part.byteStride : static_cast<std::size_t>(std::max(size, 1));
-    // The terms are checked in this order, so that no sum can leave its range: counts are below 2^32 first.
+    // The accessor's terms are checked in this order so that no sum overflows: counts are known to be below 2^32 first.
     const bool fits =
         size > 0 && accessor.count > 0 && accessor.count <= most_triangles * 3 && view.stride <= 4096 &&
         part.byteOffset <= buffer.data.size() && part.byteLength <= buffer.data.size() - part.byteOffset &&
@@ -293,7 +291,7 @@ void GltfMeshMaker::add_primitive(const tinygltf::Primitive& primitive, const gl
     const bool is_surface =
         mode == TINYGLTF_MODE_TRIANGLES || mode == TINYGLTF_MODE_TRIANGLE_STRIP || mode == TINYGLTF_MODE_TRIANGLE_FAN;
     if (!is_surface || position == primitive.attributes.end()) {
-        return;  // points and lines, and what has no place
+        return;  // the glTF primitive has no triangles or no positions
     }
     const AccessorView positions = vectors(position->second, place);
     const auto first = static_cast<std::uint32_t>(mesh_.vertices.size());
@@ -318,7 +316,7 @@ void GltfMeshMaker::add_primitive(const tinygltf::Primitive& primitive, const gl
     add_triangles(primitive, mode, first, positions.count, glm::determinant(glm::dmat3(matrix)) < 0.0, place);
 }
 
-// Adds normals turned by the matrix's cofactors, which is right for scales that differ and mirrors, too.
+// Adds vertex normals transformed by the matrix's cofactors, which is right for non-uniform scales and mirrors, too.
 void GltfMeshMaker::add_normals(const AccessorView& normals, std::size_t vertices, const glm::dmat4& matrix,
                                 const std::string& place) {
     if (normals.count != vertices) {
@@ -335,7 +333,7 @@ void GltfMeshMaker::add_normals(const AccessorView& normals, std::size_t vertice
     }
 }
 
-// glTF has v down from the image's top. Scenes without images have no use for them: what cannot be read is not there.
+// Adds texture coordinates, with glTF's v flipped. Unreadable ones are dropped silently: most scenes show no texture.
 void GltfMeshMaker::add_coordinates(const tinygltf::Primitive& primitive, std::size_t vertices,
                                     const std::string& place) {
     try {

@@ -1,5 +1,5 @@
-// A glTF 2 file as tinygltf reads it, and its primitives as meshes. Only for files that are compiled with tinygltf
-// (PTBENCH_HAS_TINYGLTF). That an accessor lies within its buffer, which tinygltf does not ask, is held here.
+// Parses glTF 2 files by tinygltf and turns their primitives into meshes. Only for files compiled with tinygltf
+// (PTBENCH_HAS_TINYGLTF). Checks that accessors lie within their buffers, which tinygltf does not.
 #pragma once
 
 #include <fstream>  // tiny_gltf.h leaves it out with TINYGLTF_NO_FS
@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 #include <glm/mat4x4.hpp>
 
-// The library is told to decode no images, and to read no file that no reader is given for.
+// tinygltf is told to decode no images, and to read no files but by a reader that it is given.
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
 #define TINYGLTF_NO_EXTERNAL_IMAGE
@@ -24,15 +24,14 @@
 
 namespace pt {
 
-// The content of a file that the model names; throws InputError.
+// Returns the content of a file that the glTF model names; throws InputError.
 using GltfFileReader = std::function<std::string(const std::string& name)>;
 
-// Parses glTF, binary or JSON by its first bytes. Without a reader of files, all data must be within. Throws
-// InputError.
+// Parses glTF, binary or JSON by its first bytes; without `read`, data must be embedded. Throws InputError.
 tinygltf::Model parse_gltf_model(std::string_view content, const std::string& file,
                                  const GltfFileReader& read = nullptr);
 
-// Makes one mesh of primitives; what is wrong with them throws InputError.
+// Builds one mesh from the primitives of a glTF model. Throws InputError for invalid primitives.
 class GltfMeshMaker {
 public:
     GltfMeshMaker(const tinygltf::Model& model, const std::string& file) : model_(model), file_(file) {}
@@ -49,20 +48,20 @@ public:
         return list[index];
     }
 
-    // The nodes of the scene that is shown first; without a scene, those that no other has.
+    // Root nodes of the glTF file's default or first scene; without scenes, all nodes that have no parent.
     std::vector<int> roots() const;
     static glm::dmat4 matrix_of(const tinygltf::Node& node);
-    // Whether a node is hidden by a scale of 0 along all axes, which hides what hangs on it too.
+    // Whether a glTF node is hidden, children included, by a scale of 0 along all axes.
     static bool is_hidden(const tinygltf::Node& node);
-    // Whether a node's weights, or without any its mesh's, move its vertices.
+    // Whether morph targets move the node's vertices, by the node's weights or, if it has none, by its mesh's.
     bool is_morphed(const tinygltf::Node& node) const;
 
-    // Whether a primitive has triangles: points and lines have none, nor has one without positions.
+    // Whether a glTF primitive has triangles. Points, lines and primitives without positions have none.
     static bool is_surface(const tinygltf::Primitive& primitive);
     void add_primitive(const tinygltf::Primitive& primitive, const glm::dmat4& matrix, const std::string& place);
     Mesh take();
     MeshWarnings& warnings() { return mesh_.warnings; }
-    const RoundingLoss& loss() const { return loss_; }  // of vertices that were placed, by their numbers
+    const RoundingLoss& loss() const { return loss_; }  // largest rounding error of the transformed vertices
 
 private:
     struct AccessorView;
@@ -77,9 +76,9 @@ private:
 
     const tinygltf::Model& model_;
     const std::string& file_;
-    bool has_normals_ = true;                        // so far: they are kept where every primitive has them
-    bool has_coordinates_ = true;                    // likewise
-    std::vector<std::array<float, 2>> coordinates_;  // by vertex
+    bool has_normals_ = true;                        // whether all primitives so far have vertex normals
+    bool has_coordinates_ = true;                    // whether all primitives so far have texture coordinates
+    std::vector<std::array<float, 2>> coordinates_;  // texture coordinates by vertex
     RoundingLoss loss_;
     Mesh mesh_;
 };

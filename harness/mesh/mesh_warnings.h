@@ -1,4 +1,4 @@
-// What a reader of meshes says of a file that it does not take as it stands.
+// Warnings of a mesh reader about parts of a file that it skips or reinterprets.
 #pragma once
 
 #include <cstddef>
@@ -8,13 +8,12 @@
 
 namespace pt {
 
-// A file can be odd in every line: what is said of many places is kept once, with the first of them.
+// Collects warnings. Since every line of a file may cause one, equal texts are kept once, with the first place.
 class MeshWarnings {
 public:
     void add(std::string_view place, std::string_view text);
 
-    // The warnings, "PLACE: TEXT", one line each, in the order in which they came; how many places more there are
-    // stands behind each.
+    // The warnings, "PLACE: TEXT", by their first places; the number of further places follows each text.
     std::vector<std::string> messages() const;
 
 private:

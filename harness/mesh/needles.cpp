@@ -1,4 +1,4 @@
-// Single triangles that trees of boxes have trouble with: long ones in all directions, and equal ones.
+// Generates triangles that are hard for a BVH: long thin ones in all directions, and many equal ones.
 #include <cmath>
 
 #include "harness/mesh/exact_math.h"

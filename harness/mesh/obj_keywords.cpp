@@ -20,7 +20,7 @@ constexpr ObjKeyword obj_keywords[] = {
     {"vn", ObjLine::normal},
     {"vt", ObjLine::texture},
     {"f", ObjLine::face},
-    {"fo", ObjLine::face},  // up to version 2.11 of the format
+    {"fo", ObjLine::face},  // face keyword up to version 2.11 of the OBJ format
     {"usemtl", ObjLine::material},
     {"g", ObjLine::group},
     {"o", ObjLine::group},

@@ -1,4 +1,4 @@
-// The keywords of Wavefront's object files, and which lines they make.
+// Keywords of Wavefront OBJ files, and the kind of line that each begins.
 #pragma once
 
 #include <string>
@@ -16,7 +16,7 @@ enum class ObjLine {
     material,
     group,
     library,
-    image,  // of a material, in the oldest files
+    image,  // texture image of faces, in very old OBJ files
     no_shape,
     points_or_lines,
     curve_or_surface,
@@ -25,20 +25,20 @@ enum class ObjLine {
     unknown,
 };
 
-// The kind of line that a line's first word begins.
+// The kind of OBJ line that a first word begins.
 ObjLine obj_line_of(std::string_view word);
 
-// The first word of a line; empty for an empty line.
+// The first word of an OBJ line; empty for an empty line.
 std::string_view first_obj_word(std::string_view line);
 
-// The remark where such a line is passed over; empty: there is none.
+// Warning for an OBJ line of a kind that the reader skips; empty if skipping it changes nothing.
 std::string obj_remark(ObjLine line, std::string_view word);
 
-// Whether what follows is a name, to the line's end: names have spaces, # and backslashes in them.
+// Whether an OBJ line's argument is a name up to the line's end; names may contain spaces, # and backslashes.
 bool is_obj_name(ObjLine line);
 
-// Whether a line ends in a backslash that joins the next to it. One in a comment does not, nor the end of a folder's
-// name.
+// Whether an OBJ line ends in a backslash that joins the next line to it. A backslash in a comment or at the end of a
+// folder's name does not.
 bool joins_next_line(std::string_view line);
 
 }  // namespace pt

@@ -1,6 +1,5 @@
-// The materials of Wavefront's object files (Advanced Visualizer manual, appendix B1; of material libraries, Ramey,
-// Rose and Tyerman, "MTL material format", 1995): which triangles have which, and what a library says of them, in
-// words.
+// Splits Wavefront OBJ files by material (Advanced Visualizer manual, appendix B1) and parses their MTL libraries
+// (Ramey, Rose and Tyerman, "MTL material format", 1995) into words.
 #pragma once
 
 #include <map>
@@ -12,42 +11,42 @@
 
 namespace pt {
 
-// What usemtl and g (or o) said last when a face came, to the line's end; either may be empty. Programs write names
-// with # in them, and comments behind names: who looks for one tries it whole, then without_comment.
+// Material and group of an OBJ face, as the last usemtl and the last g (or o) gave them up to the line's end; either
+// may be empty. Both names with # and comments after names occur: try the whole name first, then `without_comment`.
 struct ObjPart {
     std::string material, group;
 };
 
 struct ObjParts {
-    Mesh mesh;                           // all of it, unchecked and without normals
-    std::vector<ObjPart> parts;          // in the order of their first faces
-    std::vector<std::uint32_t> part_of;  // one a triangle: a number of `parts`
-    std::vector<std::string> libraries;  // as mtllib names them, to the line's end
+    Mesh mesh;                           // the whole mesh, unchecked and without normals
+    std::vector<ObjPart> parts;          // parts (material and group) in the order of their first faces
+    std::vector<std::uint32_t> part_of;  // for each triangle its index in `parts`
+    std::vector<std::string> libraries;  // names of MTL libraries, as mtllib lines give them
 };
 
-// Parses an OBJ file's parts by material. Throws InputError of one line, as parse_obj does.
+// Parses an OBJ file into parts by material. Throws InputError of one line for a broken file, like `parse_obj`.
 ObjParts parse_obj_parts(std::string_view content, const std::string& file);
 
-// The triangles whose entry of `is_in` is true, and their vertices alone.
+// A mesh of only the triangles whose entry of `is_in` is true, and of the vertices that they use.
 Mesh part_of_mesh(const Mesh& mesh, const std::vector<bool>& is_in);
 
-// A name without its comment: what stands before a # that begins a word other than the first.
+// Strips the comment from a name in an OBJ or MTL file: everything from the first # that begins a word but the first.
 std::string without_comment(const std::string& name);
 
 struct MtlLine {
-    std::size_t number = 0;          // from 1
-    std::vector<std::string> words;  // the key and the values
+    std::size_t number = 0;          // line number in the MTL file, from 1
+    std::vector<std::string> words;  // keyword and values of an MTL line
     std::string text() const;
 };
 
 struct MtlMaterial {
     std::string name;
-    std::size_t line = 0;                  // of its newmtl
-    std::map<std::string, MtlLine> lines;  // by their keys in lower case; of two of one key the last
-    std::vector<MtlLine> overruled;        // the other one, where it says something else
+    std::size_t line = 0;                  // line number of the material's newmtl
+    std::map<std::string, MtlLine> lines;  // lines of the material by lower-case keyword; the last of equal ones
+    std::vector<MtlLine> overruled;        // earlier lines of equal keyword that differ
 };
 
-// Parses a library of materials. Throws InputError of one line for a file that is none.
+// Parses an MTL material library. Throws InputError of one line if the file is none.
 std::vector<MtlMaterial> parse_mtl(std::string_view content, const std::string& file);
 
 }  // namespace pt

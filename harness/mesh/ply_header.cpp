@@ -59,8 +59,8 @@ private:
 
     void skip_byte_order_mark() {
         at_ = content_.size() - without_byte_order_mark(content_, file_).size();
-        // A CR alone ends lines only if no LF follows the first one: in binary files what follows may be a number that
-        // begins with the byte of an LF.
+        // Header lines of a PLY file end in CR alone only if the first CR has no LF behind it. A later LF byte does not
+        // count, since in a binary file it may belong to a number.
         const std::size_t first = content_.find_first_of("\r\n", at_);
         const bool is_cr = first != std::string_view::npos && content_[first] == '\r';
         line_end_ = is_cr && !content_.substr(first + 1).starts_with('\n') ? '\r' : '\n';

@@ -1,4 +1,4 @@
-// What a PLY file's header declares: elements in the order of the file, each with its properties.
+// The header of a PLY file: the declared elements in file order, each with its properties.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ struct PlyProperty {
     std::string name;
     PlyType type = PlyType::float32;
     bool is_list = false;
-    PlyType count_type = PlyType::uint8;  // of a list
+    PlyType count_type = PlyType::uint8;  // PLY type of the count before a list's values
 };
 
 struct PlyElement {
@@ -27,13 +27,13 @@ struct PlyElement {
 struct PlyHeader {
     PlyFormat format = PlyFormat::ascii;
     std::vector<PlyElement> elements;
-    std::size_t end = 0;  // where the elements begin
+    std::size_t end = 0;  // offset in bytes at which the PLY elements begin
 };
 
 std::size_t bytes_of(PlyType type);
 
-// Reads the header of a PLY file. Throws InputError with the line for whatever is no header; `file` is for the
-// messages.
+// Reads the header of a PLY file. Throws InputError with the line number if it is invalid; `file` is the name that
+// error messages show.
 PlyHeader read_ply_header(std::string_view content, const std::string& file);
 
 }  // namespace pt

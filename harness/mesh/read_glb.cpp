@@ -1,4 +1,4 @@
-// Binary glTF 2.0 (Khronos, ISO/IEC 12113) as one mesh: what nodes do to meshes is done here.
+// Reads binary glTF 2.0 (Khronos, ISO/IEC 12113) as one mesh, with the transforms of its nodes applied.
 #include "harness/mesh/read_mesh.h"
 
 #ifdef PTBENCH_HAS_TINYGLTF
@@ -72,7 +72,7 @@ private:
             warnings.add(place, "its rotation is (0, 0, 0, 0), which is none: it turns nothing");
         }
         for (const auto& [name, value] : node.extensions) {
-            if (name != "KHR_lights_punctual") {  // lights are the scene's
+            if (name != "KHR_lights_punctual") {  // lights belong to a scene, not to a mesh
                 warnings.add(place, "its extension " + name + " is passed over");
             }
         }

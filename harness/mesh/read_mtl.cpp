@@ -15,12 +15,12 @@ namespace {
 
 constexpr std::size_t most_materials = 10000;
 
-// Some programs put commas between numbers.
+// Strips a trailing comma from a number, as some programs write them in MTL files.
 std::string without_comma(const std::string& word) {
     return word.size() > 1 && word.back() == ',' ? word.substr(0, word.size() - 1) : word;
 }
 
-// Whether a name, or a file's, is what follows: it may have # in it.
+// Whether an MTL keyword is followed by the name of a material or file, which may contain #.
 bool has_name(const std::string& key) {
     return key == "newmtl" || key.starts_with("map_") || key == "bump" || key == "disp" || key == "decal" ||
            key == "norm" || key == "refl";

@@ -1,7 +1,6 @@
-// Wavefront's object files (Advanced Visualizer manual, appendix B1), of which vertices, vertex normals, texture
-// coordinates and faces are read; of whatever else has a shape it is said that it is not. Not by tinyobjloader (2.0.0):
-// it takes "v nan 0 x" for the origin, and faces that it cannot place away, and says nothing of the first and no line
-// of the second.
+// Reads Wavefront OBJ files (Advanced Visualizer manual, appendix B1): vertices, normals, texture coordinates and
+// faces; other shapes are skipped with a warning. tinyobjloader 2.0.0 is not used: it reads "v nan 0 x" as the origin,
+// drops faces with bad indices, and reports no line numbers.
 #include <algorithm>
 #include <map>
 
@@ -59,13 +58,13 @@ private:
         }
     }
 
-    // The largest index so far of a kind, and where it stands: an index may come before what it means.
+    // The largest vertex (or normal) index so far and its line: checked last, as an index may refer to a later line.
     struct Pending {
         std::uint64_t count = 0;
         std::size_t line = 0;
     };
 
-    // A polygon some vertex of which comes later in the file.
+    // A polygon that refers to a vertex defined later in the file, so that it is triangulated at the end.
     struct LatePolygon {
         std::size_t triangle = 0, corners = 0, line = 0;
     };
@@ -83,7 +82,7 @@ private:
 
     void warn(std::size_t line, std::string_view text) { mesh_.warnings.add(fmt::format("line {}", line), text); }
 
-    // Goes to the next line, joined to the one behind it where it ends in a backslash. False at the file's end.
+    // Advances to the next OBJ line, joined with those after it while it ends in a backslash; false at the file's end.
     bool next_line() {
         if (at_ >= content_.size()) {
             return false;
@@ -116,7 +115,7 @@ private:
         return line;
     }
 
-    // The next word of the line; empty at the line's end.
+    // Takes the next word from the current OBJ line; empty at the line's end.
     std::string_view next_word() {
         const std::size_t start = std::min(text_.find_first_not_of(obj_white), text_.size());
         const std::size_t end = std::min(text_.find_first_of(obj_white, start), text_.size());
@@ -157,19 +156,19 @@ private:
         if (const std::string remark = obj_remark(kind, word); !remark.empty()) {
             warn(line_, remark);
         } else if (!keeps_parts_) {
-            return;  // materials are the scene's
+            return;  // materials matter only if the mesh is split into parts
         } else if (kind == ObjLine::material || kind == ObjLine::group) {
             (kind == ObjLine::material ? current_.material : current_.group) = rest_of_line();
             has_current_ = false;
         } else if (kind == ObjLine::library) {
             const std::size_t start = std::min(text_.find_first_not_of(" \t"), text_.size());
-            found_.libraries.emplace_back(text_.substr(start));  // a file's name, with all its spaces
+            found_.libraries.emplace_back(text_.substr(start));  // file name of a library with all its spaces
         } else if (kind == ObjLine::image && rest_of_line() != "off") {
             warn(line_, fmt::format("{} is passed over: images are those of the materials", word));
         }
     }
 
-    // Checks in double precision that vertices kept enough digits, and only where that may say something new.
+    // Warns of vertices that lost digits in single precision, by reading the file again in double, if that may matter.
     void check_resolution() {
         if (!may_have_lost_digits(mesh_)) {
             return;
@@ -188,7 +187,7 @@ private:
         }
     }
 
-    // The triangles from `first` on are the fan of a polygon of so many corners.
+    // Triangulates a polygon of `corners` corners anew, whose fan is stored in the mesh's triangles from `first` on.
     void cut_polygon(std::size_t first, std::size_t corners, std::size_t line) {
         std::vector<std::array<float, 3>> places;
         for (std::size_t i = 0; i < corners; ++i) {
@@ -209,7 +208,7 @@ private:
         }
     }
 
-    // The rest of the line as a name, which may have spaces; how many does not count.
+    // Takes the rest of the line as a name; runs of spaces in it become one space.
     std::string rest_of_line() {
         std::string rest(next_word());
         for (std::string_view word = next_word(); !word.empty(); word = next_word()) {
@@ -219,7 +218,7 @@ private:
         return rest;
     }
 
-    // The number of the part that the next faces belong to, which is begun here if it is new.
+    // Index of the part (material and group) that the next faces belong to; adds the part if it is new.
     std::uint32_t part() {
         if (!has_current_) {
             const auto [place, is_new] = part_numbers_.try_emplace({current_.material, current_.group},
@@ -239,7 +238,7 @@ private:
         }
     }
 
-    // Reads three numbers; what comes after them, a weight or a colour, is passed over.
+    // Reads three numbers of an OBJ line and ignores what follows, such as a weight or a colour.
     template <class T>
     std::array<T, 3> read_triple(std::string_view line) {
         std::array<T, 3> triple;
@@ -286,7 +285,7 @@ private:
         }
     }
 
-    // Reads a corner of a face: V, V/T, V//N or V/T/N.
+    // Parses a corner of an OBJ face: V, V/T, V//N or V/T/N.
     ObjCorner read_corner(std::string_view word) {
         const std::size_t first = std::min(word.find('/'), word.size());
         const std::size_t second = std::min(word.find('/', first + 1), word.size());
@@ -302,7 +301,7 @@ private:
         return corner;
     }
 
-    // Reads texture coordinates. Scenes without images have no use for them: where one cannot be read, there are none.
+    // Reads a texture coordinate. If any is unreadable, all are dropped silently, since most scenes show no texture.
     void read_texture() {
         std::array<float, 2> at{};
         const std::string_view u = next_word(), v = next_word();
@@ -320,7 +319,7 @@ private:
         corner.texture = corner.has_texture ? static_cast<std::uint32_t>(place) : 0;
     }
 
-    // Reads an index, which counts from 1 on, or from -1 backward, and returns it from 0 on.
+    // Parses an OBJ index, which counts from 1, or backward from -1, and returns it counted from 0.
     std::uint32_t read_index(std::string_view word, std::string_view number, std::size_t count,
                              Pending& pending) const {
         const std::int64_t index = parse_number<std::int64_t>(number).value_or(0);
@@ -336,7 +335,7 @@ private:
         return static_cast<std::uint32_t>(index > 0 ? index - 1 : index + static_cast<std::int64_t>(count));
     }
 
-    // A vertex that has several normals becomes several. Where only some corners have one, there are none.
+    // Gives the mesh vertex normals. A vertex with several normals is split. If a corner has none, the mesh has none.
     void give_normals() {
         if (normal_triangles_.empty() || !all_have_normals_) {
             return;
@@ -364,14 +363,14 @@ private:
     std::string_view content_;
     const std::string& file_;
     std::size_t at_ = 0, line_ = 0, lines_joined_ = 0;
-    std::string_view text_;  // what is left of the line
+    std::string_view text_;  // unread rest of the current OBJ line
     std::string joined_;
-    std::vector<ObjCorner> corners_;  // of the face
+    std::vector<ObjCorner> corners_;  // corners of the current face
     std::vector<std::array<float, 3>> normals_;
-    std::vector<std::array<std::uint32_t, 3>> normal_triangles_;  // of indices into normals_
+    std::vector<std::array<std::uint32_t, 3>> normal_triangles_;  // normals of triangles: indices into normals_
     bool all_have_normals_ = true;
     std::vector<std::array<float, 2>> textures_;
-    std::vector<std::array<std::uint32_t, 3>> texture_triangles_;  // of indices into textures_
+    std::vector<std::array<std::uint32_t, 3>> texture_triangles_;  // per triangle, indices into textures_
     bool all_have_texture_ = true;
     Pending pending_vertex_, pending_normal_;
     std::vector<LatePolygon> late_polygons_;

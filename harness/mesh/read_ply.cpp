@@ -1,6 +1,6 @@
-// The Stanford polygon format (Turk 1994): a header in lines that declares elements and their properties, then the
-// elements, as text or as numbers of either byte order. Read here and not by a library: none that Debian has as headers
-// reads it, and a reader of our own says of any fault where it is.
+// Reads PLY, the Stanford polygon format (Turk 1994): a text header that declares elements and their properties, then
+// the elements as text or binary numbers of either byte order. No library is used: Debian packages none as headers, and
+// this reader can report where each fault is.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -20,13 +20,13 @@ namespace pt {
 
 namespace {
 
-// The numbers after the header, one after the other.
+// Reads the numbers after a PLY file's header in sequence.
 class PlyNumbers {
 public:
     PlyNumbers(std::string_view content, PlyFormat format, const std::string& file)
         : content_(content), format_(format), file_(file) {}
 
-    // Notes the place in the file, for messages.
+    // Sets the PLY element and its index that error messages name.
     void enter(const std::string& element, std::uint64_t index) {
         element_ = &element;
         index_ = index;
@@ -37,7 +37,7 @@ public:
 
     double next(PlyType type) { return format_ == PlyFormat::ascii ? next_word(type) : next_binary(type); }
 
-    // The most elements of that kind for which there are bytes left.
+    // Upper bound on the number of elements of a kind that the remaining bytes can hold.
     std::uint64_t most_left(const PlyElement& element) const {
         std::uint64_t bytes = 0;
         for (const PlyProperty& property : element.properties) {
@@ -133,8 +133,7 @@ public:
         return std::move(mesh_);
     }
 
-    // How far the vertices of the mesh that was read lie from what the file says of them, as text or in double
-    // precision.
+    // Largest rounding error of the mesh's vertices, found by reading the file again in double precision.
     RoundingLoss rounding_of(const Mesh& mesh) {
         if (header_.format == PlyFormat::ascii) {
             for (PlyElement& element : header_.elements) {
@@ -149,7 +148,7 @@ public:
     }
 
 private:
-    // The triangles from `triangle` on are the fan of a polygon of so many corners.
+    // A polygon whose fan is stored in the mesh's triangles from `triangle` on.
     struct Polygon {
         std::size_t triangle = 0, corners = 0;
         std::uint64_t face = 0;
@@ -172,7 +171,7 @@ private:
             const auto& triangle = mesh_.triangles[polygon.triangle + (i < 3 ? 0 : i - 2)];
             const std::uint32_t vertex = triangle[std::min<std::size_t>(i, 2)];
             if (vertex >= mesh_.vertices.size()) {
-                return;  // is refused for that
+                return;  // index out of range: check_mesh refuses the mesh
             }
             places.push_back(mesh_.vertices[vertex]);
         }
@@ -227,7 +226,7 @@ private:
         }
     }
 
-    // The place of a property in an element; -1 where there is none of that name.
+    // Index of a property within a PLY element by name; -1 if there is none.
     static int place_of(const PlyElement& element, std::string_view name, bool is_list) {
         for (std::size_t i = 0; i < element.properties.size(); ++i) {
             if (element.properties[i].name == name && element.properties[i].is_list == is_list) {
@@ -276,7 +275,7 @@ private:
         }
     }
 
-    // Finds texture coordinates by the names that exporters give them.
+    // Finds the texture coordinates of a PLY vertex by the property names that exporters use.
     void find_coordinates(const PlyElement& element) {
         constexpr std::string_view names[][2] = {{"s", "t"}, {"u", "v"}, {"texture_u", "texture_v"}};
         for (const auto& [u, v] : names) {
@@ -296,7 +295,7 @@ private:
         }
     }
 
-    // The place of the list of corners in an element; -1 where it has none.
+    // Index of the list of vertex indices within a PLY face element; -1 if there is none.
     static int list_of_corners(const PlyElement& element) {
         const int plural = place_of(element, "vertex_indices", true);
         return plural >= 0 ? plural : place_of(element, "vertex_index", true);
@@ -340,8 +339,8 @@ private:
         mesh_.triangles.push_back(triangle);
     }
 
-    // Rows of triangles (Stanford's vripped scans): each vertex from the third on makes one with the two before it, and
-    // -1 ends a row.
+    // Reads triangle strips (Stanford's vripped scans): from the third on, each vertex forms a triangle with the two
+    // before it, and -1 ends a strip.
     void read_strips(const PlyElement& element, PlyNumbers& numbers) {
         const int list = list_of_corners(element);
         has_faces_ = true;
@@ -391,7 +390,7 @@ private:
             last = corner;
         }
         if (count > 3 && mesh_.vertices.empty()) {
-            late_polygons_.push_back(polygon);  // the vertices come behind the faces
+            late_polygons_.push_back(polygon);  // in this PLY file vertices follow after the faces
         } else if (count > 3) {
             cut(polygon);
         }
@@ -405,7 +404,7 @@ private:
     std::vector<Polygon> late_polygons_;
     Mesh mesh_;
     int coordinate_places_[2] = {-1, -1};
-    std::vector<std::array<float, 2>> coordinates_;  // by vertex
+    std::vector<std::array<float, 2>> coordinates_;  // texture coordinates by vertex
     bool has_faces_ = false;
 };
 

@@ -14,7 +14,7 @@ constexpr double slight_of_extent = 0x1p-14, slight_of_edge = 0x1p-7;
 
 struct Extents {
     double low[3], high[3];
-    double side = 0;  // the largest
+    double side = 0;  // largest side of the bounding box
 };
 
 Extents extents_of(const Mesh& mesh) {
@@ -44,7 +44,7 @@ double mean_edge_of(const Mesh& mesh) {
     return mesh.triangles.empty() ? 0 : sum / (3 * static_cast<double>(mesh.triangles.size()));
 }
 
-// The middle of all, to as few digits as leave the mesh near it.
+// Origin to suggest for a mesh far from zero: the middle of its extent, rounded to a power of ten near its size.
 double origin_of(double low, double high, double side) {
     const double unit = std::pow(10.0, std::floor(std::log10(side)));
     return std::round(0.5 * (low + high) / unit) * unit + 0.0;

@@ -1,4 +1,4 @@
-// Whether single precision leaves a mesh its shape: a map's easting and northing use up most of its digits.
+// Detects meshes that lose their shape in single precision, such as terrain in map coordinates (easting and northing).
 #pragma once
 
 #include <array>
@@ -10,13 +10,13 @@
 
 namespace pt {
 
-// How far vertices lie from where double precision has them.
+// Largest rounding error of a mesh's vertices when converted from double to single precision.
 class RoundingLoss {
 public:
-    // Takes note of a vertex. `place`: its number, by the reader's own count.
+    // Records a vertex before and after rounding. `place` is its number, as the reader counts.
     void add(const std::array<double, 3>& exact, const std::array<float, 3>& rounded, std::size_t place);
 
-    double largest() const { return largest_; }  // along one axis
+    double largest() const { return largest_; }  // largest rounding error along one axis
     std::size_t place() const { return place_; }
 
 private:
@@ -24,12 +24,11 @@ private:
     std::size_t place_ = 0;
 };
 
-// What to say of a mesh some vertex of which rounding has moved by `largest`: nothing below 2^-14 of its extent and
-// 2^-7 of the mean length of its edges, which is when neither its outline nor its shading shows it.
+// Warning for a mesh whose vertices rounding has moved by up to `largest`. None below 2^-14 of the mesh's extent and
+// 2^-7 of its mean edge length, where neither outline nor shading shows the error.
 std::optional<std::string> resolution_warning(const Mesh& mesh, double largest);
 
-// Whether rounding numbers as large as the mesh's coordinates could be worth a warning: only then need a reader look at
-// them in double precision.
+// Whether coordinates are so large that rounding may be worth a warning, for which the file is read in double.
 bool may_have_lost_digits(const Mesh& mesh);
 
 }  // namespace pt

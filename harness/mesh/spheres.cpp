@@ -1,4 +1,4 @@
-// Spheres with bumps: of an icosahedron divided again and again, and of a grid in latitude and longitude.
+// Generates bumpy spheres: a repeatedly divided icosahedron, and a grid in latitude and longitude.
 #include <cmath>
 
 #include "harness/mesh/exact_math.h"
@@ -8,18 +8,18 @@ namespace pt {
 
 namespace {
 
-// A triangulated sphere whose triangles know their edges, so that an edge's middle is made once without a search.
+// A triangle mesh on the sphere that stores edges, so that each edge's midpoint is created once without a search.
 struct DividedSphere {
     std::vector<glm::dvec3> vertices;
-    std::vector<std::array<std::uint32_t, 2>> edges;      // their ends
-    std::vector<std::array<std::uint32_t, 3>> triangles;  // their corners
-    std::vector<std::array<std::uint32_t, 3>> sides;      // edge i of a triangle goes from corner i to the next
+    std::vector<std::array<std::uint32_t, 2>> edges;      // indices of an edge's two end vertices
+    std::vector<std::array<std::uint32_t, 3>> triangles;  // indices of a triangle's three vertices
+    std::vector<std::array<std::uint32_t, 3>> sides;      // edges of a triangle: edge i goes from corner i to the next
 };
 
 DividedSphere icosahedron() {
     const double golden = (1.0 + std::sqrt(5.0)) / 2.0;
     DividedSphere sphere;
-    for (int axis = 0; axis < 3; ++axis) {  // the corners of three golden rectangles
+    for (int axis = 0; axis < 3; ++axis) {  // an icosahedron has the corners of three golden rectangles
         for (const auto& [a, b] : {std::pair{-1.0, -golden}, {1.0, -golden}, {-1.0, golden}, {1.0, golden}}) {
             glm::dvec3 corner(0.0);
             corner[axis] = a;
@@ -27,7 +27,7 @@ DividedSphere icosahedron() {
             sphere.vertices.push_back(glm::normalize(corner));
         }
     }
-    const auto near = [&](std::uint32_t a, std::uint32_t b) {  // the cosine over an edge is 1/sqrt(5), else below 0
+    const auto near = [&](std::uint32_t a, std::uint32_t b) {  // cosine between neighbours is 1/sqrt(5), else negative
         return glm::dot(sphere.vertices[a], sphere.vertices[b]) > 0.4;
     };
     std::uint32_t edge_of[12][12] = {};
@@ -53,8 +53,8 @@ DividedSphere icosahedron() {
     return sphere;
 }
 
-// Edge e becomes 2 e, at its first end, and 2 e + 1; vertex V + e is its middle. Triangle t has three edges inside, the
-// one that cuts off corner i is 2 E + 3 t + i.
+// Splits each triangle into four. Edge e becomes edges 2 e (at its first end) and 2 e + 1, with midpoint vertex V + e.
+// Inside triangle t, the new edge that cuts off corner i is 2 E + 3 t + i (V vertices, E edges before).
 DividedSphere divided(const DividedSphere& old) {
     const auto vertices = static_cast<std::uint32_t>(old.vertices.size());
     const auto edges = static_cast<std::uint32_t>(old.edges.size());
@@ -128,7 +128,7 @@ Mesh make_grid_sphere(std::uint32_t n, double bump, std::uint32_t frequency) {
                : i == n ? static_cast<std::uint32_t>(mesh.vertices.size() - 1)
                         : 1 + (i - 1) * 2 * n + j % (2 * n);
     };
-    for (std::uint32_t half = 0; half < 2; ++half) {  // in the probe's order: of all quads one half, then the other
+    for (std::uint32_t half = 0; half < 2; ++half) {  // OptiX probe's order: first halves of all quads first
         for (std::uint32_t i = 0; i < n; ++i) {
             for (std::uint32_t j = 0; j < 2 * n; ++j) {
                 const std::uint32_t a = vertex(i, j), b = vertex(i, j + 1), c = vertex(i + 1, j),
@@ -136,7 +136,7 @@ Mesh make_grid_sphere(std::uint32_t n, double bump, std::uint32_t frequency) {
                 if (half == 0 ? i > 0 : i + 1 < n) {
                     mesh.triangles.push_back(half == 0 ? std::array{a, b, c} : std::array{b, d, c});
                 } else {
-                    ++mesh.degenerate_left_out;  // two of its corners are the pole
+                    ++mesh.degenerate_left_out;  // two corners of the triangle are the pole
                 }
             }
         }

@@ -1,11 +1,11 @@
-// The Menger sponge: what a cube keeps in which, again and again, the middle third is bored out along each axis.
+// Generates the Menger sponge: a cube from which, level by level, the middle third is bored out along each axis.
 #include "harness/mesh/generators.h"
 
 namespace pt {
 
 namespace {
 
-// A cell is left if in no level two of its places are the middle one.
+// Whether a cell of the Menger sponge is solid: at no level do two of its ternary digits equal 1, the middle third.
 bool is_left(std::array<std::uint32_t, 3> cell) {
     for (; cell[0] + cell[1] + cell[2] > 0; cell = {cell[0] / 3, cell[1] / 3, cell[2] / 3}) {
         if ((cell[0] % 3 == 1) + (cell[1] % 3 == 1) + (cell[2] % 3 == 1) >= 2) {
@@ -37,7 +37,7 @@ private:
     void add_cell(const std::array<std::uint32_t, 3>& cell) {
         for (int axis = 0; axis < 3; ++axis) {
             auto below = cell, above = cell;
-            --below[axis];  // of 0: beyond the side
+            --below[axis];  // an unsigned 0 wraps round to beyond the cube
             ++above[axis];
             if (below[axis] >= side_ || !is_left(below)) {
                 add_face(cell, (axis + 2) % 3, (axis + 1) % 3);
@@ -48,7 +48,7 @@ private:
         }
     }
 
-    // Adds a face whose normal is that of the axis u times the axis v.
+    // Adds a quad whose normal points along the cross product of the axes u and v.
     void add_face(std::array<std::uint32_t, 3> corner, int u, int v) {
         const std::uint32_t a = vertex(corner);
         ++corner[u];
@@ -72,7 +72,7 @@ private:
     }
 
     std::uint32_t side_;
-    std::vector<std::uint32_t> vertex_at_;  // of the lattice
+    std::vector<std::uint32_t> vertex_at_;  // vertex index by lattice point
     Mesh mesh_;
 };
 

@@ -1,5 +1,5 @@
-// Martin Newell's teapot (The Utilization of Procedure Models in Digital Image Synthesis, University of Utah 1975):
-// 32 bicubic Bezier patches. 24 of them are quarters of bodies that are nearly round, and follow from their profiles.
+// The Utah teapot of Martin Newell (The Utilization of Procedure Models in Digital Image Synthesis, 1975, University of
+// Utah): 32 bicubic Bezier patches. 24 are quarters of nearly round bodies and computed from profiles.
 #include <span>
 
 #include "harness/mesh/check_mesh.h"
@@ -10,14 +10,14 @@ namespace pt {
 
 namespace {
 
-// A quarter of a round row from x to y: the control points (r, 0), (r, s), (s, r), (0, r) at that height.
+// A row of control points on a quarter circle from x to y: (r, 0), (r, s), (s, r), (0, r), all at one height.
 struct RoundRow {
     double r, height, s;
 };
-constexpr double newell_share = 0.56;  // Newell's s / r; 0.5523 would be nearer to a circle
+constexpr double newell_share = 0.56;  // Newell's ratio s / r of control points; 0.5523 would be nearer to a circle
 constexpr RoundRow round_row(double r, double height) { return {r, height, newell_share * r}; }
 
-// Rows are listed from the top downward, so that outside is on one side of all. Neighbours share a row.
+// Profiles of round bodies, from the top down so that all patches face outward. Adjacent patches share a row.
 constexpr RoundRow rim_and_body[] = {round_row(1.4, 2.4),  round_row(1.3375, 2.53125), round_row(1.4375, 2.53125),
                                      round_row(1.5, 2.4),  round_row(1.75, 1.875),     round_row(2.0, 1.35),
                                      round_row(2.0, 0.9),  round_row(2.0, 0.45),       round_row(1.5, 0.225),
@@ -26,7 +26,7 @@ constexpr RoundRow rim_and_body[] = {round_row(1.4, 2.4),  round_row(1.3375, 2.5
 constexpr RoundRow lid[] = {round_row(0.0, 3.15), {0.8, 3.15, 0.45},    round_row(0.0, 2.85), round_row(0.2, 2.7),
                             round_row(0.4, 2.55), round_row(1.3, 2.55), round_row(1.3, 2.4)};
 
-// A row of half a pipe: the control points (x, 0), (x, w), (x', w), (x', 0) at heights z, z, z', z'.
+// Control points on half a pipe (handle or spout): (x, 0), (x, w), (x', w), (x', 0) at heights z, z, z', z'.
 struct PipeRow {
     double x, z, far_x, far_z, width;
 };
@@ -42,17 +42,17 @@ constexpr PipeRow spout[] = {{1.7, 1.425, 1.7, 0.6, 0.66},       {2.6, 1.425, 3.
 using PatchRow = std::array<glm::dvec3, 4>;
 using Patch = std::array<PatchRow, 4>;
 
-// A point between two, exact at both ends and between equal points: what patches share has the same bits in each.
+// Interpolates between two points, exact at both ends and for equal points, so that patches have bit-identical borders.
 glm::dvec3 between(const glm::dvec3& a, const glm::dvec3& b, double t) { return a == b ? a : (1.0 - t) * a + t * b; }
 
-// A point of a Bezier curve by De Casteljau's algorithm.
+// Evaluates a cubic Bezier curve by De Casteljau's algorithm.
 glm::dvec3 on_curve(const PatchRow& points, double t) {
     const glm::dvec3 a = between(points[0], points[1], t), b = between(points[1], points[2], t);
     const glm::dvec3 c = between(points[2], points[3], t);
     return between(between(a, b, t), between(b, c, t), t);
 }
 
-// Adds a patch. Newell's z is up, which becomes y.
+// Adds a Bezier patch of n x n x 2 triangles. Newell's z axis is up, which becomes y.
 void add_patch(Mesh& mesh, const Patch& patch, std::uint32_t n) {
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     for (std::uint32_t i = 0; i <= n; ++i) {
@@ -83,8 +83,7 @@ PatchRow quarter(const RoundRow& row, int turns) {
     return points;
 }
 
-// The control points of half a pipe's row, in the order that has the pipe's outside where the round patches have
-// theirs.
+// Control points of one half of a pipe row, ordered so that the patch faces outward like the round ones.
 PatchRow half(const PipeRow& row, bool is_mirrored) {
     const double y = is_mirrored ? row.width : -row.width;
     const PatchRow points{glm::dvec3(row.x, 0, row.z), glm::dvec3(row.x, y, row.z), glm::dvec3(row.far_x, y, row.far_z),
@@ -129,7 +128,7 @@ Mesh make_teapot(std::uint32_t n) {
 }
 
 Mesh make_stadium(std::uint32_t n) {
-    constexpr float half_side = 326'250.0f;  // 10^5 times 6.525 / 2
+    constexpr float half_side = 326'250.0f;  // 10^5 times half the teapot's length of 6.525
     Mesh mesh = make_teapot(n);
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     for (const auto& [x, z] : {std::pair{-1.0f, -1.0f}, {-1.0f, 1.0f}, {1.0f, 1.0f}, {1.0f, -1.0f}}) {

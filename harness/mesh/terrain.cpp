@@ -1,5 +1,5 @@
-// A height field of value noise: random heights on ever finer lattices, each half as high as the one before, joined by
-// the cubic 3 t^2 - 2 t^3 (Perlin 1985).
+// Generates a height field of value noise: random heights on ever finer lattices, each half as high as the one before,
+// interpolated by the cubic 3 t^2 - 2 t^3 (Perlin 1985).
 #include <cmath>
 
 #include "harness/mesh/exact_math.h"
@@ -11,12 +11,12 @@ namespace {
 
 double lattice_height(std::uint32_t octave, std::uint32_t i, std::uint32_t j) {
     MeshRandom random(std::uint64_t{octave} << 58 | std::uint64_t{i} << 29 | j);
-    (void)random.bits();  // of seeds next to each other, the first numbers are one step of the generator apart
+    (void)random.bits();  // first random numbers of adjacent seeds are correlated
     return random.uniform(-1.0, 1.0);
 }
 
-// Height of an octave of value noise with 2^octave cells a side; x and z in cells of the finest lattice, which has
-// 2^level.
+// Height of one octave of value noise, which has 2^octave cells per side. x and z count cells of the finest lattice,
+// which has 2^level per side.
 double octave_height(std::uint32_t octave, std::uint32_t level, std::uint32_t x, std::uint32_t z) {
     const std::uint32_t step = 1u << (level - octave), i = x / step, j = z / step;
     const double u = static_cast<double>(x % step) / step, v = static_cast<double>(z % step) / step;

@@ -1,4 +1,4 @@
-// Numbers in text files of meshes, rounded once, whatever the locale.
+// Parses numbers in text mesh files, rounded once and independent of the locale.
 #pragma once
 
 #include <charconv>
@@ -10,8 +10,7 @@
 
 namespace pt {
 
-// Whether the word is a number and nothing else. What is too large for T is read as infinite, what is too small as
-// zero.
+// Parses a word that is a number and nothing else; false if it is not. Overflow gives infinity, underflow zero.
 template <class T>
 bool parse_real(std::string_view word, T& value) {
     if (word.size() > 1 && word[0] == '+' && word[1] != '-') {
@@ -28,7 +27,7 @@ bool parse_real(std::string_view word, T& value) {
     return end == word.end() && error != std::errc::invalid_argument;
 }
 
-// A text in quotation marks for a message, cut where it is long.
+// Quotes a text for an error message, cut if it is long.
 inline std::string excerpt(std::string_view text) {
     constexpr std::size_t longest = 40;
     return text.size() <= longest ? fmt::format("\"{}\"", text) : fmt::format("\"{}..\"", text.substr(0, longest));

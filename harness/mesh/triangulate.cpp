@@ -12,11 +12,11 @@ namespace pt {
 
 namespace {
 
-// What rounding of corners to single precision may do to a polygon that its program had convex or flat.
+// Tolerances for polygons that were convex or flat before their corners were rounded to single precision.
 constexpr double slight_area = 0x1p-16;
-constexpr double slight_height = 0.01;  // of the polygon's size: the diagonals of a slightly bent face differ by little
-constexpr std::size_t most_corners = 4096;                    // whose edges are held to each other
-constexpr std::uint64_t most_looks = std::uint64_t{1} << 28;  // at corners that may lie in an ear
+constexpr double slight_height = 0.01;      // bend below which both ways to split a polygon look alike
+constexpr std::size_t most_corners = 4096;  // most polygon corners for the quadratic test for crossing edges
+constexpr std::uint64_t most_looks = std::uint64_t{1} << 28;  // limit on tests of corners for lying in an ear
 
 constexpr std::string_view not_flat = "a polygon whose corners lie in no plane: which way it is bent is not said";
 constexpr std::string_view crosses =
@@ -28,16 +28,16 @@ constexpr std::string_view too_involved =
 
 double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
 
-// Twice the area of a triangle, positive where its corners go round anticlockwise.
+// Twice the signed area of a triangle, positive if its corners are anticlockwise.
 double turn(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) { return cross(b - a, c - a); }
 
 struct FanFacts {
-    glm::dvec3 normal{0.0};  // Newell's: as long as twice the area
-    double covered = 0;      // twice the area of all triangles, whichever way they face
-    double backward = 0;     // of those that face against the normal
-    double angle = 0;        // at the first corner, from the second to the last
-    double size = 0;         // from the first corner to the farthest
-    double height = 0;       // from the lowest corner to the highest, along the normal
+    glm::dvec3 normal{0.0};  // Newell's normal, of length twice the area
+    double covered = 0;      // twice the summed area of all triangles of the fan
+    double backward = 0;     // twice the area of fan triangles facing against the normal
+    double angle = 0;        // sum of the fan's angles at the first corner
+    double size = 0;         // distance from the first corner to the farthest
+    double height = 0;       // extent of the polygon along its normal
 };
 
 FanFacts facts_of_fan(const std::vector<glm::dvec3>& from_first) {
@@ -66,7 +66,7 @@ FanFacts facts_of_fan(const std::vector<glm::dvec3>& from_first) {
     return facts;
 }
 
-// The corners projected along the axis that the normal is nearest to, so that the polygon goes round anticlockwise.
+// Projects a polygon along the axis closest to its normal, so that its corners are anticlockwise in the plane.
 std::vector<glm::dvec2> projected(const std::vector<glm::dvec3>& corners, const glm::dvec3& normal) {
     int axis = 0;
     for (int i = 1; i < 3; ++i) {
@@ -80,7 +80,7 @@ std::vector<glm::dvec2> projected(const std::vector<glm::dvec3>& corners, const 
     return flat;
 }
 
-// Whether two edges of the polygon cross; those that only touch do not.
+// Whether any two edges of a polygon cross; touching does not count.
 bool edges_cross(const std::vector<glm::dvec2>& corners) {
     const std::size_t count = corners.size();
     const auto parts = [](double a, double b) { return (a > 0 && b < 0) || (a < 0 && b > 0); };
@@ -105,7 +105,7 @@ public:
         }
     }
 
-    // Cuts the polygon into triangles, ear by ear. Empty: it found no ear, or it took too long.
+    // Triangulates the polygon ear by ear. Empty if no ear was found or the limit on tests was reached.
     std::vector<std::array<std::uint32_t, 3>> cut() {
         std::size_t at = 0;
         for (std::size_t left = corners_.size(); left > 2; --left) {
@@ -124,7 +124,7 @@ public:
     }
 
 private:
-    // Corners that are flat come last: without them a neighbour's edge ends in the middle of this polygon's.
+    // Order in which ears are cut. Flat ears come last: cutting one leaves a vertex in the middle of a remaining edge.
     enum class Ear { clear, touched, flat };
 
     std::optional<std::size_t> next_ear(std::size_t from, std::size_t left) {

@@ -1,4 +1,4 @@
-// Polygons of mesh files as triangles.
+// Triangulates polygons of mesh files.
 #pragma once
 
 #include <array>
@@ -11,19 +11,20 @@
 
 namespace pt {
 
-// A polygon is the fan around its first corner wherever that covers it, as every convex one; else its ears are cut off
-// (Meisters 1975), edges that touch allowed, so that holes may be bridged. Triangles go round as the polygon does.
+// Triangulation of a polygon: the fan around the first corner where that covers the polygon, as for every convex one;
+// otherwise by ear clipping (Meisters 1975), which allows touching edges so that holes may be bridged. Triangles keep
+// the polygon's winding.
 struct PolygonTriangles {
-    // The triangles as numbers of the polygon's corners, two fewer than it has; empty: the fan.
+    // Corner indices of the triangles, two fewer than the polygon has corners. Empty: use the fan.
     std::vector<std::array<std::uint32_t, 3>> triangles;
-    // Why the surface may be another than was meant; empty where nothing is in doubt.
+    // Warning that the triangulated surface may differ from the intended one; empty if there is no doubt.
     std::string_view doubt;
 };
 
 // Triangulates a polygon of at least three corners, all finite.
 PolygonTriangles triangulate(std::span<const std::array<float, 3>> corners);
 
-// The polygon's triangles in the place of its fan, which `fan` holds. What belongs to its corners, such as indices.
+// Replaces a polygon's fan by its triangulation, in data that belongs to the corners, such as vertex indices.
 template <class T>
 void replace_fan(std::span<std::array<T, 3>> fan, std::span<const std::array<std::uint32_t, 3>> triangles) {
     std::vector<T> corners{fan[0][0], fan[0][1]};

@@ -1,4 +1,4 @@
-// Tubes around curves: a knot, tori, hair.
+// Generates meshes of tubes along curves: a knot, tori and a hairball.
 #include <cmath>
 
 #include "harness/mesh/exact_math.h"
@@ -8,8 +8,8 @@ namespace pt {
 
 namespace {
 
-// The triangles between rings of equally many vertices, which follow each other from `first` on. Outside is where
-// corners go round counter-clockwise, seen against the direction of the rings.
+// Adds the triangles between consecutive rings of `corners` vertices each, stored from `first` on. The outside is where
+// each ring's vertices are counter-clockwise as seen against the direction of the tube.
 void join_rings(Mesh& mesh, std::uint32_t first, std::uint32_t rings, std::uint32_t corners, bool is_closed) {
     for (std::uint32_t i = 0; i + (is_closed ? 0 : 1) < rings; ++i) {
         for (std::uint32_t j = 0; j < corners; ++j) {
@@ -22,7 +22,7 @@ void join_rings(Mesh& mesh, std::uint32_t first, std::uint32_t rings, std::uint3
     }
 }
 
-// Adds a ring of vertices round `centre`; `forward`, `side` and their cross product are a right-handed frame.
+// Adds a ring of vertices round `centre`; `forward`, `side` and their cross product form a right-handed frame.
 void add_ring(Mesh& mesh, const glm::dvec3& centre, const glm::dvec3& forward, const glm::dvec3& side, double radius,
               std::uint32_t corners) {
     const glm::dvec3 other = glm::cross(forward, side);
@@ -32,7 +32,7 @@ void add_ring(Mesh& mesh, const glm::dvec3& centre, const glm::dvec3& forward, c
     }
 }
 
-// A rotation drawn evenly of all (Shoemake 1992), as its columns.
+// The columns of a uniformly random rotation (Shoemake 1992).
 struct Turn {
     glm::dvec3 x, y, z;
 };
@@ -56,7 +56,7 @@ void add_hair(Mesh& mesh, MeshRandom& random) {
     glm::dvec3 at = root * direction;
     glm::dvec3 side = std::abs(direction.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
     for (std::uint32_t i = 0; i <= hair_pieces; ++i) {
-        side = glm::normalize(side - glm::dot(side, forward) * forward);  // turns as little as the hair allows
+        side = glm::normalize(side - glm::dot(side, forward) * forward);  // keeps the frame from twisting
         add_ring(mesh, at, forward, side, radius, hair_sides);
         at += piece_length * direction;
         const glm::dvec3 next = glm::normalize(direction + bend * random.direction());
@@ -75,7 +75,7 @@ Mesh make_trefoil(std::uint32_t n) {
     for (std::uint32_t i = 0; i < rings; ++i) {
         const double t = 2.0 * exact_pi * i / rings;
         const SineCosine two = exact_sine_cosine(2.0 * t), three = exact_sine_cosine(3.0 * t);
-        // The tube winds on a torus of radii 2 and 1 about the y axis: `side` is the torus's normal.
+        // The knot winds on a torus of radii 2 and 1 about the y axis; `side` is the normal of that torus.
         const glm::dvec3 around(two.cosine, 0.0, -two.sine), along(-two.sine, 0.0, -two.cosine), up(0.0, 1.0, 0.0);
         const double distance = 2.0 + three.cosine;
         const glm::dvec3 side = three.cosine * around + three.sine * up;

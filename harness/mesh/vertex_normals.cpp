@@ -11,10 +11,10 @@ namespace pt {
 
 namespace {
 
-// For each vertex, the first vertex at its place.
+// Maps each vertex to the first vertex of equal position.
 std::vector<std::uint32_t> first_at_place(const Mesh& mesh) {
     const auto at = [&](std::uint32_t vertex) {
-        // Adding +0 turns -0 into +0: they are one place.
+        // Adding +0 turns -0 into +0, so that equal vertex positions compare equal.
         const auto& [x, y, z] = mesh.vertices[vertex];
         return std::array{x + 0.0f, y + 0.0f, z + 0.0f};
     };

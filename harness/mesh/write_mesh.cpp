@@ -19,16 +19,16 @@ void add_bytes(std::string& content, const std::array<T, count>& numbers) {
     content.append(reinterpret_cast<const char*>(numbers.data()), sizeof(numbers));
 }
 
-// Each corner's coordinates as those of its vertex: of vertices that lie at several places of an image there are as
-// many as places, and those of no triangle are left out.
+// A mesh with texture coordinates by vertex, as files need them: a vertex whose corners have several coordinates is
+// duplicated, and vertices that no triangle uses are left out.
 struct CoordinatesByVertex {
-    Mesh mesh;  // without its own
+    Mesh mesh;  // mesh without its own texture coordinates
     std::vector<std::array<float, 2>> places;
 };
 
 CoordinatesByVertex by_vertex(const Mesh& mesh) {
     constexpr std::uint32_t none = 0xffffffffu;
-    std::vector<std::uint32_t> last(mesh.vertices.size(), none), before;  // of the new ones that stand for a vertex
+    std::vector<std::uint32_t> last(mesh.vertices.size(), none), before;  // duplicates of each vertex, as linked lists
     CoordinatesByVertex made;
     const auto number_of = [&](std::uint32_t vertex, const std::array<float, 2>& place) {
         for (std::uint32_t i = last[vertex]; i != none; i = before[i]) {
@@ -55,12 +55,12 @@ CoordinatesByVertex by_vertex(const Mesh& mesh) {
     return made;
 }
 
-// The shortest numbers that read as the same floats.
+// Adds a line with three numbers in the fewest digits that read back as the same floats.
 void add_line(std::string& content, const char* word, const std::array<float, 3>& triple) {
     fmt::format_to(std::back_inserter(content), "{} {} {} {}\n", word, triple[0], triple[1], triple[2]);
 }
 
-// The PLY file of a mesh. `places`: texture coordinates, empty or one pair a vertex.
+// Encodes a mesh as PLY. `places`: texture coordinates, empty or one pair per vertex.
 std::string ply_with(const Mesh& mesh, const std::vector<std::array<float, 2>>& places) {
     const bool has_normals = !mesh.normals.empty();
     std::string content = fmt::format(
@@ -86,7 +86,7 @@ std::string ply_with(const Mesh& mesh, const std::vector<std::array<float, 2>>& 
     return content;
 }
 
-// Adds a face, whose corners are numbered from 1 in the file.
+// Adds a face to an OBJ file, which counts vertices from 1.
 void add_obj_face(std::string& content, const std::array<std::uint32_t, 3>& triangle, bool has_places,
                   bool has_normals) {
     content += 'f';

@@ -1,4 +1,5 @@
-// The only part of a mesh's geometry that knows the choices there are: a program without them has brute force.
+// Looks up a variant's accelerator, builder and levels in the registry. Only this file of the scene code depends on the
+// registry: a program that is linked without it has brute force only.
 #include "harness/scene/mesh_geometry.h"
 #include "variants/registry.h"
 

@@ -35,9 +35,9 @@ void check_environment_texels(const EnvironmentImage& image, const std::string& 
     }
 }
 
-// Ward's RGBE: three mantissas of 8 bits and an exponent (Graphics Gems II, chapter II.5), from the top row down, each
-// row as it is or by runs, a channel at a time. What EXPOSURE and COLORCORR say that light was multiplied by is divided
-// out (as Radiance's pvalue -o does). (stb_image reads a file that ends early as if it did not.)
+// Reads Radiance .hdr files. Texels are Ward's RGBE: three 8-bit mantissas and a shared exponent (Graphics Gems II,
+// chapter II.5), rows from the top, each uncompressed or run-length encoded by channel. Factors that EXPOSURE and
+// COLORCORR lines give are divided out (like Radiance's pvalue -o). stb_image would not notice a truncated file.
 class HdrReader {
 public:
     HdrReader(std::string_view content, const std::string& file) : content_(content), file_(file) {}
@@ -80,7 +80,7 @@ private:
         }
         read_size(line());
     }
-    // The numbers behind the name of a line NAME=..; nothing where they are others than `count` numbers.
+    // Parses the numbers of an .hdr header line NAME=..; returns none unless there are exactly `count` numbers.
     static std::vector<double> numbers_in(std::string_view text, std::size_t count) {
         std::vector<double> numbers;
         text.remove_prefix(text.find('=') + 1);
@@ -95,7 +95,7 @@ private:
             text.remove_prefix(static_cast<std::size_t>(end - text.data()));
         }
     }
-    // A line of the header. One that is indented is of an image that this one was made from.
+    // Handles a line NAME=VALUE of the .hdr header. An indented line describes an image that this one was derived from.
     void read_variable(std::string_view text) {
         const auto refuse_line = [&](const std::string& allowed) {
             throw InputError(file_, "header", fmt::format("\"{}\"", text), allowed);
@@ -120,7 +120,7 @@ private:
             refuse_line("no VIEW: an equirectangular image of all round, which no view of Radiance is");
         }
     }
-    // Takes note of what the light was multiplied by. Returns whether it is a number that can be divided by.
+    // Records a factor (EXPOSURE or COLORCORR) of an .hdr file. Returns false if it cannot be divided out.
     bool multiply(const std::array<double, 3>& factor) {
         bool is_good = true;
         for (std::size_t i = 0; i < 3; ++i) {
@@ -136,7 +136,7 @@ private:
             }
         }
     }
-    // Whether the primaries are those that we know: x and y of red, green, blue and white each.
+    // Whether a PRIMARIES line gives known primaries: x and y each of red, green, blue and white, Radiance's or sRGB's.
     static bool has_known_primaries(std::string_view text) {
         constexpr double slight = 2e-3;
         const std::vector<double> is = numbers_in(text, 8);
@@ -169,7 +169,7 @@ private:
         }
         return static_cast<unsigned char>(content_[place_++]);
     }
-    // Whether the next row is by runs: it begins with 2, 2 and its width.
+    // Whether the next row of the .hdr file is run-length encoded: such a row begins with 2, 2 and its width.
     bool takes_run_head() {
         if (width_ < 8 || content_.size() - place_ < 4) {
             return false;
@@ -195,8 +195,8 @@ private:
                                 static_cast<float>(bytes[i + 2]) * scale);
         }
     }
-    // Texel by texel. 1, 1, 1, n is none, but the one before it n times more, in the format's older run lengths, and if
-    // it follows another such, 256 n times.
+    // Reads a row texel by texel, with the format's older run lengths: 1, 1, 1, n repeats the previous texel n times,
+    // and a second such code right after it 256 n times.
     void read_texels(std::vector<std::uint32_t>& bytes) {
         std::size_t unit = 1;
         for (std::size_t place = 0; place < bytes.size();) {

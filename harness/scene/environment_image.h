@@ -1,4 +1,4 @@
-// Images that light comes from: Radiance .hdr, and .exr by OpenEXR 3, linear RGB.
+// Environment maps: images in linear RGB that light a scene, read from Radiance .hdr or from .exr (OpenEXR 3).
 #pragma once
 
 #include <cstdint>
@@ -13,24 +13,24 @@ namespace pt {
 
 struct EnvironmentImage {
     std::uint32_t width = 0, height = 0;
-    std::vector<Vec3<float>> texels;  // row-major from the top
-    bool was_multiplied = false;      // in the file, by an exposure or a colour correction that it tells
+    std::vector<Vec3<float>> texels;  // texels row by row, the top row first
+    bool was_multiplied = false;      // whether the file's header gives an exposure or colour correction
 };
 
-// Most rows and columns: beyond these, rows would be less than a rounding of a cosine apart at the poles.
+// Largest environment map, in texels: with more rows, cosines at the poles would lie within a rounding of each other.
 inline constexpr std::uint32_t most_environment_rows = 4096;
 inline constexpr std::uint32_t most_environment_columns = 8192;
 
-// Reads an image in the format of the file's ending. Throws InputError of one line for a file that is missing, of
-// another kind, too large or broken, and for a texel that is negative, no number or infinite.
+// Reads an environment map in the format that the file's extension names. Throws InputError of one line for a file that
+// is missing, of another kind, too large or broken, and for a texel that is negative, no number or infinite.
 EnvironmentImage read_environment_image(const std::filesystem::path& path);
 
-// Reads a Radiance file's content as read_environment_image does; `file` is for the messages.
+// Reads an environment map from the content of a Radiance .hdr file; `file` is the name that error messages show.
 EnvironmentImage parse_hdr(std::string_view content, const std::string& file);
-// Reads an EXR file's content: channels R, G and B, or Y alone, of whatever type, as decode_exr has them.
+// Reads an environment map from the content of an EXR file: channels R, G and B, or Y alone, of any pixel type.
 EnvironmentImage parse_exr(std::string_view content, const std::string& file);
 
-// The content of a file from which parse_exr reads this image.
+// Encodes an environment map as the content of an EXR file, which `parse_exr` reads back as the same image.
 std::string encode_environment_exr(const EnvironmentImage& image);
 
 }  // namespace pt

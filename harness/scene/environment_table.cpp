@@ -9,7 +9,8 @@ namespace {
 
 constexpr double all_words = 0x1p32;
 
-// The words of 2^32 at which each share begins: in proportion to the weights, none 0; equal where no weight is known.
+// Divides the 2^32 values of a 32-bit random number into intervals in proportion to the weights, none of them empty
+// (equal intervals if all weights are 0), and returns where each begins.
 std::vector<std::uint32_t> beginnings_of(const std::vector<double>& weights) {
     double total = 0;
     for (const double weight : weights) {
@@ -17,7 +18,7 @@ std::vector<std::uint32_t> beginnings_of(const std::vector<double>& weights) {
     }
     const bool is_known = total > 0;
     const auto count = static_cast<double>(weights.size());
-    const double spread = all_words - count;  // beyond one word each
+    const double spread = all_words - count;  // random words left after one for each weight
     std::vector<std::uint32_t> beginnings;
     double before = 0;
     for (std::size_t i = 0; i < weights.size(); ++i) {
@@ -35,7 +36,8 @@ double share_at(const std::vector<std::uint32_t>& beginnings, std::size_t i) {
 
 double mean_of(const Vec3d& colour) { return (colour.x + colour.y + colour.z) / 3; }
 
-// The cosines between rows of equal angles, as numbers of the kernel's precision, of which solid angles are made too.
+// Cosines of the polar angles between rows of the environment map, rounded to the kernel's precision, since solid
+// angles are computed from the rounded ones.
 template <class Real>
 std::vector<Real> tops_of(std::uint32_t rows) {
     std::vector<Real> tops;
@@ -52,7 +54,7 @@ void set_choice(EnvironmentMap<Real>& map, std::uint32_t lights, bool uniformly)
     const double share = map.object_share;
     map.inverse_probability = static_cast<Real>(all_words / (all_words - share));
     map.inverse_object_probability = static_cast<Real>(share > 0 ? all_words / share : 0.0);
-    // The stretch is at most 2^32 - 1, so that the last word below the share stays a word.
+    // The factor that rescales a random word after emitters were chosen over the environment must fit 32 bits.
     map.stretch = static_cast<std::uint32_t>(share > 0 ? std::min(0x1p31 * (all_words / share), all_words - 1) : 0.0);
 }
 

@@ -1,5 +1,5 @@
-// The tables by which kernels/environment_map.h looks light up and draws directions to it. The same on every machine:
-// only + - * / of double make their numbers.
+// The tables by which kernels/environment_map.h evaluates and importance-samples an environment map. The tables are the
+// same on every machine, since only + - * / of double make their numbers.
 #pragma once
 
 #include <memory>
@@ -14,11 +14,11 @@ template <class Real>
 struct EnvironmentTable {
     std::vector<EnvironmentRow<Real>> rows;
     std::vector<EnvironmentTexel<Real>> texels;
-    EnvironmentMap<Real> map{};  // with pointers into the vectors
+    EnvironmentMap<Real> map{};  // what kernels read: points into `rows` and `texels`
 };
 
-// `lights`: how many objects emit; the environment is one light more, drawn as often as each of them, or, where they
-// are not drawn `uniformly`, as often as all together.
+// Makes the sampling tables of an environment map. `lights` is the number of emitting objects. The environment counts
+// as one light more: with `uniformly` it is sampled as often as each of them, otherwise in half of the light samples.
 template <class Real>
 std::unique_ptr<const EnvironmentTable<Real>> environment_table(const SceneEnvironment& environment,
                                                                 std::uint32_t lights, bool uniformly);

@@ -7,8 +7,9 @@
 namespace pt {
 
 double artanh_of_decay(double albedo) {
-    // tanh(theta) - albedo theta is concave and negative from the root on: Newton's steps fall towards it and stop
-    // where rounding turns one about. Next to an albedo of 1 a step is a third of the way, until the root is near.
+    // tanh(theta) - albedo theta is concave and negative beyond its root, so Newton's method descends to the root and
+    // ends when rounding stops the descent. For an albedo near 1 each step covers only a third of the way until it is
+    // close.
     double theta = 1 / albedo;
     for (int step = 0; step < 200; ++step) {
         const double tangent = std::tanh(theta);
@@ -26,9 +27,9 @@ double guide_decay(double albedo, double g, double depth) {
     if (albedo >= 1) {
         return least_decay;
     }
-    const double remaining = 1 - albedo * g;  // of sigma_t, by similarity
+    const double remaining = 1 - albedo * g;  // reduced extinction, relative to sigma_t
     const double similar = albedo * (1 - g) / remaining;
-    // The root is 1 in double precision below this.
+    // For a lower albedo of the medium, the root kappa is 1 in double precision.
     const double root = similar > 0.04 ? similar * artanh_of_decay(similar) : 1;
     const double in_half_space = root * remaining;
     return std::clamp(in_half_space * std::tanh(in_half_space * depth), least_decay, most_decay);
@@ -40,7 +41,7 @@ double depth_of(const SceneObject& object) {
         return 0.5 / (1 / size.x + 1 / size.y + 1 / size.z);
     }
     if (object.shape == Shape::sphere) {
-        // The surface of an ellipsoid is taken from Thomsen's formula, right to 1.1 %.
+        // Thomsen's formula for the surface of an ellipsoid, right to 1.1 %.
         constexpr double p = 1.6075;
         const double x = std::pow(size.x, p), y = std::pow(size.y, p), z = std::pow(size.z, p);
         return size.x * size.y * size.z / 6 / std::pow((x * y + y * z + z * x) / 3, 1 / p);
@@ -56,7 +57,7 @@ void guide_walks(ScatteringMedium<Real>& medium, const SceneMaterial& body, doub
         const double albedo = sigma_t > 0 ? body.sigma_s[i] / sigma_t : 0;
         const double in_mean_free_paths = sigma_t > 0 ? sigma_t * depth : 0;
         medium.guide_decay[i] = static_cast<Real>(guide_decay(albedo, body.g, in_mean_free_paths));
-        // The albedo follows from the decay as it is kept, so that the densities add up.
+        // The guide's albedo is computed from the rounded decay, so that the two give consistent pdfs.
         const auto kept = static_cast<double>(medium.guide_decay[i]);
         medium.guide_albedo[i] = static_cast<Real>(kept / std::atanh(kept));
     }

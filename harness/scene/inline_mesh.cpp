@@ -10,7 +10,7 @@ namespace pt {
 
 namespace {
 
-// The three elements of an entry of "vertices", "normals" or "triangles".
+// The three elements of an entry of a mesh's "vertices", "normals" or "triangles".
 std::vector<JsonValue> three(const JsonValue& value, const std::string& allowed) {
     std::vector<JsonValue> elements = value.elements();
     if (elements.size() != 3) {
@@ -46,7 +46,7 @@ RoundingLoss read_vertices(const JsonValue& vertices, Mesh& mesh) {
     return loss;
 }
 
-// Reads the normals of a mesh, one a vertex.
+// Reads the key "normals" of a mesh in the scene file, one normal per vertex.
 void read_normals(const JsonValue& value, Mesh& mesh) {
     const std::vector<JsonValue> entries = value.elements();
     if (entries.size() != mesh.vertices.size()) {
@@ -60,7 +60,7 @@ void read_normals(const JsonValue& value, Mesh& mesh) {
     }
 }
 
-// Reads the texture coordinates of a mesh, one pair a vertex.
+// Reads the key "texture_coordinates" of a mesh in the scene file, one pair [u, v] per vertex.
 void read_coordinates(const JsonValue& value, Mesh& mesh) {
     const std::vector<JsonValue> entries = value.elements();
     if (entries.size() != mesh.vertices.size()) {
@@ -106,7 +106,8 @@ std::shared_ptr<const SceneMesh> read_inline_mesh(const JsonObject& object, bool
         mesh.warnings.add(fmt::format("{}[{}]", vertices.path(), loss.place()), *warning);
     }
     std::shared_ptr<const SceneMesh> made = make_scene_mesh(mesh, "of the scene file", with_normals);
-    // What was left out is part of what is told of a mesh, not of its content.
+    // The number of degenerate triangles left out is part of a mesh's cache key, since it is reported although it does
+    // not belong to the mesh's content.
     static std::map<std::pair<std::string, std::uint32_t>, std::weak_ptr<const SceneMesh>> known;
     auto& kept = known[{made->hash + made->coordinates_hash + " " + made->normals_hash, made->degenerate_left_out}];
     if (const auto earlier = kept.lock(); earlier != nullptr && earlier->triangles.size() == made->triangles.size()) {

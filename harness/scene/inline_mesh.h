@@ -1,4 +1,4 @@
-// Meshes whose vertices and triangles stand in the scene file itself: small ones, for tests and for cases that no
+// Reads meshes whose vertices and triangles stand in the scene file itself: small ones, for tests and for cases that no
 // generator makes.
 #pragma once
 
@@ -9,9 +9,9 @@
 
 namespace pt {
 
-// "vertices": [[x, y, z], ..], "triangles": [[i, j, k], ..], and "texture_coordinates": [[u, v], ..] and "normals":
-// [[x, y, z], ..], one a vertex, or none; as SceneMesh has them where they are asked for. Equal ones are one mesh, as
-// long as a scene has it. Throws InputError.
+// Reads a mesh from the keys "vertices": [[x, y, z], ..], "triangles": [[i, j, k], ..], and optionally
+// "texture_coordinates": [[u, v], ..] and "normals": [[x, y, z], ..], one per vertex. SceneMesh has the normals only
+// `with_normals`. Equal meshes share one SceneMesh as long as a scene uses it. Throws InputError.
 std::shared_ptr<const SceneMesh> read_inline_mesh(const JsonObject& object, bool with_normals);
 
 }  // namespace pt

@@ -8,11 +8,11 @@ namespace pt {
 
 namespace {
 
-// Roundings of single precision, which bound those of double as well. Of the origin in the instance's space: 4, and 2
-// where it moves; of the direction: 3; of the test: 8 of what lies between origin and vertex, 8 of what shears it, 2 of
-// the origin. With room to spare, since the bounds are of first order.
+// Error bound of a ray-triangle test on an instance in single precision, which covers double as well. Roundings of the
+// origin in the instance's space: 4, or 6 if it moves; of the direction: 3; of the triangle test: 8 for the distance
+// from origin to vertex, 8 for its shear, 2 for the origin. There is room to spare, since these are first-order bounds.
 constexpr double roundings = gamma<float>(32);
-// A product or a sum near the ends of the range may be flushed to zero.
+// Error bound for products and sums that underflow and may be flushed to zero.
 constexpr double smallest = 16 * static_cast<double>(std::numeric_limits<float>::min());
 
 double largest_of(const Vec3d& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
@@ -36,10 +36,10 @@ InstanceBoxes::InstanceBoxes(const MeshInstance<Real>& instance, const Box& own,
     set_margins();
 }
 
-// Inverts the map by cofactors of the rows that kernels multiply by, not of those that they were rounded from.
+// Inverts an instance's transformation by cofactors of its matrix rows as rounded for kernels.
 void InstanceBoxes::set_inverse() {
     const auto row = [&](int i) { return Vec3d(row_[i][0], row_[i][1], row_[i][2]); };
-    // Rows are brought to length 1, so that their products stay in range.
+    // Rows are normalised first, so that their products neither overflow nor underflow.
     double length[3];
     Vec3d unit[3];
     for (int i = 0; i < 3; ++i) {
@@ -64,7 +64,7 @@ void InstanceBoxes::set_margins() {
             std::max(std::abs(static_cast<double>(own_.low[axis])), std::abs(static_cast<double>(own_.high[axis])));
         extent[axis] = static_cast<double>(own_.high[axis]) - static_cast<double>(own_.low[axis]);
     }
-    Vec3d reach(0.0);  // of the instance in the scene, and then with its margin
+    Vec3d reach(0.0);  // largest coordinates of the instance in scene space
     for (int corner = 0; corner < 8; ++corner) {
         const Vec3d p =
             in_scene({(corner & 1) != 0 ? own_.high[0] : own_.low[0], (corner & 2) != 0 ? own_.high[1] : own_.low[1],
@@ -154,7 +154,7 @@ double farthest_origin(const SceneView<Real>& scene, double last_time) {
 #define PT_ADD_KIND(name, array, Type) add(scene.array, first_of<ShapeKind::name>(scene));
     PT_SHAPES(PT_ADD_KIND)
 #undef PT_ADD_KIND
-    return farthest * 1.001;  // a point is pulled onto its surface with roundings
+    return farthest * 1.001;  // covers the roundings by which a ray origin is pulled onto its surface
 }
 
 template InstanceBoxes::InstanceBoxes(const MeshInstance<float>&, const Box&, const Sweep&);

@@ -8,10 +8,10 @@ namespace pt {
 
 namespace {
 
-constexpr std::uint32_t most_levels = 5;  // 66,430 spheres
+constexpr std::uint32_t most_levels = 5;  // 5 levels of a sphereflake have 66,430 spheres
 constexpr std::uint32_t most_side = 512;
 
-// The vector turned by the shortest rotation of +z to `direction`.
+// Rotates a vector by the shortest rotation that takes +z to `direction`.
 Vec3d turned_from_z(const Vec3d& v, const Vec3d& direction) {
     if (!(direction.z > -1 + 1e-12)) {
         return {v.x, -v.y, -v.z};
@@ -21,7 +21,7 @@ Vec3d turned_from_z(const Vec3d& v, const Vec3d& direction) {
     return v + across + cross(axis, across) / (1 + direction.z);
 }
 
-// The directions in which a sphere's children stand, z being where it stands away from its parent.
+// Directions from a sphere of the sphereflake to its nine children, where +z points away from its own parent.
 std::vector<Vec3d> directions_of_children() {
     std::vector<Vec3d> directions;
     const auto add = [&](double degrees, double level, double height) {
@@ -39,7 +39,7 @@ std::vector<Vec3d> directions_of_children() {
 
 struct Grown {
     Copy copy;
-    Vec3d direction;  // away from its parent; up is z here, and y in the scene
+    Vec3d direction;  // direction from the parent sphere to this one, with z up
 };
 
 }  // namespace

@@ -36,7 +36,7 @@ private:
     std::map<std::string, std::size_t> lines_;
 };
 
-// The place of the value that comes next, as "$.objects[3]".
+// JSON path of the value that the parser meets next, such as "$.objects[3]".
 std::string LineFinder::place() const {
     if (levels_.empty()) {
         return "$";
@@ -45,7 +45,7 @@ std::string LineFinder::place() const {
     return level.is_object ? level.path + "." + level.key : fmt::format("{}[{}]", level.path, level.index);
 }
 
-// Reads a string from its first quotation mark to its last; it is a key where one comes next.
+// Skips a JSON string up to its closing quotation mark. Where a key is due, the string becomes the current key.
 void LineFinder::read_string() {
     const std::size_t start = at_;
     for (++at_; (*text_)[at_] != '"'; ++at_) {
@@ -104,7 +104,7 @@ std::map<std::string, std::size_t> lines_of_json(const std::string& text) { retu
 
 namespace {
 
-// The place of a value for messages: "scene.json:12", or the scene's name alone where its text is not in a file.
+// Place of a JSON value for error messages: "scene.json:12", or the scene's name if its text does not come from a file.
 std::string place_of(const JsonValue& value) {
     try {
         const std::map<std::string, std::size_t> lines = lines_of_json(read_file(value.file()));
@@ -131,7 +131,7 @@ std::string why_not_readable(const std::filesystem::path& file) {
 
 void check_named_file(const JsonValue& value, const InputError& failure) {
     if (std::string_view(failure.what()).find(": the file: found ") == std::string_view::npos) {
-        return;  // its content is what is wrong
+        return;  // the file can be read, so its content is at fault
     }
     const std::filesystem::path file = value.named_file();
     if (const std::string reason = why_not_readable(file); !reason.empty()) {

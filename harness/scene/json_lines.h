@@ -1,5 +1,5 @@
-// Finds the lines of a JSON text on which its members stand, which the library's values do not say, and the files that
-// they name.
+// Finds the line numbers of members of a JSON text, which the JSON library does not record, and reports files that a
+// scene names but that cannot be read.
 #pragma once
 
 #include <cstddef>
@@ -11,15 +11,15 @@
 
 namespace pt {
 
-// The lines, from 1, of the keys and of the objects in arrays of a text that is JSON, by their paths: "$.a[2].b".
+// Line numbers, from 1, of every key and of every object in an array of a valid JSON text, by JSON path: "$.a[2].b".
 std::map<std::string, std::size_t> lines_of_json(const std::string& text);
 
-// Throws InputError with the scene's line and place where a file that the scene's text names is no file, or none that
-// can be read, and reading it has failed so.
+// Called when reading a file that a scene names has failed with `failure`. If the file does not exist or is not
+// readable, throws an InputError that gives the line and the JSON path in the scene file.
 void check_named_file(const JsonValue& value, const InputError& failure);
 
-// What `read(path)` makes of the file that the text names, from the scene's folder. An importer may hold files that are
-// not on the disk yet, so whether there is one is asked where reading has failed for that.
+// Returns `read(path)` of the file that a JSON text names relative to the scene's folder. Whether the file exists is
+// checked only after `read` has failed, since an importer may hold files that are not on the disk yet.
 template <class Read>
 auto read_named_file(const JsonValue& value, const Read& read) {
     try {

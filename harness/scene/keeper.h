@@ -1,5 +1,4 @@
-// An LRU cache for what takes long to make: it is made once and kept, as long as there is room. A study renders one
-// scene hundreds of times.
+// LRU caches for what takes long to make, such as trees over meshes: a study renders a scene hundreds of times.
 #pragma once
 
 #include <chrono>
@@ -14,19 +13,19 @@
 
 namespace pt {
 
-// Bytes that one LRU cache may keep: an eighth of a machine's memory, since several share it; no less than 6 GiB and no
-// more than 16, which hold all trees of the suite `accelerators`.
+// Bytes that one LRU cache may keep on a machine with `memory` bytes: an eighth, since several caches share it, but no
+// less than 6 GiB and no more than 16, which hold all trees of the suite `accelerators`.
 constexpr std::size_t kept_bytes_of(std::size_t memory) {
     constexpr std::size_t least = std::size_t{6} << 30, most = std::size_t{16} << 30;
     return memory / 8 < least ? least : memory / 8 > most ? most : memory / 8;
 }
 
-// Bytes that one Keeper, an LRU cache, keeps together; what was used longest ago goes first.
+// Most bytes that one Keeper (an LRU cache) holds; beyond this the entry used longest ago is dropped first.
 inline const std::size_t most_kept_bytes = kept_bytes_of(static_cast<std::size_t>(::sysconf(_SC_PHYS_PAGES)) *
                                                          static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)));
 inline constexpr std::size_t most_kept = 65536;
 
-// An LRU cache whose key says everything that a value was made from. T::kept_bytes() is what a value takes.
+// An LRU cache. The key must name everything that a value was made from; T::kept_bytes() is the size of a value.
 template <class T>
 class Keeper {
 public:
@@ -55,8 +54,8 @@ private:
         std::size_t bytes;
     };
 
-    std::list<Entry> entries_;  // what was used last comes first
-    std::unordered_map<std::string_view, typename std::list<Entry>::iterator> by_key_;  // of keys in entries_
+    std::list<Entry> entries_;  // cached values, the most recently used first
+    std::unordered_map<std::string_view, typename std::list<Entry>::iterator> by_key_;  // views of entries_' keys
     std::size_t bytes_ = 0;
 };
 

@@ -26,7 +26,7 @@ bool has_known_power(std::span<const LightExtent> lights) {
     return power > 0 && std::isfinite(power);
 }
 
-// The lights' probabilities in proportion to power; equal where no power is known.
+// Selection probabilities of the lights in proportion to their power; equal if no power is known.
 std::vector<double> power_shares(std::span<const LightExtent> lights) {
     const double largest = largest_power(lights);
     const bool is_known = has_known_power(lights);
@@ -43,7 +43,7 @@ std::vector<double> power_shares(std::span<const LightExtent> lights) {
 
 double sum_of(const Vec3d& v) { return v.x + v.y + v.z; }
 
-// The share of what all lights show that each light shows, by axis; equal where no power is known.
+// Share of each light in the sum over all lights of projected area times radiance, by axis; equal if no power is known.
 std::vector<Vec3d> shown_shares(std::span<const LightExtent> lights) {
     const double largest = largest_power(lights);
     const bool is_known = has_known_power(lights);
@@ -59,7 +59,8 @@ std::vector<Vec3d> shown_shares(std::span<const LightExtent> lights) {
     return shares;
 }
 
-// Shares as whole numbers that add up to that many whole slots. What rounding leaves over or takes is the largest's.
+// Converts probabilities to whole numbers that add up to one full slot of the alias table per light. The rounding error
+// goes to the largest.
 std::vector<std::uint64_t> slot_masses(const std::vector<double>& shares) {
     const double total = static_cast<double>(shares.size()) * static_cast<double>(whole_slot);
     std::vector<std::uint64_t> masses;
@@ -102,7 +103,7 @@ double surface_of(const Bounds<double>& bounds) {
 
 Vec3d centre_of(const Bounds<double>& bounds) { return (bounds.low + bounds.high) * 0.5; }
 
-// A group of lights that stand side by side in the order of the tree.
+// A group of lights that are neighbours in the order of the light tree.
 struct Cluster {
     Bounds<double> bounds{Vec3d(std::numeric_limits<double>::infinity()),
                           Vec3d(-std::numeric_limits<double>::infinity())};
@@ -115,7 +116,7 @@ struct Cluster {
         }
         shown += other.shown;
     }
-    // Flat clusters have a surface too, those along a line have none.
+    // Split cost of a cluster of lights, by its bounding box's surface: a flat box has a surface too, a line has none.
     double cost() const { return sum_of(shown) > 0 ? sum_of(shown) * surface_of(bounds) : 0; }
 };
 
@@ -141,9 +142,10 @@ private:
         std::uint32_t size() const { return end - begin; }
     };
 
-    // A power of two: the square of the lights' extent, so that sums of what they send are near 1 wherever Shares must
-    // tell them apart. Products of it with distances must stay in float's range, so below an extent of 1 it is the
-    // extent, and from 2^39 on 2^115 over it.
+    // Scale of the projected areas in light tree nodes: the square of the lights' extent, rounded to a power of two, so
+    // that sums of estimated contributions are near 1 where Shares must resolve them. Products of scale and distance
+    // must stay in float's range, so for an extent below 1 the scale is the extent itself, and from 2^39 on 2^115 over
+    // the extent.
     static double scale_for(const Bounds<double>& bounds) {
         const Vec3d size = bounds.high - bounds.low;
         const double extent = std::max({size.x, size.y, size.z});
@@ -194,8 +196,8 @@ private:
         }
     }
 
-    // Opens the part of the highest cost, again and again. Where one child could not hold all lights in the levels that
-    // are left, all are halved.
+    // Splits a node's lights into up to 16 children by repeatedly splitting the part of highest cost. If one child
+    // could not hold all its lights within the levels left, all parts are halved instead.
     std::vector<Range> divide(Range range, std::uint32_t level) {
         constexpr std::uint32_t most = LightNode<Real>::most_children;
         const std::uint64_t below = std::uint64_t{1} << (4 * (LightNode<Real>::most_levels - 1 - level));
@@ -223,7 +225,7 @@ private:
         return parts;
     }
 
-    // Puts the range in order and returns where its second half begins.
+    // Partitions a range of lights at the best cut of all axes and returns where the second half begins.
     std::uint32_t split(Range range) {
         Cut best;
         for (int axis = 0; axis < 3; ++axis) {
@@ -282,7 +284,7 @@ private:
         return best;
     }
 
-    // Halves a range of lights along its longest side, where no cut is known or the levels run out.
+    // Halves a range of lights at the median along its longest axis; used if no cut is known or levels run out.
     std::uint32_t halved(Range range) {
         Cluster centres;
         for (std::uint32_t i = range.begin; i < range.end; ++i) {
@@ -300,8 +302,8 @@ private:
     std::vector<Vec3d> shown_;
     LightTables<Real>* tables_;
     std::vector<std::uint32_t> order_;
-    // Scale of what nodes show: what is sent falls with the square of a distance, and Shares tells nothing of sums that
-    // are nearly 0 or infinite, as they would be in some units of length.
+    // Scale of the projected areas in light tree nodes. Contributions fall with the squared distance, and in some units
+    // of length their sums would be so near 0 or infinity that Shares could not resolve them.
     double scale_ = 1;
 };
 

@@ -1,5 +1,5 @@
-// The tables by which kernels/light_selection.h chooses one of many lights: an alias table over their power and a
-// tree over them. The same on every machine: only + - * / and square roots of double make their numbers.
+// The tables by which kernels/light_selection.h samples one of many lights: an alias table over their power and a light
+// tree. The tables are the same on every machine, since only + - * / and square roots of double make their numbers.
 #pragma once
 
 #include <span>
@@ -10,8 +10,8 @@
 
 namespace pt {
 
-// What a light fills while the shutter is open, relative to the camera's eye, and what it emits, in any unit: area
-// times mean radiance, and projected area along each axis times mean radiance.
+// A light as its selection needs it: the bounding box that it sweeps while the shutter is open, relative to the
+// camera's eye, its power (area times mean radiance, in any unit), and per axis projected area times mean radiance.
 struct LightExtent {
     Bounds<double> bounds;
     double power;
@@ -20,13 +20,14 @@ struct LightExtent {
 
 template <class Real>
 struct LightTables {
-    std::vector<LightSlot<Real>> slots;  // by number in `lights`
+    std::vector<LightSlot<Real>> slots;  // slots of the alias table; slot i is that of lights[i]
     std::vector<LightNode<Real>> nodes;
 };
 
-// Walker's alias table with probabilities of whole 2^-32nds of a slot, none 0 (Vose, "A Linear Algorithm for Generating
-// Random Numbers with a Given Distribution", IEEE TSE 17(9), 1991); a tree split where what lights show times the
-// surface of their box is least (Conty Estevez and Kulla 2018, eq. 3, without its cones). Up to 2^31 lights.
+// Builds both tables for light selection, for up to 2^31 lights. Walker's alias table has probabilities in whole
+// 2^-32nds of a slot, none 0 (Vose, "A Linear Algorithm for Generating Random Numbers with a Given Distribution", IEEE
+// TSE 17(9), 1991). The light tree is split where projected area times radiance times the surface of the bounding box
+// is least (Conty Estevez and Kulla 2018, eq. 3, without its cones).
 template <class Real>
 LightTables<Real> light_tables(std::span<const LightExtent> lights);
 

@@ -1,5 +1,6 @@
-// A kind of material as scenes have it: harness/scene/materials/NAME.cpp says for each of the list
-// (kernels/material_list.h) how scene files describe it, and what of a description kernels and pictures need.
+// The interface of a kind of material: harness/scene/materials/NAME.cpp tells, for each kind in
+// kernels/material_list.h, how scene files describe it, and how it is packed for kernels, shown in the albedo image and
+// exported to Mitsuba.
 #pragma once
 
 #include <optional>
@@ -13,64 +14,64 @@
 
 namespace pt {
 
-// Depth from which on paths of a scene with a subsurface material have no end in Mitsuba, which counts each scattering
-// of a walk towards its max_depth: what paths bring after a thousand segments is no part of a picture.
+// Least path depth at which a scene with a subsurface material can be exported to Mitsuba, without a max_depth, since
+// Mitsuba counts each scattering of a random walk towards it. Paths beyond a thousand segments add nothing visible.
 inline constexpr std::uint32_t endless_depth = 1000;
 
-// What Mitsuba cannot express of a material: the key in question (empty: the material as a whole), what was found
-// there, and what is allowed.
+// A property of a material that Mitsuba cannot express: the key in the scene file (empty: the material as a whole),
+// what was found under the key, and what is allowed.
 struct BeyondMitsuba {
     std::string key, found, allowed;
 };
 
-// What Mitsuba has in a material's place: a surface that reflects on both sides, the smooth boundary of a body, or none
-// where a body's index is 1.
+// The Mitsuba BSDF that a material is exported as: a two-sided reflecting surface, the smooth boundary of a dielectric
+// body, or none where the body's index of refraction is 1.
 struct MitsubaBsdf {
     enum class Type { diffuse, conductor, dielectric, none };
     Type type = Type::diffuse;
-    std::optional<Vec3d> colour;          // that it reflects or, a boundary, lets through
-    const SceneTexture* image = nullptr;  // in place of the colour, or null
+    std::optional<Vec3d> colour;          // colour that is reflected or, by a boundary, transmitted
+    const SceneTexture* image = nullptr;  // texture in place of the colour, or null
 };
 
-// What is beyond Mitsuba of a material with rough facets, which it masks by another formula.
+// What Mitsuba cannot express of a material with rough microfacets: its masking term is another formula.
 std::vector<BeyondMitsuba> rough_facets_beyond_mitsuba(const SceneMaterial& material, std::uint32_t depth);
 
 struct MaterialKind {
-    // The material that a scene file describes, without its name. Throws InputError.
+    // Reads a material of this kind, without its name, from a scene file. Throws InputError.
     SceneMaterial (*read)(const JsonValue& value) = nullptr;
-    // What kernels need for it beyond the kind's own feature and Feature::emission.
+    // Feature flags that kernels need for the material, beyond the kind's own and Feature::emission.
     FeatureSet (*extra_features)(const SceneMaterial& material) = [](const SceneMaterial&) { return no_features; };
-    // Fills in the kind's parameters, of which one that is by_surface has none; `absorbs` and what every material has
-    // stand there already.
+    // Fills in the parameters of the kind, of which a kind with the trait `by_surface` has none. `absorbs` and the
+    // fields that every material has are filled in already.
     void (*pack_single)(const SceneMaterial& material, Material<float>& packed) = [](const SceneMaterial&,
                                                                                      Material<float>&) {};
     void (*pack_double)(const SceneMaterial& material, Material<double>& packed) = [](const SceneMaterial&,
                                                                                       Material<double>&) {};
-    // The colour that most hits need (Surface): what a texture stands for.
+    // The colour that shading most hits needs (Surface), which a texture replaces.
     Vec3d (*surface_colour)(const SceneMaterial& material) = [](const SceneMaterial& m) { return m.albedo; };
-    // What the picture of albedos shows, with `colour` in place of surface_colour.
+    // The colour of the material in the albedo image. `colour` is surface_colour, or the texel in its place.
     Vec3d (*first_hit_albedo)(const SceneMaterial& material, const Vec3d& colour) = [](const SceneMaterial&,
                                                                                        const Vec3d& c) { return c; };
-    // Whether rays run within the body, so that its shape must have an inside.
+    // Whether rays run within a body of the material, so that its shape must have an inside.
     bool (*needs_inside)(const SceneMaterial& material) = [](const SceneMaterial&) { return false; };
-    // Whether its facets do nothing, so that an image of their roughness is not looked up.
+    // Whether the material's microfacets have no effect, so that a roughness texture need not be looked up.
     bool (*ignores_roughness)(const SceneMaterial& material) = [](const SceneMaterial&) { return false; };
-    // Bound on what a path's throughput is multiplied by at one vertex, where that can be above 1.
+    // Upper bound on the factor by which one path vertex multiplies the throughput, where it can exceed 1.
     double (*largest_gain)(const SceneMaterial& material) = [](const SceneMaterial&) { return 1.0; };
-    bool reflects_all_at_grazing = false;  // whatever its colour
-    // The part of the light that every bounce keeps; nothing unless all that the material does keeps the same part.
+    bool reflects_all_at_grazing = false;  // whether grazing light is reflected fully, whatever the colour
+    // The share of light that every bounce off the material reflects, or nothing if its lobes reflect different shares.
     std::optional<Vec3d> (*even_reflectance)(const SceneMaterial& material) = [](const SceneMaterial&) {
         return std::optional<Vec3d>();
     };
-    // What stands for it in a file for Mitsuba, where beyond_mitsuba has nothing to say.
+    // The BSDF that the material is exported as to Mitsuba. Only valid if `beyond_mitsuba` returns nothing.
     MitsubaBsdf (*in_mitsuba)(const SceneMaterial& material) = [](const SceneMaterial& m) {
         return MitsubaBsdf{MitsubaBsdf::Type::diffuse, m.albedo, m.texture.get()};
     };
-    // What an export to Mitsuba with paths of `depth` segments cannot express.
+    // What an export to Mitsuba cannot express of the material, for paths of up to `depth` segments.
     std::vector<BeyondMitsuba> (*beyond_mitsuba)(const SceneMaterial& material, std::uint32_t depth) =
         [](const SceneMaterial&, std::uint32_t) { return std::vector<BeyondMitsuba>{}; };
 
-    // `pack` fills in the parameters in either precision: a lambda that captures nothing.
+    // Sets the function that packs the kind's parameters, in both precisions: `pack` is a lambda without captures.
     template <class Pack>
     void set_pack(Pack pack) {
         pack_single = pack;
@@ -78,7 +79,7 @@ struct MaterialKind {
     }
 };
 
-// The kinds, each defined in its file: kind_of_diffuse() and so on.
+// One function kind_of_NAME() per kind of material, each defined in harness/scene/materials/NAME.cpp.
 #define PT_KIND(name, Type, traits) MaterialKind kind_of_##name();
 PT_MATERIALS(PT_KIND)
 #undef PT_KIND
@@ -86,16 +87,16 @@ PT_MATERIALS(PT_KIND)
 const MaterialKind& kind_of(MaterialType type);
 inline const MaterialKind& kind_of(const SceneMaterial& material) { return kind_of(material.type); }
 
-// The names of the kinds, as scene files have them.
+// Names of the kinds of materials as scene files write them.
 std::vector<std::string> material_type_names();
 
-// The material that a scene file describes, without its name. Throws InputError.
+// Reads a material of any kind, without its name, from a scene file. Throws InputError.
 SceneMaterial read_material(const JsonValue& value);
 
-// Everything that kernels need for the material.
+// All feature flags that kernels need for a material.
 FeatureSet features_of(const SceneMaterial& material);
 
-// The material as kernels read it.
+// Packs a material into the layout that kernels read.
 template <class Real>
 Material<Real> packed(const SceneMaterial& material);
 
@@ -104,24 +105,24 @@ Vec3<Real> narrow(const Vec3d& v) {
     return {static_cast<Real>(v.x), static_cast<Real>(v.y), static_cast<Real>(v.z)};
 }
 
-// For the files of kinds: a boundary of index `ior` from outside and from within, values with their ranges, and keys
-// that several kinds have.
+// Helpers for the files of material kinds: a dielectric boundary of index `ior` as met from outside and from inside,
+// and readers of values with their ranges and of keys that several kinds share.
 template <class Real>
 Boundary<Real> entering_boundary(double ior);
 template <class Real>
 Boundary<Real> leaving_boundary(double ior);
 inline constexpr double largest_radiance = 1e30;
 Vec3d read_vector(const JsonValue& value, double low, double high, const std::string& allowed);
-Vec3d read_fractions(const JsonValue& value);  // from 0 to 1
+Vec3d read_fractions(const JsonValue& value);  // reads a vector of numbers from 0 to 1
 Vec3d read_radiance(const JsonValue& value);
 Vec3d read_sigma(const JsonValue& value);
 double read_ior(const JsonValue& value);
-// A colour, or {"image": NAME}, which the material keeps; the name is relative to the scene's file. Returns the colour,
-// or the largest texel in each channel.
+// Reads a colour or a texture {"image": NAME} with a path relative to the scene file, and stores the texture in the
+// material. Returns the colour, or the largest texel in each channel.
 Vec3d read_colour(const JsonValue& value, SceneMaterial& material);
-// A roughness: a number, or an image of numbers, which the material keeps. Returns the largest number.
+// Reads a roughness: a number or a texture, which is stored in the material. Returns the largest value.
 double read_roughness(const JsonValue& value, SceneMaterial& material);
-// The keys that all have that reflect, "emission" and "normal": each may be absent.
+// Reads the optional keys "emission" and "normal" that all reflecting kinds of materials share.
 void read_emission_and_normal(const JsonObject& object, SceneMaterial& material);
 
 }  // namespace pt

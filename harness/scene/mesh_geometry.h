@@ -1,5 +1,5 @@
-// What kernels read of a mesh: its triangles where they stand, and the tree of an accelerator over them. Both are made
-// once and kept, as long as there is room: a study renders the same scene many times.
+// The geometry of a mesh as kernels read it: placed triangles and the accelerator's tree over them. Both are built once
+// and cached, since a study renders the same scene many times.
 #pragma once
 
 #include <memory>
@@ -10,8 +10,8 @@
 
 namespace pt {
 
-// The trees that meshes get: the hooks of the choices of accelerator, builder and levels, and their names, by which
-// trees are kept.
+// How trees over meshes are built: the names of the accelerator, builder and levels, which are part of the cache key,
+// and their hooks.
 struct Acceleration {
     std::string accelerator, builder;
     AcceleratorHook accelerator_hook;
@@ -19,12 +19,12 @@ struct Acceleration {
     std::string levels = "each_object";
     LevelsHook levels_hook = {};
 
-    // The accelerator, builder and levels of a variant; none() is brute force.
+    // The accelerator, builder and levels that a variant chooses. none() is brute force.
     static Acceleration of(const Variant& variant, Backend backend);
     static Acceleration none();
 };
 
-// Triangles in one space: that of the scene, relative to the eye, or the mesh's own for objects that share it.
+// Triangles in scene space relative to the eye, or, for a mesh that several objects share, in the mesh's own space.
 struct PlacedMesh {
     std::vector<Triangle<float>> triangles;
     std::vector<float> cumulative_area;
@@ -38,10 +38,10 @@ struct MeshTree {
     std::vector<LeafTriangle> leaves;
     EncodedTree encoded;
     NativeMesh native;
-    double build_ms = 0;      // by the builder
-    double encode_ms = 0;     // into the accelerator's format, and what the accelerator makes for itself
-    double sah_cost = 0;      // of the builder's tree; 0: there is none
-    std::uint64_t bytes = 0;  // of nodes and leaves, and of what is native
+    double build_ms = 0;      // time to build the tree
+    double encode_ms = 0;     // time to convert the tree to the accelerator's format
+    double sah_cost = 0;      // SAH cost of the builder's tree; 0: no tree
+    std::uint64_t bytes = 0;  // bytes of nodes, leaves and native data
 
     std::size_t kept_bytes() const { return bytes; }
 };
@@ -53,23 +53,23 @@ struct MeshGeometry {
     MeshView view() const;
 };
 
-// What a scene's meshes are to a kernel, all objects together; those that share a mesh count it once.
+// Size and build times of all meshes of a scene, for results; a mesh that several objects share counts once.
 struct MeshFacts {
     std::uint64_t triangles = 0;
     std::uint64_t nodes = 0;
     std::uint64_t node_bytes = 0;
-    std::uint64_t leaf_bytes = 0;  // of the triangles as leaves hold them, duplicates included
-    double build_ms = 0;           // on the clock of the host; 0: there is no tree
+    std::uint64_t leaf_bytes = 0;  // bytes of leaf triangles, duplicates included
+    double build_ms = 0;           // host time to build all trees; 0: no tree
     double encode_ms = 0;
-    double sah_cost = 0;  // of the largest tree
-    // Nodes of the top-level tree over objects, or of the tree over the triangles of all objects; 0: there is none.
+    double sah_cost = 0;  // SAH cost of the largest mesh's tree
+    // Nodes of the tree of the axis `levels`, over objects or over all triangles; 0: there is no such tree.
     std::uint64_t level_nodes = 0;
-    std::uint64_t level_bytes = 0;  // of nodes, and of the slots of triangles
-    double level_build_ms = 0;      // in its format
+    std::uint64_t level_bytes = 0;  // bytes of nodes and triangle slots of the tree over all meshes
+    double level_build_ms = 0;      // host time to build and encode the tree over all meshes
 };
 MeshFacts facts_of(const std::vector<MeshGeometry>& meshes);
 
-// The tree and arrays of a mesh. `placement` null: in the mesh's own space.
+// The placed triangles of a mesh and the tree over them. Without a `placement` the geometry is in the mesh's own space.
 MeshGeometry geometry_of(const std::shared_ptr<const SceneMesh>& mesh, const Placement* placement,
                          const Acceleration& acceleration);
 

@@ -18,8 +18,8 @@ void append_bytes(std::string& key, const T& value) {
     key.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
-// The key of a tree: everything that it is made from. A geometry is told by its address, which stays its own while the
-// tree holds it.
+// Cache key of a tree over all meshes of a scene: everything that the tree depends on. Meshes are identified by
+// address, which cannot be reused as long as the tree keeps the mesh alive.
 template <class Real>
 std::string key_of(const SceneView<Real>& scene, const std::vector<MeshGeometry>& meshes,
                    const Acceleration& acceleration, double farthest) {
@@ -39,7 +39,7 @@ std::string key_of(const SceneView<Real>& scene, const std::vector<MeshGeometry>
     return key;
 }
 
-// A time is rounded on its way from the shutter's ends.
+// The times are widened, since the time of a ray is rounded when interpolated between shutter open and close.
 template <class Real>
 Sweep sweep_of(const SceneView<Real>& scene, std::uint32_t mesh) {
     const auto open = static_cast<double>(scene.camera.shutter_open);
@@ -67,7 +67,7 @@ void plant_over_objects(SceneTree& tree, const std::vector<InstanceBoxes>& insta
         margin = std::max(margin, instance.margin_by_origin());
     }
     tree.nodes = hook.build(boxes);
-    // The margin covers four roundings of the box test, and those of this sum.
+    // The margin covers four roundings of the ray-box test and the roundings of this sum.
     tree.margin = static_cast<float>(margin + gamma<float>(8)) * (1.0f + gamma<float>(4));
     tree.build_ms = milliseconds_since(start);
 }

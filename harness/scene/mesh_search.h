@@ -1,5 +1,5 @@
-// The tree of the axis `levels` over a scene's objects that show meshes, or over all their triangles. Made once and
-// kept for the scenes that were rendered last, as the trees of meshes are.
+// The tree of the axis `levels`: over all objects that show meshes (a TLAS), or over all their triangles. Trees of the
+// scenes rendered last are cached, like the trees of single meshes.
 #pragma once
 
 #include "harness/scene/mesh_geometry.h"
@@ -9,12 +9,12 @@ namespace pt {
 
 struct SceneTree {
     std::vector<ObjectNode> nodes;
-    float margin = 0;  // ObjectTree::margin
+    float margin = 0;  // margin of its nodes' bounding boxes (ObjectTree::margin)
     EncodedTree flat;
     std::vector<FlatSlot> slots;
-    double build_ms = 0;               // boxes and tree
-    double encode_ms = 0;              // into the accelerator's format
-    std::vector<MeshGeometry> meshes;  // that it is of
+    double build_ms = 0;               // time to compute bounding boxes and build the tree
+    double encode_ms = 0;              // time to convert the tree to the accelerator's format
+    std::vector<MeshGeometry> meshes;  // meshes that are kept alive as long as the tree
 
     std::uint64_t node_count() const { return nodes.size() + flat.node_count; }
     std::uint64_t node_bytes() const {
@@ -27,16 +27,16 @@ struct SceneTree {
     FlatTree flat_view() const;
 };
 
-// Most slots of a flat tree; a scene with more triangles, instances included, is refused.
+// Most triangle slots of a flat tree. A scene with more triangles, instances included, is refused.
 inline constexpr std::uint64_t most_flat_slots = std::uint64_t{1} << 25;
 
-// The tree over all meshes; null where the choice has none. `meshes`: by number of the objects that show one. Throws
-// InputError.
+// Builds the tree over all meshes of a scene, or null where the choice of `levels` has none. meshes[i] is the geometry
+// of the i-th object that shows a mesh. Throws InputError.
 template <class Real>
 std::shared_ptr<const SceneTree> scene_tree_of(const SceneView<Real>& scene, const std::vector<MeshGeometry>& meshes,
                                                const Acceleration& acceleration);
 
-// Adds what the tree takes.
+// Adds the size and build times of the tree over all meshes to `facts`.
 void add_facts(MeshFacts& facts, const SceneTree* tree);
 
 }  // namespace pt

@@ -37,7 +37,7 @@ std::string find_file(const std::string& kind, const std::string& name_or_file, 
         return name_or_file;
     }
     const fs::path file = folder / (name_or_file + ".json");
-    // A name may lie in a folder of its own ("scaling/materials_08"), never outside.
+    // A scene or suite may be named with a subfolder ("scaling/materials_08"), but not outside the shipped folder.
     const bool leaves = name_or_file.starts_with('/') || name_or_file.find("..") != std::string::npos;
     if (leaves || !fs::is_regular_file(file)) {
         const std::vector<std::string> known = json_stems(folder);
@@ -48,7 +48,7 @@ std::string find_file(const std::string& kind, const std::string& name_or_file, 
     return file.string();
 }
 
-// A process may read a scene several times.
+// Prints a warning only once, even if a process reads a scene several times.
 void tell_once(const std::string& line) {
     static std::set<std::string> told;
     if (told.insert(line).second) {
@@ -102,7 +102,7 @@ bool is_shipped(const Scene& scene) {
         const fs::path below = fs::path(scene.file).lexically_relative(fs::absolute(home_folder() / "scenes"));
         return !below.empty() && *below.begin() != "..";
     } catch (const InputError&) {
-        return false;  // there is no such folder
+        return false;  // there is no home folder
     }
 }
 
@@ -117,7 +117,7 @@ bool names_meshes(const std::string& scene_name_or_file) {
 
 std::vector<Scene> find_scenes(const std::vector<std::string>& names_or_files) {
     std::vector<Scene> scenes;
-    std::map<std::string, std::set<std::string>> hashes;  // by name
+    std::map<std::string, std::set<std::string>> hashes;  // scene hashes by scene name
     for (const std::string& name_or_file : names_or_files) {
         scenes.push_back(find_scene(name_or_file));
         hashes[scenes.back().name].insert(scenes.back().hash);

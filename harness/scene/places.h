@@ -1,5 +1,5 @@
-// Finds the folder in which scenes and suites lie: $PTBENCH_HOME, beside the binary, or one folder up (a build folder
-// in the repository).
+// Finds scene and suite files. Their home folder is $PTBENCH_HOME, the folder beside the binary, or the one above (a
+// build folder in the repository).
 #pragma once
 
 #include <filesystem>
@@ -18,19 +18,19 @@ std::filesystem::path home_folder();
 std::vector<std::string> scene_names();
 std::vector<std::string> suite_names();
 
-// A shipped scene by name, or any file by a path that ends in .json. Says on stderr how many triangles without area
-// its meshes were read without. Throws InputError.
+// Loads a shipped scene by name, or any scene by a path that ends in .json. Prints to stderr how many degenerate
+// triangles were left out of its meshes. Throws InputError.
 Scene find_scene(const std::string& name_or_file);
-// Whether the scene's file is one of those that come with the program: who has the program finds it by its name.
+// Whether a scene was loaded from a shipped file, so that every user of the program finds it by name.
 bool is_shipped(const Scene& scene);
-// Whether the scene's file names a mesh, which reading it would load or generate. Throws InputError.
+// Whether a scene file has mesh objects, so that loading the scene reads or generates meshes. Throws InputError.
 bool names_meshes(const std::string& scene_name_or_file);
-// Several for one run, in the order given. Different scenes may have one name in their files (the course's call theirs
-// "cornell"): each of these is called NAME@H here, H the first 8 digits of its hash, which no file can call itself.
+// Loads several scenes for one run, in the order given. If different scenes have the same name in their files, each is
+// renamed to NAME@H, H the first 8 digits of its hash, a name that no file may contain.
 std::vector<Scene> find_scenes(const std::vector<std::string>& names_or_files);
-// A suite's file; an old name of a shipped suite is found too.
+// Path of a suite's file, by the suite's name, its old name if it was renamed, or its path.
 std::string find_suite_file(const std::string& name_or_file);
-// The name that a shipped suite has now which had another; empty: no suite had this name, or one has it again.
+// The present name of a renamed suite. Empty if no suite had the old name, or if one has it again.
 std::string_view new_name_of_suite(std::string_view old_name);
 
 }  // namespace pt

@@ -15,7 +15,7 @@ struct SinCosDegrees {
     double sine, cosine;
 };
 
-// Sine and cosine of an angle in degrees, exact at multiples of 90 degrees, where a box must stay axis-aligned.
+// Sine and cosine of an angle in degrees, exact at multiples of 90 so that a rotated box stays axis-aligned.
 SinCosDegrees sin_cos_degrees(double degrees) {
     const double reduced = std::fmod(degrees, 360.0);
     const double quarters = reduced / 90.0;
@@ -36,7 +36,7 @@ Rotation rotation_of(const Vec3d& degrees) {
     const SinCosDegrees x = sin_cos_degrees(degrees.x);
     const SinCosDegrees y = sin_cos_degrees(degrees.y);
     const SinCosDegrees z = sin_cos_degrees(degrees.z);
-    // The columns are those of Rz Ry Rx.
+    // Columns of the rotation matrix Rz Ry Rx.
     return {{{z.cosine * y.cosine, z.sine * y.cosine, -y.sine},
              {z.cosine * y.sine * x.sine - z.sine * x.cosine, z.sine * y.sine * x.sine + z.cosine * x.cosine,
               y.cosine * x.sine},
@@ -46,7 +46,7 @@ Rotation rotation_of(const Vec3d& degrees) {
 
 namespace {
 
-// Calls visit(kind, shape of double) for every kind of shape, in the list's order; the shape is for its static members.
+// Calls visit(kind, shape) for every kind of shape, in the list's order; `shape` only gives access to static members.
 template <class Visit>
 void for_each_kind(const Visit& visit) {
 #define PT_VISIT_KIND(name, array, Type) visit(ShapeKind::name, Type<double>{});
@@ -134,13 +134,13 @@ bool contains_point(const Scene& scene, const SceneObject& object, const Vec3d& 
 
 namespace {
 
-// What the sum of two numbers loses: Knuth's two-sum.
+// The rounding error of a floating-point sum: Knuth's two-sum.
 double lost_in_sum(double a, double b, double sum) {
     const double b_in_sum = sum - a;
     return (a - (sum - b_in_sum)) + (b - b_in_sum);
 }
 
-// A sum of products in twice a double's precision: Ogita, Rump and Oishi, "Accurate Sum and Dot Product", SIAM J. Sci.
+// Dot product with twice the precision of a double: Ogita, Rump and Oishi, "Accurate Sum and Dot Product", SIAM J. Sci.
 // Comput. 26(6), 2005.
 class DoubledSum {
 public:
@@ -164,7 +164,7 @@ private:
 }  // namespace
 
 double eye_power(const SceneObject& sphere, const Vec3d& eye) {
-    // The numbers are in units of the power of two below the radius, whose square neither overflows nor vanishes.
+    // All lengths are divided by a power of two near the radius, whose square then neither overflows nor vanishes.
     int exponent = 0;
     const double radius = std::frexp(0.5 * sphere.scale.x, &exponent);
     DoubledSum sum;

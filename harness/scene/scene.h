@@ -1,5 +1,5 @@
-// A scene as its file says it, validated, in double precision. Lengths in scene units, angles in degrees, velocity in
-// units a second, sigma in 1/unit, radiance linear RGB.
+// A scene as its file describes it, validated, in double precision. Lengths in scene units, angles in degrees, velocity
+// in units a second, sigma in 1/unit, radiance in linear RGB.
 #pragma once
 
 #include <any>
@@ -31,37 +31,37 @@ struct SceneCamera {
     bool shutter_late = false;
 };
 
-// An image that surfaces show.
+// A texture image that materials show.
 struct SceneTexture {
     TextureImage image;
-    std::string file;  // as the scene names it
-    std::string path;  // where it lies
-    std::string hash;  // of the texels and the width: 16 hex digits
+    std::string file;  // file name of the texture as the scene writes it
+    std::string path;  // path of the texture file on disk
+    std::string hash;  // hash of the texture's texels and width: 16 hex digits
 };
 
 struct SceneMaterial {
     std::string name;
     MaterialType type = MaterialType::diffuse;
     Vec3d albedo{0.0}, emission{0.0}, reflectance{0.0}, tint{1.0}, sigma_a{0.0}, sigma_s{0.0};
-    // The image in place of the albedo (diffuse, mix; principled: its base colour) or the reflectance (mirror,
-    // rough_conductor), which then has the largest of its texels in each channel. Null: one colour.
+    // Texture in place of the albedo (diffuse, mix; principled: the base colour) or the reflectance (mirror,
+    // rough_conductor). The colour itself is then the largest texel in each channel. Null: no texture.
     std::shared_ptr<const SceneTexture> texture;
     double mirror_probability = 0;
     double roughness = 0;
-    // The image in place of the roughness, which then has the largest of its texels. Null: one number.
+    // Texture in place of the roughness, which is then the largest texel. Null: no texture.
     std::shared_ptr<const SceneTexture> roughness_texture;
-    // The image of normals in tangent space, and the factor of their first two components. Null: the surface's own.
+    // Normal map in tangent space, and the factor on the first two components of its normals. Null: no normal map.
     std::shared_ptr<const SceneTexture> normal_texture;
     double normal_scale = 1;
     bool multiple_scattering = false;
-    double metallic = 0, transmission = 0;  // principled
-    std::any own;  // what its kind alone has, of a type that is known in the kind's file (harness/scene/materials/)
+    double metallic = 0, transmission = 0;  // parameters of material kind principled
+    std::any own;  // parameters of one kind of material, whose type only its file in harness/scene/materials/ knows
     double ior = 1;
     double g = 0;
     std::uint32_t max_scatterings = 1000000;
 };
 
-// A shape as scene files name it, by the first of the kinds that share the name.
+// A shape by the name that scene files use. Several ShapeKinds can share a name; the first of them stands for it.
 struct Shape {
     ShapeKind first_kind;
 
@@ -73,94 +73,93 @@ inline constexpr Shape Shape::box{ShapeKind::axis_box};
 inline constexpr Shape Shape::quad{ShapeKind::quad};
 inline constexpr Shape Shape::mesh{ShapeKind::mesh};
 
-// A mesh that objects show. Its triangles stand in an order that does not depend on the file's: each begins with its
-// least vertex, and they are sorted, so that no film depends on the order either.
+// A mesh that objects show. Triangles are in canonical order, so that no film depends on their order in the file: each
+// triangle begins with its least vertex, and the triangles are sorted.
 struct SceneMesh {
-    std::string source;  // as the scene names it: a file, or a generator and its size
+    std::string source;  // mesh file as the scene names it, or generator and size
     std::vector<Triangle<float>> triangles;
     std::uint32_t degenerate_left_out = 0;
     std::vector<std::string> warnings;  // "PLACE: TEXT": what its file has that is not read as it stands
     Box bounds;
-    bool is_closed = false;                      // every edge is shared by two triangles, in opposite directions
-    std::string hash;                            // of the triangles: 16 hex digits
-    std::vector<CornerCoordinates> coordinates;  // by triangle; empty: none
-    std::string coordinates_hash;                // of them: 16 hex digits; empty: there are none
-    std::vector<CornerNormals> normals;          // by triangle; empty: none were asked for, or they have a fault
-    std::string normals_hash;                    // of them: 16 hex digits; empty: there are none
-    std::string normals_fault;                   // why there are none where they were asked for
+    bool is_closed = false;                      // whether each edge is shared by two triangles, in opposite directions
+    std::string hash;                            // hash of the triangles: 16 hex digits
+    std::vector<CornerCoordinates> coordinates;  // texture coordinates by triangle; empty: none
+    std::string coordinates_hash;                // hash of texture coordinates: 16 hex digits; empty: none
+    std::vector<CornerNormals> normals;          // vertex normals by triangle; empty: not asked for, or faulty
+    std::string normals_hash;                    // hash of vertex normals: 16 hex digits; empty: none
+    std::string normals_fault;                   // why a mesh has no normals where they were asked for
 };
 
 struct SceneObject {
     static constexpr std::uint32_t no_mesh = 0xffffffffu;
 
     Shape shape = Shape::sphere;
-    std::uint32_t mesh = no_mesh;  // index into Scene::meshes
+    std::uint32_t mesh = no_mesh;  // index of the object's mesh in Scene::meshes
     std::uint32_t material = 0;
-    bool shading_normals = false;     // the mesh's, in place of its triangles'
-    std::uint32_t index_in_file = 0;  // of $.objects; copies that a rule makes share it
+    bool shading_normals = false;     // whether the mesh's vertex normals are used in shading
+    std::uint32_t index_in_file = 0;  // index of the object in $.objects; copies made by a rule share it
     Vec3d translate{0.0}, rotate_degrees{0.0}, scale{1.0}, velocity{0.0};
 };
 
-// Light from all round that is drawn as lights are: an image, or one texel for one number.
+// An environment light that is sampled like other lights: an image, or one texel for a constant radiance.
 struct SceneEnvironment {
     EnvironmentImage image;
-    double rotation_degrees = 0;  // about y, as an object's
-    std::string file;             // as the scene names it; empty: one number
-    std::string hash;             // of the texels: 16 hex digits
+    double rotation_degrees = 0;  // rotation of the image about y, with the sign of an object's
+    std::string file;             // image file as the scene names it; empty: constant radiance
+    std::string hash;             // hash of the environment's texels: 16 hex digits
 };
 
 struct Scene {
     std::string name;
-    std::string file;  // that it was read from, with its whole path; empty: none
+    std::string file;  // absolute path of the scene file; empty: none
     std::string description;
     std::uint32_t max_depth = 1;
-    Vec3d environment{0.0};                                   // light from all round that is met, never drawn
-    std::shared_ptr<const SceneEnvironment> environment_map;  // null: none
+    Vec3d environment{0.0};                                   // constant environment radiance, never light-sampled
+    std::shared_ptr<const SceneEnvironment> environment_map;  // environment that is light-sampled; null: none
     SceneCamera camera;
-    std::vector<SceneMaterial> materials;  // sorted by name
+    std::vector<SceneMaterial> materials;  // materials sorted by name
     std::vector<SceneObject> objects;
     std::vector<std::shared_ptr<const SceneMesh>> meshes;
-    std::string hash;  // of the file's content, white space and key order aside; 16 hex digits
+    std::string hash;  // hash of the file's content but for white space and key order; 16 hex digits
 };
 
-// Reads and validates a scene. Throws InputError. `file` is for the messages.
+// Reads and validates a scene. Throws InputError. `file` is the name that error messages show.
 Scene load_scene(const std::string& file);
 Scene parse_scene(const std::string& text, const std::string& file);
 
-// The names that scene files have for shapes, each once, and the shape that goes by one of them.
+// Conversion between shapes and their names in scene files; `shape_names` has each name once.
 std::vector<std::string> shape_names();
 Shape shape_named(const std::string& name);
 std::string name_of(Shape shape);
 
 Placement placement_of(const SceneObject& object, const Vec3d& eye);
-// Which formula an object is intersected by.
+// The kind of a shape, which decides the intersection formula.
 ShapeKind classify(const SceneObject& object);
 bool is_flat(const SceneObject& object);
 
-// Whether light passes the material's surface by refraction.
+// Whether light enters the material by refraction, as in glass; false for subsurface bodies.
 bool lets_light_in(const SceneMaterial& material);
-// Whether the material's colour, roughness or normal is an image.
+// Whether the material has a texture in place of its colour or roughness, or a normal map.
 bool shows_images(const SceneMaterial& material);
-// Whether an object that the scene has shows an image.
+// Whether any object of the scene has a material with a texture.
 bool has_textures(const Scene& scene);
-// Whether the object is shaded with other normals than its surface's own; what only emits is not.
+// Whether shading normals of the object differ from its geometric normals. Objects that only emit have none.
 bool has_shading_normals(const Scene& scene, const SceneObject& object);
 
-// Everything that rendering the scene needs, and nothing else.
+// Exactly the feature flags that rendering the scene needs.
 FeatureSet features_of(const Scene& scene);
 
-// Whether a point lies inside the object as it stands at time 0; never inside a flat shape or a mesh that is not
-// closed.
+// Whether a point lies inside the object at time 0; never true for a flat shape or a mesh that is not closed.
 bool contains_point(const Scene& scene, const SceneObject& object, const Vec3d& point);
 
-// The power of the camera's eye with respect to a sphere, |centre - eye|^2 - radius^2, in square radii: to one rounding
-// of a double from the numbers of the scene.
+// The power of the camera's eye with respect to a sphere, |centre - eye|^2 - radius^2, in units of radius^2, with the
+// accuracy of a single double rounding.
 double eye_power(const SceneObject& sphere, const Vec3d& eye);
-// Whether that is how the sphere is met best (NearSphere in kernels/shapes/sphere.h): the eye is off its surface by
-// less than about a quarter of its radius. Not for objects of other kinds.
+// Whether a sphere is intersected more accurately with its `eye_power` (NearSphere in kernels/shapes/sphere.h): the eye
+// is off its surface by less than about a quarter of its radius. Only for spheres.
 bool is_near_eye(const SceneObject& object, const Vec3d& eye);
 
-// Columns of the rotation "about x, then y, then z"; exact at multiples of 90 degrees.
+// Columns of the rotation matrix "about x, then y, then z"; exact at multiples of 90 degrees.
 struct Rotation {
     Vec3d column[3];
 };

@@ -44,7 +44,7 @@ void guide_bodies(std::vector<Material<Real>>& materials, const Scene& scene, do
     }
 }
 
-// The innermost dielectric around the eye (the one of least volume), if it absorbs.
+// The medium that camera rays start in: the smallest dielectric around the camera's eye, if it absorbs.
 std::uint32_t medium_at_eye(const Scene& scene) {
     std::uint32_t medium = Path<float>::no_medium;
     double least_volume = std::numeric_limits<double>::infinity();
@@ -83,8 +83,8 @@ Camera<Real> make_camera(const Scene& scene, const RenderSettings& settings) {
     return camera;
 }
 
-// What a shape's placement does not say. Special: of a sphere near the eye, its power, formed from the file's numbers
-// before any is rounded.
+// Sets what a shape's constructor cannot know from its placement: for a sphere near the camera's eye, its `eye_power`,
+// computed from the scene file's numbers before any is rounded.
 template <class Shape>
 void complete(Shape&, const SceneObject&, const Vec3d&) {}
 template <class Real>
@@ -104,8 +104,8 @@ auto in_double(const Shape& shape) {
     }
 }
 
-// The surface that emits, on both sides of a flat shape. Of an ellipsoid about as much: exact for a sphere, 16 % too
-// large for a disc.
+// Emitting surface area of a light, both sides of a flat shape included. An ellipsoid's is approximate: exact for a
+// sphere, 16 % too large for a disc.
 template <class Shape>
 double emitting_area(const Shape& shape) {
     if constexpr (requires { area_of(shape); }) {
@@ -119,9 +119,9 @@ double emitting_area(const Shape& shape) {
     }
 }
 
-// The area that a light shows along each axis. Of boxes and quads the sum over their faces, |normal| by axis, and of
-// spheres two thirds of the disc, since |x| + |y| + |z| of a direction is 3/2 in the mean. Others are taken for spheres
-// of their area.
+// Projected area of a light along each axis. Boxes and quads: the sum over the faces of their area times |normal|.
+// Spheres: two thirds of the disc, since |x| + |y| + |z| of a direction is 3/2 in the mean. Other shapes count as
+// spheres of the same surface.
 template <class Shape>
 Vec3d shown_area(const Shape& shape, const Placement& placement) {
     const auto face = [&](int axis, double first, double second) {
@@ -165,7 +165,7 @@ template <class Real>
 Transform<Real> make_transform(const SceneObject& object, const Placement& placement, UnitShape shape) {
     Transform<Real> transform{};
     for (int axis = 0; axis < 3; ++axis) {
-        // A flat shape has no thickness: its normal's scale is free.
+        // A flat shape has no thickness, so the scale along its normal is arbitrary.
         const double scale = is_flat(object) && axis == 1 ? 1.0 : object.scale[axis];
         const Vec3d& column = placement.column[axis];
         transform.row[axis] = narrow<Real>(column / scale);
@@ -177,7 +177,7 @@ Transform<Real> make_transform(const SceneObject& object, const Placement& place
     return transform;
 }
 
-// An array that SceneView has and the list lacks would stay empty.
+// Checks that the list PT_SCENE_ARRAYS has every array of SceneView: an array missing from the list would stay empty.
 #define PT_COUNT(...) +1
 static_assert(offsetof(SceneView<float>, environment) == (0 PT_SCENE_ARRAYS(PT_COUNT)) * sizeof(View<Light>));
 #undef PT_COUNT
@@ -187,7 +187,7 @@ View<T> view_of(const std::vector<T>& values) {
     return {values.data(), static_cast<std::uint32_t>(values.size())};
 }
 
-// Returns where the values begin in the array.
+// Appends values to an array and returns the index of the first of them.
 template <class T>
 std::uint32_t append(std::vector<T>& array, const std::vector<T>& values) {
     const auto first = static_cast<std::uint32_t>(array.size());
@@ -195,7 +195,7 @@ std::uint32_t append(std::vector<T>& array, const std::vector<T>& values) {
     return first;
 }
 
-// The images whose texels are placed already, so that each is placed once.
+// Images whose texels are in the scene's texel array already, so that each image is stored once.
 class PlacedImages {
 public:
     explicit PlacedImages(std::vector<Vec3<float>>& texels) : texels_(texels) {}
@@ -232,7 +232,8 @@ template <class Real>
 void SceneBuffers<Real>::complete(MeshInstance<Real>& instance, const Scene& scene, const SceneObject& object,
                                   const Placement& placement, const Acceleration& acceleration) {
     const std::shared_ptr<const SceneMesh>& mesh = scene.meshes[object.mesh];
-    // The triangles of a light are chosen by their area in the scene, which a scale may change one by one.
+    // A light's mesh is always placed, since a light sample picks a triangle by its area in scene space, which a
+    // non-uniform scale changes from triangle to triangle.
     const bool is_light = scene.materials[object.material].emission != Vec3d(0.0);
     instance.is_placed = shown_by_[object.mesh] == 1 || is_light ? 1 : 0;
     meshes_.push_back(geometry_of(mesh, instance.is_placed != 0 ? &placement : nullptr, acceleration));
@@ -332,7 +333,7 @@ SceneBuffers<Real>::SceneBuffers(const Scene& scene, const RenderSettings& setti
     view_.depth = settings.depth;
     view_.seed.sampler = settings.sampler;
     view_.final_bounce = settings.final_bounce ? 1 : 0;
-    // An emitter of no radiance is no light, so there may be none to connect to.
+    // Emitters of zero radiance are not in the list of lights, so a scene may have no light for next-event estimation.
     view_.next_event = settings.next_event && (!arrays_.lights.empty() || environment_ != nullptr) ? 1 : 0;
     view_.mis_exponent = settings.mis_exponent;
     view_.light_sampling = settings.light_sampling;
@@ -345,7 +346,7 @@ SceneBuffers<Real>::SceneBuffers(const Scene& scene, const RenderSettings& setti
     make_search(acceleration);
 }
 
-// Places each image once, and each mesh's coordinates once, however many objects show them.
+// Stores each texture image once, and each mesh's texture coordinates once, however many objects show them.
 template <class Real>
 void SceneBuffers<Real>::make_textures(const Scene& scene) {
     PlacedImages images(arrays_.texels);
@@ -368,7 +369,7 @@ void SceneBuffers<Real>::make_textures(const Scene& scene) {
     }
 }
 
-// Places each image of normals once, and each mesh's normals once.
+// Stores each normal map once, and each mesh's vertex normals once.
 template <class Real>
 void SceneBuffers<Real>::make_normals(const Scene& scene) {
     PlacedImages images(arrays_.texels);
@@ -441,7 +442,7 @@ double gain_of(const Scene& scene) {
     return gain;
 }
 
-// Bound on the radiance that comes from what emits, and from an environment that is not drawn.
+// Upper bound on the radiance from emitters and from an environment that is not light-sampled.
 double bound_on_sources(const Scene& scene, std::uint32_t depth) {
     double brightest = brightest_channel(scene.environment);
     double brightest_reflector = 0;
@@ -455,14 +456,14 @@ double bound_on_sources(const Scene& scene, std::uint32_t depth) {
         albedo =
             std::max({albedo, brightest_channel(material.albedo), brightest_channel(material.reflectance), grazing});
     }
-    // Only reflecting emitters can be met more than once: a geometric series, cut off at the depth.
+    // A path can hit only reflecting emitters more than once: a geometric series, cut off at the path depth.
     const double series =
         albedo < 1 ? std::min(1 / (1 - albedo), static_cast<double>(depth)) : static_cast<double>(depth);
     return (brightest + brightest_reflector * series) * gain_of(scene);
 }
 
-// Bound on the radiance that comes from an environment that is drawn. What a connection brings goes with the mean over
-// all directions, for it is drawn in proportion to its light: a sun takes no room from the film's fainter parts.
+// Upper bound on the radiance from an environment that is light-sampled. The contribution of a light sample goes with
+// the mean over all directions, as sampling is in proportion to radiance, so a bright sun costs the film no precision.
 double bound_on_environment(const Scene& scene, double room) {
     if (scene.environment_map == nullptr) {
         return 0;

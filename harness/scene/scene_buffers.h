@@ -1,6 +1,6 @@
-// A scene turned into the flat arrays of one precision that kernels read. Positions are relative to the camera's eye
-// (subtracted in double), and objects are in canonical order: by kind, then by their numbers, so that their order in
-// the file cannot matter.
+// A scene as the flat arrays that kernels read, in one precision. Positions are relative to the camera's eye
+// (subtracted in double). Objects are sorted by kind and then by their parameters, so that the order in the file has no
+// effect.
 #pragma once
 
 #include <optional>
@@ -14,20 +14,20 @@
 
 namespace pt {
 
-// Settings of adjoint-driven roulette and splitting (harness/render/adjoint_table.h).
+// Settings of adjoint-driven Russian roulette and splitting (harness/render/adjoint_table.h).
 struct AdjointSettings {
-    std::uint32_t paths = 0;     // that are traced to learn it; 0: there is none
-    std::uint32_t cells = 8;     // of the grid, along each axis
-    std::uint32_t window = 5;    // the upper bound of the weight window over the lower
-    std::uint32_t branches = 1;  // of a path at a vertex, at most; 1: no splitting
+    std::uint32_t paths = 0;     // training paths of the adjoint estimate; 0: no estimate
+    std::uint32_t cells = 8;     // cells of the adjoint grid along each axis
+    std::uint32_t window = 5;    // ratio of the weight window's upper to lower bound
+    std::uint32_t branches = 1;  // most branches of a path at a vertex; 1: no splitting
 };
 
-// What a run may set differently from the scene's file.
+// Render settings of a run: those that can override the scene file, and those that follow from the variant.
 struct RenderSettings {
     std::uint32_t width = 0, height = 0;
     std::uint32_t depth = 0;
     std::uint64_t seed = 0;
-    // Settings that follow from the variant (settings_for).
+    // Render settings that follow from the variant (settings_for).
     bool final_bounce = false;
     bool next_event = false;
     std::uint32_t mis_exponent = 0;
@@ -36,14 +36,14 @@ struct RenderSettings {
     LightSelection light_selection = LightSelection::uniform;
     bool one_sample = false;
     std::uint32_t roulette_start = 0;
-    double guided_share = 0;  // of the steps of walks in bodies
+    double guided_share = 0;  // share of guided steps in subsurface walks
     AdjointSettings adjoint = {};
     FeatureSet sampler = no_features;
 };
 
 RenderSettings default_settings(const Scene& scene);
 
-// What the arrays of a SceneView lie in.
+// Owns the arrays that a SceneView points to.
 template <class Real>
 struct SceneStorage {
 #define PT_VECTOR(name, array, Type) std::vector<Type<Real>> array;
@@ -66,21 +66,21 @@ struct SceneStorage {
 template <class Real>
 class SceneBuffers {
 public:
-    // Makes the arrays of a scene. `acceleration`: the trees over its meshes.
+    // Converts a scene to arrays for kernels. `acceleration` chooses the trees over its meshes.
     SceneBuffers(const Scene& scene, const RenderSettings& settings,
                  const Acceleration& acceleration = Acceleration::none());
-    // Valid as long as this object lives and stays where it is.
+    // The scene as kernels see it. Valid as long as this SceneBuffers lives and is not moved.
     const SceneView<Real>& view() const { return view_; }
-    // Sets the estimates for adjoint-driven roulette that the view shows from here on; null: none.
+    // Sets the adjoint estimates that the scene view shows to kernels for roulette and splitting; null: no estimates.
     void set_adjoint(const AdjointCache<Real>* adjoint) { view_.adjoint = adjoint; }
     SceneBuffers(const SceneBuffers&) = delete;
     SceneBuffers& operator=(const SceneBuffers&) = delete;
 
-    // The geometry of meshes, by number of the objects that show one.
+    // Geometry of each object that shows a mesh, in the order of object numbers.
     const std::vector<MeshGeometry>& meshes() const { return meshes_; }
-    // The tree over all meshes together, or null.
+    // The tree over all meshes together (axis `levels`), or null.
     const std::shared_ptr<const SceneTree>& tree() const { return tree_; }
-    // The index in the scene file of each object, by the object's number.
+    // Maps an object's number in kernels to its index in Scene::objects.
     const std::vector<std::uint32_t>& file_index() const { return file_index_; }
 
 private:
@@ -94,9 +94,9 @@ private:
 
     SceneStorage<Real> arrays_;
     std::vector<std::uint32_t> file_index_;
-    std::vector<std::uint32_t> shown_by_;  // by mesh of the scene: how many objects
+    std::vector<std::uint32_t> shown_by_;  // number of objects that show each mesh
     std::vector<MeshGeometry> meshes_;
-    std::vector<LightExtent> light_extents_;  // of arrays_.lights
+    std::vector<LightExtent> light_extents_;  // bounds and power of each of arrays_.lights
     std::shared_ptr<const SceneTree> tree_;
     std::vector<ObjectNormals<Real>> object_normals_;
     std::vector<CornerNormals> corner_normals_;
@@ -105,15 +105,15 @@ private:
     SceneView<Real> view_;
 };
 
-// The shortcuts that a kernel may take in this scene.
+// Feature flags of the shortcuts that a kernel may take in this scene.
 FeatureSet shortcuts_of(const Scene& scene);
 
-// A bound on the radiance that one sample can carry by meeting light (connections to lights may exceed it): the
-// brightest source, times the number of times that a path may meet one.
+// Upper bound on the radiance of one sample from emitters that its path hits: the brightest source times the number of
+// times that a path may hit one. Connections to lights may exceed it.
 double radiance_bound(const Scene& scene, std::uint32_t depth);
-// The bound on radiance for what is rendered with these settings. Connections weigh more than light that is met, the
-// rarer the more (without bound where lights are sampled by area), so they have 1024 times the room; what goes beyond
-// it is counted. By adjoint-driven roulette a path comes to carry up to most_carried.
+// Upper bound on the radiance of one sample with these settings; samples beyond it are counted. Next-event estimation
+// gets 1024 times the room, since its weights grow as a light is sampled more rarely, without bound where lights are
+// sampled by area. With adjoint-driven roulette the throughput can grow up to `most_carried`.
 double radiance_bound(const Scene& scene, const RenderSettings& settings);
 
 extern template class SceneBuffers<float>;

@@ -1,4 +1,4 @@
-// The scene format, key by key: docs/scene_format.md.
+// Reads and validates the scene format (docs/scene_format.md).
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -22,7 +22,7 @@ namespace pt {
 
 namespace {
 
-// Lengths beyond which squares would leave the range of float; scenes are checked before any kernel sees them.
+// Longest and shortest lengths in a scene: squares of others would leave the range of float.
 constexpr double largest_length = 1e18;
 constexpr double smallest_length = 1e-18;
 
@@ -43,7 +43,7 @@ void read_shutter(const JsonValue& value, SceneCamera& camera) {
     }
 }
 
-// Checks the object's place at both ends of the shutter; in between it is between them.
+// Checks an object's position at shutter open and close; in between, it moves on a straight line.
 void check_motion(const Scene& scene, const SceneObject& object, std::size_t index, const std::string& file) {
     for (const double time : {scene.camera.shutter_open, scene.camera.shutter_close}) {
         const Vec3d centre = object.translate + object.velocity * time;
@@ -67,7 +67,7 @@ SceneCamera read_camera(const JsonValue& value) {
     if (!(dot(forward, forward) >= least_square)) {
         object.at("look_at").fail("a point other than camera.eye, at least 1e-18 away");
     }
-    // The square of a shorter vector would leave the range of double.
+    // An `up` vector shorter than this has a square that leaves the range of double.
     if (!(dot(camera.up, camera.up) >= least_square)) {
         object.at("up").fail("a direction that is not 0: a vector of length 1e-18 or more");
     }
@@ -109,8 +109,8 @@ Vec3d read_scale(const JsonValue& value) {
     return Vec3d(value.number(smallest_length, largest_length, allowed + ", or an array of 3"));
 }
 
-// An ellipsoid's surface is found in the space where it is the unit sphere; beyond this ratio of its axes, squares
-// there leave the range of float.
+// An ellipsoid is intersected in the space where it is the unit sphere. With axes of a larger ratio, squares in that
+// space leave the range of float.
 void check_ellipsoid(const SceneObject& object, const JsonValue& scale) {
     constexpr double largest_ratio = 1e12;
     const auto [least, greatest] = std::minmax({object.scale.x, object.scale.y, object.scale.z});
@@ -119,7 +119,7 @@ void check_ellipsoid(const SceneObject& object, const JsonValue& scale) {
     }
 }
 
-// The materials' names for a message, no more of them than fit.
+// Lists the names of a scene's materials for an error message, up to 20 of them.
 std::string names_of(const std::vector<SceneMaterial>& materials) {
     constexpr std::size_t most = 20;
     std::vector<std::string> names;
@@ -130,7 +130,7 @@ std::string names_of(const std::vector<SceneMaterial>& materials) {
                        materials.size() > most ? fmt::format(" and {} more", materials.size() - most) : "");
 }
 
-// Checks what takes the whole scene to tell about an object; `index` is its place in the file.
+// Checks of an object that need the whole scene; `index` is the object's place in the file.
 void check_object(const Scene& scene, const SceneObject& object, std::size_t index, const std::string& file) {
     check_motion(scene, object, index, file);
     const bool is_body = has_trait(scene.materials[object.material].type, material_trait::has_walks);
@@ -140,7 +140,7 @@ void check_object(const Scene& scene, const SceneObject& object, std::size_t ind
     }
 }
 
-// A generator's mesh: {"mesh": NAME, "size": N}.
+// Generates the mesh of {"mesh": NAME, "size": N} in a scene file.
 std::shared_ptr<const SceneMesh> read_recipe(const JsonValue& value, bool with_normals) {
     const JsonObject recipe(value, {"mesh", "size"});
     std::vector<std::string> names;
@@ -155,7 +155,7 @@ std::shared_ptr<const SceneMesh> read_recipe(const JsonValue& value, bool with_n
     return mesh_from_generator(name, static_cast<std::uint32_t>(size), with_normals);
 }
 
-// A file's name is relative to the scene's own.
+// Reads an object's mesh from its key "file" (a path relative to the scene file), "generate" or "vertices".
 std::shared_ptr<const SceneMesh> read_mesh_of(const JsonObject& object, const JsonValue& value, bool with_normals) {
     std::vector<std::string> sources;
     for (const char* key : {"file", "generate", "vertices"}) {
@@ -187,7 +187,7 @@ std::shared_ptr<const SceneMesh> read_mesh_of(const JsonObject& object, const Js
                            [&](const std::filesystem::path& file) { return mesh_from_file(file, with_normals); });
 }
 
-// The mesh's index among the scene's.
+// Adds a mesh to the scene unless the scene has it already, and returns its index.
 std::uint32_t index_of(const std::shared_ptr<const SceneMesh>& mesh, Scene& scene) {
     const auto known = std::find(scene.meshes.begin(), scene.meshes.end(), mesh);
     const auto index = static_cast<std::uint32_t>(known - scene.meshes.begin());
@@ -197,15 +197,15 @@ std::uint32_t index_of(const std::shared_ptr<const SceneMesh>& mesh, Scene& scen
     return index;
 }
 
-// "a, b or c" of names of which there are two or more.
+// Joins two or more names for a message: "a, b or c".
 std::string one_of(std::vector<std::string> names, const char* word) {
     const std::string last = names.back();
     names.pop_back();
     return fmt::format("{} {} {}", fmt::join(names, ", "), word, last);
 }
 
-// The names of kinds of materials that may be asked for, "a, b or c"; those that need an inside in some of their
-// settings alone come last.
+// Lists kinds of materials that are allowed, for an error message: "a, b or c". Kinds that need an inside only with
+// some settings come last.
 template <class IsAllowed>
 std::string materials_for(const IsAllowed& is_allowed, bool with_inside) {
     std::vector<std::string> names, in_part;
@@ -223,7 +223,7 @@ std::string materials_for(const IsAllowed& is_allowed, bool with_inside) {
     return one_of(names, "or") + (in_part.empty() ? "" : " without transmission");
 }
 
-// The names of kinds that are always bodies: "a, b and c".
+// Lists the kinds of materials that always need a shape with an inside, for an error message: "a, b and c".
 std::string solids() {
     std::vector<std::string> names;
     const std::vector<std::string> all = material_type_names();
@@ -237,8 +237,8 @@ std::string solids() {
     return one_of(names, "and");
 }
 
-// Checks that the shape can be made of the material: a dielectric has an inside, and a walk through a body meets its
-// surface once.
+// Checks that a shape suits its material: dielectrics need an inside, and subsurface walks a convex shape, whose
+// surface a ray leaves only once.
 void check_material(const JsonValue& value, const SceneMaterial& material, const SceneObject& object,
                     const Scene& scene) {
     const bool is_mesh = object.mesh != SceneObject::no_mesh;
@@ -262,7 +262,7 @@ void check_material(const JsonValue& value, const SceneMaterial& material, const
     }
 }
 
-// A mesh has coordinates of its own, so a scale within its range may still carry it to where nothing can be computed.
+// Checks that a mesh placed by its object stays within 1e18, since the mesh has coordinates of its own.
 void check_reach(const JsonValue& value, const SceneObject& object, const Scene& scene) {
     if (object.mesh == SceneObject::no_mesh) {
         return;
@@ -321,7 +321,7 @@ SceneObject read_object(const JsonValue& value, Scene& scene) {
     return result;
 }
 
-// The object, or the copies of it that the file asks for.
+// Reads an object of the scene file, or all its copies if it has the key "instances".
 std::vector<SceneObject> read_objects(const JsonValue& value, Scene& scene) {
     const SceneObject object = read_object(value, scene);
     const bool is_mesh = object.mesh != SceneObject::no_mesh;
@@ -343,7 +343,7 @@ std::vector<SceneObject> read_objects(const JsonValue& value, Scene& scene) {
     return objects;
 }
 
-// What a rule makes of a scene is part of its content, as meshes are.
+// The text of generated copies for the scene's hash, since they are part of its content as meshes are.
 std::string text_of(const std::vector<SceneObject>& copies) {
     std::string text;
     for (const SceneObject& copy : copies) {
@@ -365,8 +365,8 @@ std::shared_ptr<const SceneEnvironment> environment_of(EnvironmentImage image, d
             texel[channel] = static_cast<float>(scaled);
         }
     }
-    // An image that is not twice as wide as high (or one texel) says so: the same texels in another shape are another
-    // scene.
+    // The hash of an image includes its width unless it is one texel or twice as wide as high, since the same texels in
+    // another shape are another environment.
     std::uint64_t hash = fnv1a_of_bytes(image.texels.data(), image.texels.size() * sizeof(Vec3<float>));
     hash = image.texels.size() == 1 || image.width == 2 * image.height
                ? hash
@@ -376,8 +376,8 @@ std::shared_ptr<const SceneEnvironment> environment_of(EnvironmentImage image, d
     return environment;
 }
 
-// Reads an environment, {"radiance": [r, g, b]} or {"file": NAME, "scale": s, "rotation": degrees}; the name is
-// relative to the scene's file.
+// Reads an environment light: {"radiance": [r, g, b]}, or {"file": NAME, "scale": s, "rotation": degrees} with a path
+// relative to the scene file.
 std::shared_ptr<const SceneEnvironment> read_environment(const JsonValue& value) {
     if (value.json().contains("radiance")) {
         const JsonObject object(value, {"radiance"});

@@ -28,7 +28,7 @@ std::size_t least_corner(const Mesh& mesh, const std::array<std::uint32_t, 3>& i
     return static_cast<std::size_t>(std::min_element(corners, corners + 3) - corners);
 }
 
-// The triangle from its least corner on, going round the same way.
+// The triangle with its corners rotated so that the least comes first; the winding stays.
 Triangle<float> from_least_corner(const Mesh& mesh, const std::array<std::uint32_t, 3>& indices) {
     const std::size_t first = least_corner(mesh, indices);
     const auto corner = [&](std::size_t i) {
@@ -42,7 +42,7 @@ CornerCoordinates coordinates_from_least_corner(const Mesh& mesh, std::size_t tr
     const std::size_t first = least_corner(mesh, mesh.triangles[triangle]);
     CornerCoordinates corners{};
     for (std::size_t i = 0; i < 3; ++i) {
-        // Adding +0 turns -0 into +0: they are one place.
+        // Adding +0 turns -0 into +0, so that equal texture coordinates compare equal.
         corners.u[i] = mesh.coordinates[triangle][(first + i) % 3][0] + 0.0f;
         corners.v[i] = mesh.coordinates[triangle][(first + i) % 3][1] + 0.0f;
     }
@@ -74,8 +74,8 @@ std::string hash_of(const std::vector<T>& values) {
     return values.empty() ? "" : fmt::format("{:016x}", fnv1a_of_bytes(values.data(), values.size() * sizeof(T)));
 }
 
-// The triangles in the order of those of a mesh that has no more of its corners; triangles in one place by what theirs
-// have.
+// Sorts triangles by position first, so that texture coordinates and normals do not change a mesh's order; triangles of
+// equal position are sorted by texture coordinates, then by normals.
 void sort_with_corners(SceneMesh& mesh) {
     std::vector<std::uint32_t> order(mesh.triangles.size());
     std::iota(order.begin(), order.end(), 0u);
@@ -100,9 +100,9 @@ void sort_with_corners(SceneMesh& mesh) {
 
 Vec3d unit(const Vec3d& v) { return v * (1 / std::sqrt(dot(v, v))); }
 
-// A triangle's corner normals from its least corner on, on the side where the corners go round anticlockwise, as the
-// mesh may have turned them all round; all 0 where they are the triangle's own normal but for the rounding of a file's
-// numbers.
+// Corner normals of a triangle, beginning at its least corner, flipped to the side from which the corners go round
+// anticlockwise, since a mesh may have all its triangles flipped. All 0 if the normals equal the triangle's own but for
+// rounding in the file.
 CornerNormals normals_from_least_corner(const Mesh& mesh, std::size_t triangle) {
     const std::array<std::uint32_t, 3>& indices = mesh.triangles[triangle];
     const std::size_t first = least_corner(mesh, indices);
@@ -121,14 +121,14 @@ CornerNormals normals_from_least_corner(const Mesh& mesh, std::size_t triangle) 
         constexpr double rounding = 0x1p-20;
         is_own = is_own && dot(off, off) <= rounding * rounding;
         for (int axis = 0; axis < 3; ++axis) {
-            // Adding +0 turns -0 into +0: they are one direction.
+            // Adding +0 turns -0 into +0, so that equal vertex normals compare equal.
             normals.of[i][axis] = static_cast<float>(corners[i][axis] * side) + 0.0f;
         }
     }
     return is_own ? CornerNormals{} : normals;
 }
 
-// What is wrong with a mesh's normals; empty where each corner has one.
+// Describes what is wrong with a mesh's vertex normals; empty if every corner has one.
 std::string fault_of_normals(const Mesh& mesh, const std::string& source) {
     if (mesh.normals.empty()) {
         return fmt::format("the mesh {} has no normals of its vertices", source);
@@ -147,8 +147,8 @@ struct CornerHash {
     std::size_t operator()(const Corner& corner) const { return fnv1a_of_bytes(corner.data(), sizeof corner); }
 };
 
-// A number for each place that has a corner: three numbers a triangle. Corners are one where their coordinates are,
-// whatever their numbers in the file.
+// Numbers the distinct corner positions of all triangles, three numbers per triangle. Corners with equal coordinates
+// get one number, even if they are separate vertices in the file.
 std::vector<std::uint32_t> places_of_corners(const std::vector<Triangle<float>>& triangles) {
     std::unordered_map<Corner, std::uint32_t, CornerHash> known;
     known.reserve(triangles.size());
@@ -156,7 +156,7 @@ std::vector<std::uint32_t> places_of_corners(const std::vector<Triangle<float>>&
     places.reserve(3 * triangles.size());
     for (const Triangle<float>& t : triangles) {
         for (const Vec3<float>& c : {t.a, t.b, t.c}) {
-            // Adding +0 turns -0 into +0: they are one place.
+            // Adding +0 turns -0 into +0, so that equal vertex positions compare equal.
             const Corner place{c.x + 0.0f, c.y + 0.0f, c.z + 0.0f};
             places.push_back(known.try_emplace(place, static_cast<std::uint32_t>(known.size())).first->second);
         }
@@ -164,7 +164,7 @@ std::vector<std::uint32_t> places_of_corners(const std::vector<Triangle<float>>&
     return places;
 }
 
-// Whether each edge is passed as often there as back.
+// Whether a mesh is closed: each of its edges is used equally often in both directions.
 bool is_closed(const std::vector<Triangle<float>>& triangles) {
     const std::vector<std::uint32_t> places = places_of_corners(triangles);
     std::vector<std::uint64_t> there, back;
@@ -182,7 +182,7 @@ bool is_closed(const std::vector<Triangle<float>>& triangles) {
     return there == back;
 }
 
-// A closed mesh may have this many triangles where its sides are asked for: who is inside takes every one in turn.
+// Most triangles of a closed mesh for which inside and outside are told apart, since the test takes every triangle.
 constexpr std::size_t most_triangles_with_sides = 1u << 24;
 
 MeshesToBe::Meshes& meshes_to_be() {
@@ -311,8 +311,8 @@ bool is_inside(const SceneMesh& mesh, const Vec3d& point) {
             return false;
         }
     }
-    // The ray's direction is along no axis, so few meshes have an edge that it meets. The side from which the nearest
-    // triangle is met decides, so an edge that counts for two triangles does no harm.
+    // Ray direction of the inside test: along no axis, so that the ray meets an edge in few meshes. The side from which
+    // the closest triangle is hit decides, so a hit on an edge that counts for two triangles does no harm.
     const auto sheared = ShearedDirection<double>::of({0.5773, 0.5141, 0.6343});
     double nearest = std::numeric_limits<double>::infinity();
     bool from_behind = false;

@@ -1,4 +1,4 @@
-// Meshes as scenes show them: made or read once, in canonical order, placed where an object stands.
+// Meshes as scenes show them: loaded or generated once, sorted into a canonical order, and placed by objects.
 #pragma once
 
 #include <filesystem>
@@ -12,18 +12,18 @@
 
 namespace pt {
 
-// Canonical order, hash, and whether it is closed. `source`: for messages and results. `with_normals`: those of its
-// vertices are asked for.
+// Makes a SceneMesh from a mesh: sorts its triangles into canonical order, hashes them, and finds out whether the mesh
+// is closed. `source` names the mesh in messages and results. `with_normals` asks for vertex normals.
 std::shared_ptr<const SceneMesh> make_scene_mesh(const Mesh& mesh, const std::string& source,
                                                  bool with_normals = false);
-// The mesh of a file or a generator, kept for the whole process: files are read again only when their time or size has
-// changed. Throws InputError for a file or a size that is none. Normals of generators are computed
-// (harness/mesh/vertex_normals.h).
+// Loads a mesh file or runs a mesh generator, and keeps the result for the whole process. A file is read again only if
+// its time or size has changed. Normals of generated meshes are computed (harness/mesh/vertex_normals.h). Throws
+// InputError for a bad file, generator or size.
 std::shared_ptr<const SceneMesh> mesh_from_file(const std::filesystem::path& file, bool with_normals = false);
 std::shared_ptr<const SceneMesh> mesh_from_generator(const std::string& name, std::uint32_t size,
                                                      bool with_normals = false);
 
-// While one lives, mesh_from_file has these meshes, by path, whether or not they are written yet. One at a time.
+// While a MeshesToBe lives, `mesh_from_file` finds its meshes by path, written yet or not. Only one may live at a time.
 class MeshesToBe {
 public:
     using Meshes = std::map<std::string, std::shared_ptr<const SceneMesh>>;
@@ -33,15 +33,15 @@ public:
     MeshesToBe& operator=(const MeshesToBe&) = delete;
 };
 
-// The triangles of a mesh where an object stands, relative to the eye: transformed in double, rounded once.
+// The triangles of a mesh as an object places them, relative to the camera's eye: transformed in double, rounded once.
 std::vector<Triangle<float>> placed_triangles(const SceneMesh& mesh, const Placement& placement);
 
-// A box round a triangle: its coordinates are numbers of single precision, so it is exact.
+// Bounding box of a triangle; exact, since corners and boxes are both in single precision.
 Box box_round(const Triangle<float>& triangle);
-// A box round all triangles of a mesh, as a placement moves them: rounded outward.
+// Bounding box of a mesh as an object places it, rounded outward.
 Box box_round(const SceneMesh& mesh, const Placement& placement);
 
-// Whether a point lies inside a closed mesh, in the mesh's own space: by how often a ray from it crosses the mesh.
+// Whether a point in the mesh's own space lies inside the closed mesh, by a ray cast from the point.
 bool is_inside(const SceneMesh& mesh, const Vec3d& point);
 
 }  // namespace pt

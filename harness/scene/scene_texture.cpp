@@ -13,7 +13,7 @@ namespace pt {
 
 namespace {
 
-// The images of a material's colour, roughness and normal; null: none.
+// The textures of a material's colour, roughness and normal; null: none.
 std::array<const SceneTexture*, 3> images_of(const SceneMaterial& material) {
     return {material.texture.get(), material.roughness_texture.get(), material.normal_texture.get()};
 }

@@ -28,7 +28,8 @@ struct FreePixels {
     throw InputError(file, "content", found, "a whole PNG or JPEG image");
 }
 
-// stb_image fills up a JPEG that ends early: one that is whole has the end of its image after its last scan's start.
+// Whether a JPEG is truncated, which stb_image hides by filling up the image. In a whole JPEG an end-of-image marker
+// comes after the start of the last scan.
 bool ends_early(std::string_view content) {
     constexpr std::string_view jpeg = "\xff\xd8", scan = "\xff\xda", end = "\xff\xd9";
     if (!content.starts_with(jpeg)) {
@@ -39,7 +40,7 @@ bool ends_early(std::string_view content) {
     return last_end == std::string_view::npos || (last_scan != std::string_view::npos && last_scan > last_end);
 }
 
-// What each value of a channel means.
+// Lookup table from an image's stored channel value to its linear value.
 template <class Channel>
 std::vector<float> linear_channel(TexelMeaning meaning) {
     constexpr std::size_t most = std::numeric_limits<Channel>::max(), middle = most / 2 + 1;
@@ -55,7 +56,7 @@ std::vector<float> linear_channel(TexelMeaning meaning) {
     return linear;
 }
 
-// The texels of an image as linear numbers, rows from the bottom.
+// Converts decoded pixels to linear texels, bottom row first.
 template <class Channel>
 std::vector<Vec3<float>> linear_texels(const Channel* channels, std::uint32_t width, std::uint32_t height,
                                        TexelMeaning meaning) {

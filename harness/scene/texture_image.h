@@ -1,5 +1,5 @@
-// Images that surfaces show: PNG (8 or 16 bits) and JPEG, by stb_image. Colours are sRGB, decoded to linear RGB once;
-// other numbers are taken as they are.
+// Decodes texture images: PNG (8 or 16 bits) and JPEG, by stb_image. Colours are converted from sRGB to linear RGB
+// once; other values, such as roughness, are taken as linear.
 #pragma once
 
 #include <cstdint>
@@ -15,26 +15,25 @@ namespace pt {
 
 struct TextureImage {
     std::uint32_t width = 0, height = 0;
-    std::vector<Vec3<float>> texels;  // linear, from 0 to 1, of normals from -1; row-major from the bottom
+    std::vector<Vec3<float>> texels;  // texels, linear, 0 to 1 (normals: -1 to 1); bottom row first
 };
 
-// What a file's numbers are: sRGB colours; one number a texel: the first channel, as all three, linear from 0 to 1; or
-// normals: each channel linear from -1 to 1, by way of 0 at 128 (of 16 bits at 32768), which no other rule makes of
-// what programs write for a flat surface. A normal that does not point outward (z above 0) is taken for a flat one, (0,
-// 0, 1).
+// How texel values of an image file are read. `colour`: sRGB. `number`: the first channel, linear from 0 to 1.
+// `normal`: each channel linear from -1 to 1 with 0 at 128 (16 bits: 32768), the value that programs write for a flat
+// surface. A normal that does not point outward (z above 0) is replaced by the flat one, (0, 0, 1).
 enum class TexelMeaning { colour, number, normal };
 
-inline constexpr std::uint64_t largest_texture_file = std::uint64_t{1} << 28;  // in bytes: stb_image has an int of them
+inline constexpr std::uint64_t largest_texture_file = std::uint64_t{1} << 28;  // in bytes; stb_image takes an int
 inline constexpr std::uint32_t most_texture_side = 8192;
-// Most texels of all images of a scene together: 3 GiB of single precision numbers.
+// Most texels of all textures of a scene together: 3 GiB in single precision.
 inline constexpr std::uint64_t most_texels = std::uint64_t{1} << 28;
 
-// Reads an image in the format of the file's ending. Throws InputError of one line for a file that is missing, of
-// another kind, too large or broken.
+// Reads a texture image in the format that the file's extension names. Throws InputError of one line for a file that is
+// missing, of another kind, too large or broken.
 TextureImage read_texture_image(const std::filesystem::path& path, TexelMeaning meaning = TexelMeaning::colour);
 
-// While one lives, read_texture_image reads each file once, and those of these contents, by path, need not be written
-// yet. One at a time.
+// While an ImagesToBe lives, `read_texture_image` reads each file only once, and images whose `contents` it holds, by
+// path, need no file yet. Only one may live at a time.
 class ImagesToBe {
 public:
     using Contents = std::map<std::string, std::string>;
@@ -44,12 +43,12 @@ public:
     ImagesToBe& operator=(const ImagesToBe&) = delete;
 };
 
-// Reads an image file's content as read_texture_image does; `file` is for the messages. An alpha channel is passed
-// over, grey is three channels.
+// Decodes the content of a PNG or JPEG file; `file` is the name that error messages show. An alpha channel is ignored,
+// and a grey image fills all three channels.
 TextureImage parse_texture_image(std::string_view content, const std::string& file,
                                  TexelMeaning meaning = TexelMeaning::colour);
 
-// Whether an image of these bytes, which parse_texture_image can read, says how much of each texel is seen through.
+// Whether an image file's content has an alpha channel. The content must be one that `parse_texture_image` can decode.
 bool texture_has_alpha(std::string_view content);
 
 // The linear value of an sRGB value from 0 to 1 (IEC 61966-2-1).

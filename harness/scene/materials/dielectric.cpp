@@ -1,4 +1,4 @@
-// Smooth glass.
+// Material kind `dielectric`: smooth glass.
 #include "harness/scene/materials/glass.h"
 
 namespace pt {

@@ -1,4 +1,4 @@
-// Lambertian reflection.
+// Material kind `diffuse`: Lambertian reflection.
 #include "harness/scene/material_kind.h"
 
 namespace pt {

@@ -1,4 +1,4 @@
-// A surface that emits and reflects nothing.
+// Material kind `emitter`: emits light and reflects none.
 #include "harness/scene/material_kind.h"
 
 namespace pt {

@@ -1,4 +1,4 @@
-// What smooth and rough glass have in common in scene files and in how they are packed.
+// Shared by smooth and rough glass: reading from scene files and packing for kernels.
 #pragma once
 
 #include "harness/scene/material_kind.h"
@@ -11,7 +11,7 @@ DielectricMaterial<Real> packed_glass(const SceneMaterial& material) {
     return {narrow<Real>(material.tint), entering_boundary<Real>(material.ior), leaving_boundary<Real>(material.ior)};
 }
 
-// The keys "ior", "tint", "sigma_a" and "normal", of which all but the first may be absent.
+// Reads the keys of glass: "ior", and optionally "tint", "sigma_a" and "normal".
 inline SceneMaterial read_glass(const JsonObject& object) {
     SceneMaterial material;
     material.ior = read_ior(object.required("ior"));
@@ -21,7 +21,7 @@ inline SceneMaterial read_glass(const JsonObject& object) {
     return material;
 }
 
-// A kind of glass without what its own file says.
+// The entries of MaterialKind that smooth and rough glass share.
 inline MaterialKind glass_kind() {
     MaterialKind kind;
     kind.extra_features = [](const SceneMaterial& m) {

@@ -1,4 +1,4 @@
-// Perfect specular reflection.
+// Material kind `mirror`: perfect specular reflection.
 #include "harness/scene/material_kind.h"
 
 namespace pt {

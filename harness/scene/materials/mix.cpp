@@ -1,4 +1,4 @@
-// A mirror with a probability, a Lambertian surface otherwise.
+// Material kind `mix`: a mirror with probability `mirror_probability`, Lambertian otherwise.
 #include <fmt/format.h>
 
 #include "harness/scene/material_kind.h"

@@ -1,4 +1,4 @@
-// Metal, plastic and glass in one, with the parameters of glTF.
+// Material kind `principled`: metal, plastic and glass in one, with the parameters of glTF.
 #include "harness/scene/materials/glass.h"
 
 namespace pt {
@@ -29,8 +29,8 @@ MaterialKind kind_of_principled() {
         packed.principled.glass.tint = narrow<Real>(m.albedo);
     });
     kind.needs_inside = [](const SceneMaterial& m) { return m.metallic < 1 && m.transmission > 0; };
-    // Facets over a diffuse surface scatter some directions by up to 32, since they are drawn by what a smooth surface
-    // reflects; none by more than 1 in the mean.
+    // For some directions the throughput grows by up to 32, since rough microfacets over a diffuse base are sampled
+    // with the smooth surface's reflectance. On average over directions the factor is at most 1.
     kind.largest_gain = [](const SceneMaterial& m) {
         return m.metallic < 1 && m.transmission < 1 && m.ior != 1 ? 32.0 : 1.0;
     };

@@ -1,4 +1,4 @@
-// A rough metal.
+// Material kind `rough_conductor`: metal with rough microfacets, optionally with multiple scattering.
 #include "harness/scene/material_kind.h"
 
 namespace pt {
@@ -23,7 +23,7 @@ MaterialKind kind_of_rough_conductor() {
                                   m.multiple_scattering ? 1u : 0u};
     });
     kind.surface_colour = [](const SceneMaterial& m) { return m.reflectance; };
-    // Lobes scatter some directions by up to 3.3 with multiple scattering, and none by more than 1 in the mean.
+    // With multiple scattering a BSDF sample multiplies the throughput by up to 3.3, but by at most 1 on average.
     kind.largest_gain = [](const SceneMaterial& m) { return m.multiple_scattering ? 16.0 : 1.0; };
     kind.reflects_all_at_grazing = true;
     kind.beyond_mitsuba = rough_facets_beyond_mitsuba;

@@ -1,4 +1,4 @@
-// Rough glass.
+// Material kind `rough_dielectric`: glass with rough microfacets.
 #include "harness/scene/materials/glass.h"
 
 namespace pt {
@@ -11,7 +11,7 @@ MaterialKind kind_of_rough_dielectric() {
         material.roughness = read_roughness(object.required("roughness"), material);
         return material;
     };
-    // However its facets are turned, a boundary between equals bends no light.
+    // A boundary between media of equal index bends no light, whatever its roughness.
     kind.ignores_roughness = [](const SceneMaterial& m) { return m.ior == 1; };
     kind.set_pack([]<class Real>(const SceneMaterial& m, Material<Real>& packed) {
         packed.rough_dielectric = {packed_glass<Real>(m),

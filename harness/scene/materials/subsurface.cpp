@@ -1,4 +1,4 @@
-// A body that paths walk through.
+// Material kind `subsurface`: a scattering body in which paths make random walks.
 #include <fmt/format.h>
 
 #include "harness/scene/material_kind.h"
