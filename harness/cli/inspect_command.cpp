@@ -1,3 +1,6 @@
+#include <span>
+#include <utility>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -20,11 +23,21 @@ struct InspectArguments {
     std::string scene;
     std::vector<std::string> axes;
     std::vector<std::string> tunables;
-    std::string architecture;
+    std::string architectures;
     bool counters = false;
     std::uint32_t spp = 16;
     std::string out;
 };
+
+std::string text_of_library_calls(const nlohmann::ordered_json& report) {
+    std::string text;
+    for (const auto& call : report["library_calls"]) {
+        text += fmt::format(
+            "  {}: library calls (Thrust or CUB) that nvcc compiled with ptbench; ncu says on a GPU what they take\n",
+            call.get<std::string>());
+    }
+    return text;
+}
 
 std::string text_of_report(const nlohmann::ordered_json& report) {
     std::string text = fmt::format("{} on {}, {}\n", report["variant"].get<std::string>(),
@@ -60,12 +73,34 @@ std::string text_of_report(const nlohmann::ordered_json& report) {
                 counters["bound"].get<std::string>());
         }
     }
-    for (const auto& call : report["library_calls"]) {
-        text += fmt::format(
-            "  {}: library calls (Thrust or CUB) that nvcc compiled with ptbench; ncu says on a GPU what they take\n",
-            call.get<std::string>());
+    return text + text_of_library_calls(report);
+}
+
+// The kernels of one variant on several architectures: a line for each kernel on each of them. A kernel of which no
+// multiprocessor takes a block says so.
+std::string table_of_reports(std::span<const nlohmann::ordered_json> reports) {
+    const nlohmann::ordered_json& first = reports.front();
+    std::string text =
+        fmt::format("{} on {}\n  {:<44} {:<7} {:>9} {:>11} {:>12} {:>7}  {:<14} {}\n",
+                    first["variant"].get<std::string>(), first["scene"].get<std::string>(), "kernel", "arch",
+                    "registers", "spill bytes", "shared bytes", "threads", "warps an SM", "limited by");
+    for (std::size_t k = 0; k < first["kernels"].size(); ++k) {
+        std::string name = fmt::format("{} ({})", first["kernels"][k]["name"].get<std::string>(),
+                                       first["kernels"][k]["of"].get<std::string>());
+        for (const nlohmann::ordered_json& report : reports) {
+            const auto& kernel = report["kernels"][k];
+            const int warps = kernel["warps_per_multiprocessor"].get<int>();
+            text +=
+                fmt::format("  {:<44} {:<7} {:>9} {:>11} {:>12} {:>7}  {:<14} {}\n", std::exchange(name, ""),
+                            report["architecture"].get<std::string>(), kernel["registers"].get<int>(),
+                            kernel["spill_store_bytes"].get<int>() + kernel["spill_load_bytes"].get<int>(),
+                            kernel["shared_bytes"].get<int>(), kernel["threads_per_block"].get<int>(),
+                            warps == 0 ? "no block fits"
+                                       : fmt::format("{} ({:.0f} %)", warps, 100 * kernel["occupancy"].get<double>()),
+                            kernel["occupancy_limit"].get<std::string>());
+        }
     }
-    return text;
+    return text + text_of_library_calls(first);
 }
 
 // Renders the variant once to count its rays, and once more under ncu.
@@ -112,10 +147,38 @@ std::vector<Variant> asked_variants(const InspectArguments& arguments, const Sce
     return variants;
 }
 
-int run(const InspectArguments& arguments) {
-    const Scene scene = find_scene(arguments.scene);
-    if (arguments.counters && !arguments.architecture.empty()) {
-        throw InputError("command line", "--counters", "--arch " + arguments.architecture,
+std::vector<std::string> asked_architectures(const InspectArguments& arguments) {
+    if (arguments.architectures.empty()) {
+        return {""};  // this machine's
+    }
+    const std::vector<std::string> names = split_names(arguments.architectures, "--arch");
+    for (const std::string& name : names) {
+        if (!cuda::why_not_an_architecture(name).empty()) {
+            throw InputError("command line", "--arch", name, cuda::architectures());
+        }
+    }
+    return names;
+}
+
+// What is reported on a variant: a report for each architecture, or nothing where a kernel does not compile for one,
+// which is said.
+std::vector<nlohmann::ordered_json> reports_on(const Scene& scene, const Variant& variant,
+                                               const std::vector<std::string>& architectures) {
+    std::vector<nlohmann::ordered_json> reports;
+    for (const std::string& architecture : architectures) {
+        try {
+            reports.push_back(cuda::inspect_kernels(scene, variant, architecture));
+        } catch (const cuda::DoesNotCompile& error) {
+            say("ptbench: {}: {}\n", shown_name(variant, Backend::cuda), error.what());
+            return {};
+        }
+    }
+    return reports;
+}
+
+void check_arguments(const InspectArguments& arguments) {
+    if (arguments.counters && !arguments.architectures.empty()) {
+        throw InputError("command line", "--counters", "--arch " + arguments.architectures,
                          "no --arch: counters come from this machine's GPU");
     }
     if (!arguments.out.empty()) {
@@ -124,38 +187,44 @@ int run(const InspectArguments& arguments) {
         refuse_result(arguments.out);
     }
     (void)parse_backend("cuda");  // a build without it has no variants to report on
-    const std::vector<Variant> variants = asked_variants(arguments, scene);
-    nlohmann::ordered_json reports = nlohmann::ordered_json::array();
+}
+
+int run(const InspectArguments& arguments) {
+    const Scene scene = find_scene(arguments.scene);
+    check_arguments(arguments);
+    const std::vector<std::string> architectures = asked_architectures(arguments);
+    nlohmann::ordered_json all = nlohmann::ordered_json::array();
     std::string not_applicable;
     bool all_compile = true;
-    for (const Variant& variant : variants) {
+    for (const Variant& variant : asked_variants(arguments, scene)) {
         const std::string reason = why_not_applicable(variant, features_of(scene), Backend::cuda);
         if (!reason.empty()) {
             not_applicable +=
                 fmt::format("n/a: {} on {}: {}\n", shown_name(variant, Backend::cuda), scene.name, reason);
             continue;
         }
-        try {
-            reports.push_back(cuda::inspect_kernels(scene, variant, arguments.architecture));
-        } catch (const cuda::DoesNotCompile& error) {
-            say("ptbench: {}: {}\n", shown_name(variant, Backend::cuda), error.what());
+        std::vector<nlohmann::ordered_json> reports = reports_on(scene, variant, architectures);
+        if (reports.empty()) {
             all_compile = false;
             continue;
         }
         if (arguments.counters) {
-            add_counters(arguments, scene, variant, reports.back());
+            add_counters(arguments, scene, variant, reports.front());
         }
-        fmt::print("{}", text_of_report(reports.back()));
+        fmt::print("{}", reports.size() > 1 ? table_of_reports(reports) : text_of_report(reports.front()));
+        for (nlohmann::ordered_json& report : reports) {
+            all.push_back(std::move(report));
+        }
     }
     if (!all_compile) {
         return exit_check_failed;
     }
-    if (reports.empty()) {
+    if (all.empty()) {
         throw InputError(not_applicable.substr(0, not_applicable.find('\n')));
     }
     fmt::print("{}", not_applicable);
     if (!arguments.out.empty()) {
-        write_file(arguments.out, reports.dump(1) + "\n");
+        write_file(arguments.out, all.dump(1) + "\n");
     }
     return exit_good;
 }
@@ -169,8 +238,9 @@ Command add_inspect_command(CLI::App& app) {
     command->add_option("--scene", arguments->scene, "Scene by name or .json file")->required();
     command->add_option("--axis", arguments->axes, "AXIS=CHOICE,CHOICE, repeatable")->allow_extra_args(false);
     command->add_option("--tune", arguments->tunables, "TUNABLE=VALUE,VALUE, repeatable")->allow_extra_args(false);
-    command->add_option("--arch", arguments->architecture,
-                        "GPU architecture, e.g. sm_90; needs no such GPU (default: this machine's)");
+    command->add_option("--arch", arguments->architectures,
+                        "GPU architectures, comma-separated, e.g. sm_75,sm_90; needs no such GPU (default: this "
+                        "machine's). Of several, a table");
     command->add_flag("--counters", arguments->counters,
                       "Also run them under ncu: lanes, instructions and bytes a ray, and the bound they run at");
     command->add_option("--spp", arguments->spp, "Samples per pixel under --counters (default 16)")

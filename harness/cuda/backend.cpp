@@ -130,6 +130,8 @@ std::string why_not_an_architecture(const std::string& name) {
     return is_known ? "" : fmt::format("\"{}\" is no architecture (allowed: {})", name, known);
 }
 
+std::string architectures() { return known_architectures(); }
+
 std::string kernel_cache() { return kernel_cache_folder(); }
 
 struct SharedHeaders::Implementation {

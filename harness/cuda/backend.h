@@ -59,6 +59,8 @@ void switch_counting(bool on);
 
 // What is wrong with the name of an architecture ("sm_90"); empty: nothing.
 std::string why_not_an_architecture(const std::string& name);
+// The architectures that can be named, as "sm_75, sm_80, ..".
+std::string architectures();
 // The folder of compiled kernels; empty in a build without CUDA.
 std::string kernel_cache();
 

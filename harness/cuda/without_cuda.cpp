@@ -26,6 +26,7 @@ nlohmann::ordered_json batch_counters(const std::vector<std::string>&,
 }
 void switch_counting(bool) {}
 std::string why_not_an_architecture(const std::string&) { return "this build has no CUDA"; }
+std::string architectures() { return "none: this build has no CUDA"; }
 std::string kernel_cache() { return ""; }
 struct SharedHeaders::Implementation {};
 SharedHeaders::SharedHeaders() = default;

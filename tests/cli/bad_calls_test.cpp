@@ -269,6 +269,8 @@ TEST(BadCallsTest, Inspect) {
                    "--axis: argument.compaction: found \"magic\", allowed: " + choice_names("compaction") + "\n");
     expect_refusal(inspect_with({"--arch", "sm_1"}), 2,
                    "command line: --arch: found sm_1, allowed: sm_75, sm_80, sm_86, sm_87, sm_89, sm_90, ");
+    expect_refusal(inspect_with({"--arch", "sm_90,sm_1"}), 2, "command line: --arch: found sm_1, allowed: sm_75, ");
+    expect_refusal(inspect_with({"--arch", "sm_90,"}), 2, "--arch: argument: found \"sm_90,\", allowed: ");
     expect_refusal({"list", "--scene", "cornell_open", "--arch", "sm_1"}, 2, "command line: --arch: found sm_1, ");
     const CommandResult without_device = ptbench(inspect_with({"--counters"}));
     EXPECT_EQ(without_device.exit_code, 3);

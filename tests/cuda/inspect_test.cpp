@@ -370,6 +370,29 @@ TEST_F(InspectStagesTest, AnUndeclaredNameInACompactionFailsTheCommand) {
     EXPECT_FALSE(std::filesystem::exists(out));
 }
 
+// Of several architectures a table: each kernel once by its name, and a line for each architecture.
+TEST_F(InspectTest, SeveralArchitecturesAreATable) {
+    const std::string out = folder.file("report.json");
+    CLI::App app;
+    const Command command = add_inspect_command(app);
+    app.parse("inspect --scene cornell_open --axis integrator=megakernel --arch sm_75,sm_90 --out " + out);
+    testing::internal::CaptureStdout();
+    EXPECT_EQ(command(), exit_good);
+    const std::string told = testing::internal::GetCapturedStdout();
+    const Json reports = Json::parse(test::content_of(out));
+    ASSERT_EQ(reports.size(), 2u);
+    EXPECT_EQ(std::count(told.begin(), told.end(), '\n'), 4) << told;  // the variant, what columns mean, two lines
+    for (const Json& report : reports) {
+        const Json& kernel = report["kernels"][0];
+        const std::string name = report["architecture"] == "sm_75" ? "megakernel (integrator=megakernel)" : "";
+        const std::string line = fmt::format("\n  {:<44} {:<7} {:>9} ", name, report["architecture"].get<std::string>(),
+                                             kernel["registers"].get<int>());
+        EXPECT_NE(told.find(line), std::string::npos) << told;
+    }
+    EXPECT_EQ(reports[0]["architecture"], "sm_75");
+    EXPECT_EQ(reports[1]["architecture"], "sm_90");
+}
+
 TEST_F(InspectTest, TheBlockIsTheVariants) {
     Variant variant = megakernel("features");
     variant.tuning["block"] = 64;
