@@ -14,7 +14,7 @@ namespace pt {
 
 namespace {
 
-// A text that a signal handler may read: no memory that is allocated or freed, and complete whenever its length is
+// A text that a signal handler may read: nothing is allocated or freed, and the text is complete whenever its length is
 // above 0.
 template <std::size_t Capacity>
 struct Text {
@@ -33,7 +33,7 @@ constexpr std::size_t most_levels = 4;
 std::array<Text<2048>, most_levels> levels;
 std::atomic<std::size_t> level_count = 0;
 
-// Facts of a cell may be long; a line that does not fit is left out, as half of one would be damage.
+// The JSON line of a cell may be long; a line that does not fit is left out, since half of it would corrupt the file.
 constexpr std::size_t longest_line = 256 * 1024;
 std::array<Text<longest_line>, crash_signals.size()> last_lines;
 std::atomic<int> last_descriptor = -1;
@@ -49,20 +49,20 @@ void leave_last_line(std::size_t signal) {
     const int descriptor = last_descriptor.load();
     const Text<longest_line>& line = last_lines[signal];
     const std::size_t length = line.length.load();
-    // One write: the line is whole, or it is the last and cut off.
+    // One write call leaves the line whole, or as the last line of the file, cut off.
     if (descriptor >= 0 && length > 0 && ::write(descriptor, line.characters, length) < 0) {
         write_to_stderr("ptbench: the crash could not be noted\n");
     }
 }
 
-// The signal handler, which calls nothing but what POSIX lets a handler call.
+// Handles a crash signal; calls only functions that POSIX allows in signal handlers.
 extern "C" void on_crash(int number) {
     if (is_crashing.exchange(true)) {
         if (::pthread_equal(crashing, ::pthread_self()) != 0) {
-            ::_exit(exit_machine_failed);  // in this very handler
+            ::_exit(exit_machine_failed);  // the handler itself crashed
         }
         while (true) {
-            ::pause();  // another thread has the word
+            ::pause();  // another thread is reporting its crash
         }
     }
     crashing = ::pthread_self();
