@@ -47,7 +47,8 @@ std::vector<Variant> timed_variants(Backend backend, std::size_t turn, bool quic
             Variant variant = of_scene;
             variant.set(axes::integrator, integrators[i]);
             variant.set(axes::arithmetic, arithmetics[a]);
-            // Two integrators after another have one arithmetic with and without: the room turns half as fast.
+            // `room` alternates at half the rate of `turn`, so that an arithmetic meets both values with consecutive
+            // integrators.
             if ((i + a + turn / 2) % 2 != 0) {
                 variant.tuning["room"] = 0;
             }
