@@ -206,6 +206,7 @@ private:
 std::string ending_of(const std::filesystem::path& file) { return in_lower_case(file.extension().string()); }
 
 Json parse_json(const std::string& text, const std::string& file) {
+    // The byte 0 is refused, since nlohmann's parser takes it for the end of the text and ignores what follows.
     if (const std::size_t zero = text.find('\0'); zero != std::string::npos) {
         const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(zero), '\n');
         throw InputError(file, fmt::format("line {}", line), "the byte 0", "text without it");

@@ -24,6 +24,7 @@ struct FileStamp {
 };
 FileStamp stamp_of(const std::string& file);
 
+// Removes the temporary files that killed processes left beside `file`. No other process may be writing `file`.
 void remove_partial_files(const std::string& file);
 
 }  // namespace pt

@@ -23,13 +23,13 @@ double milliseconds_between(SteadyClock::time_point begin, SteadyClock::time_poi
     return std::chrono::duration<double, std::milli>(end - begin).count();
 }
 
-// A thread a device, the caller's for the first one. They are there before the clock starts, start together, and have
-// all ended their work when `run` returns the time at which they started. Waits turn in loops, for a wake-up takes as
-// long as a short render.
+// Threads that drive the devices; the caller's thread drives the first one. The threads exist before the clock starts,
+// start together, and all end before `run` returns their start time. Waits are busy loops, since waking a thread takes
+// as long as a short render.
 class DeviceThreads {
 public:
-    // Runs `work(device)` on a thread for each device. It makes its device current, and may throw: what the first of
-    // them threw is thrown here, after all have ended.
+    // Runs `work(device)` on a thread for each device. `work` makes the device current and may throw; the exception of
+    // the first device that failed is thrown here after all threads have ended.
     template <class Work>
     static SteadyClock::time_point run(std::uint32_t devices, const Work& work) {
         std::atomic<std::uint32_t> ready{0}, done{0};
@@ -45,7 +45,7 @@ public:
         std::vector<std::jthread> threads;
         for (std::uint32_t device = 1; device < devices; ++device) {
             threads.emplace_back([&, device] {
-                (void)cudaSetDevice(static_cast<int>(device));  // takes its time before the clock starts
+                (void)cudaSetDevice(static_cast<int>(device));  // slow, so done before the clock starts
                 ready += 1;
                 while (!is_started) {
                     std::this_thread::yield();
@@ -73,7 +73,7 @@ public:
     }
 };
 
-// A gate that opens when all threads have come or have given up.
+// A gate that opens when every thread has arrived or given up.
 class Gate {
 public:
     explicit Gate(std::uint32_t threads) : missing_(threads) {}
@@ -83,7 +83,7 @@ public:
         missing_ -= 1;
     }
     bool is_open() const { return missing_ == 0; }
-    // Whether all threads have come, once the gate is open.
+    // Whether all threads have arrived; to be called once the gate is open.
     bool have_all_come() const { return !is_given_up_; }
 
 private:
@@ -103,7 +103,7 @@ public:
         const std::uint32_t used =
             devices_at_work(traits_.partition, traits_.devices.count, request.samples, settings.height);
         const SampleSource source(traits_.partition, used, {request.first_sample, request.samples});
-        // A cell is made for the most samples that it renders at once.
+        // A cell is made for the most samples that it renders at once
         request_.samples = std::min(request.samples, source.most_at_once());
         request_.checkpoints = {};
         request_.on_checkpoint = {};
@@ -126,9 +126,9 @@ public:
     DeviceGroup(const DeviceGroup&) = delete;
     DeviceGroup& operator=(const DeviceGroup&) = delete;
 
-    // Adds the learning of the first device alone, which learns for all of them.
+    // Adds the learning time of the first device only, since that device learns for all of them.
     void add_learning(RenderResult& result) const { cells_[0]->add_learning(result); }
-    // Adds to the times of `result`.
+    // Renders the samples on all devices and adds the times to `result`.
     void run(const SampleRange& samples, RenderResult& result) {
         const auto devices = static_cast<std::uint32_t>(cells_.size());
         SampleSource source(traits_.partition, devices, samples);
@@ -162,7 +162,7 @@ public:
         film.set(std::move(summed), faults);
     }
 
-    // Counters are sums, and so are stages' times: what all devices spent.
+    // Collects counters and stage times, summed over all devices.
     void collect(RenderResult& result) {
         cells_[0]->collect_counts(result);
         for (std::size_t device = 1; device < cells_.size(); ++device) {
@@ -179,10 +179,10 @@ public:
 private:
     cudaStream_t stream_of(std::size_t device) const { return cells_[device]->job().stream; }
 
-    // Returns when the first device has the sum; the time at which the threads started. Launched when all have ended,
-    // the sum would wait longer for its launch than it takes, so each device has its part behind its last piece. But
-    // not before all have asked for their last piece: a device whose part has begun waits for the others, and what they
-    // ask for may wait for all devices.
+    // Returns when the first device has the sum of the films; the result is the time at which the threads started. Each
+    // device's part of the sum is enqueued behind its last piece, since launching it after the render would take longer
+    // than the sum itself. It is enqueued only after all devices have asked for their last piece: a device whose part
+    // has begun waits for the others, and what those still ask for may wait for all devices.
     SteadyClock::time_point render_and_sum(SampleSource& source, std::vector<double>& device_ms,
                                            std::vector<SteadyClock::time_point>& ends) {
         const auto devices = static_cast<std::uint32_t>(cells_.size());
@@ -219,13 +219,13 @@ private:
             wait_for_sum();
             return start;
         } catch (...) {
-            disconnect_devices();  // others may wait for the part of a device that failed
+            disconnect_devices();  // otherwise devices would wait for the failed one
             throw;
         }
     }
 
-    // Waits until the first device is done, and throws if any has failed; cudaStreamSynchronize of the first device
-    // would not see that another one failed.
+    // Waits until the first device has the sum, and throws if any device has failed; cudaStreamSynchronize on the first
+    // device would not notice failures of others.
     void wait_for_sum() {
         while (!is_done(0)) {
             for (std::size_t device = 1; device < cells_.size(); ++device) {
@@ -237,7 +237,7 @@ private:
 
     bool is_done(std::size_t device) const { return is_ready(cudaStreamQuery(stream_of(device))); }
 
-    // Connects the devices and takes the reduction's memory; the films are still nought, and so is their sum.
+    // Connects the devices for the reduction and allocates its memory; the films and their sum are still zero.
     void connect() {
         memory_ = std::make_unique<Arena>(film_words_ * sizeof(std::int64_t));
         sum_ = memory_->take<std::int64_t>(film_words_);
@@ -271,10 +271,10 @@ private:
         }
     }
 
-    RenderRequest request_;  // as each cell has it; they keep a reference
+    RenderRequest request_;  // the request of each cell; cells keep a reference
     VariantTraits traits_;
     std::size_t film_words_;
-    OnDevice first_;  // what is not said to be on another device is on this one
+    OnDevice first_;  // makes the first device current, unless stated otherwise
     std::unique_ptr<Arena> memory_;
     std::int64_t* sum_ = nullptr;  // on the first device
     std::vector<std::unique_ptr<RenderCell<Real>>> cells_;
