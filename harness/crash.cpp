@@ -14,8 +14,7 @@ namespace pt {
 
 namespace {
 
-// A text that a signal handler may read: nothing is allocated or freed, and the text is complete whenever its length is
-// above 0.
+// A text that a signal handler may read: it allocates and frees nothing, and is complete whenever its length is not 0.
 template <std::size_t Capacity>
 struct Text {
     void set(const std::string& text) {

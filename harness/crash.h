@@ -24,8 +24,7 @@ inline constexpr std::array<CrashSignal, 5> crash_signals{{{SIGSEGV, "segmentati
 void name_crashes();
 
 // While an `AtWork` lives, a crash report names `what`, after the work named by outer ones: "CELL, sample 2 (seed 3)".
-// Does nothing on threads other than the one that called name_crashes(). Copies the text: not to be made inside a timed
-// region.
+// Works only on the thread that called name_crashes(). Copies the text: not to be made inside a timed region.
 class AtWork {
 public:
     explicit AtWork(const std::string& what);

@@ -111,8 +111,7 @@ void check_windows(const Imf::Header& header, const std::string& name) {
     const Imath::Box2i &data = header.dataWindow(), &display = header.displayWindow();
     const bool covers = data.min.x <= display.min.x && data.min.y <= display.min.y && data.max.x >= display.max.x &&
                         data.max.y >= display.max.y;
-    // The windows of an image marked as an environment map must be equal: OpenEXR takes the data window for all
-    // directions.
+    // Environment maps must have equal windows, since OpenEXR takes the data window for all directions.
     if (!covers || (Imf::hasEnvmap(header) && data != display)) {
         throw InputError(
             name, "windows",

@@ -18,8 +18,7 @@
 
 namespace pt {
 
-// Thrown when a JSON value does not hold the expected facts; the message says what was found: "pt_rays null", "no
-// film_hash".
+// Thrown when a JSON value lacks the expected facts; the message says what was found: "pt_rays null", "no film_hash".
 class WrongFact : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;

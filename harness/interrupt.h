@@ -23,8 +23,7 @@ public:
     // Whether an interrupting signal has arrived.
     bool requested() const;
     // Sets a function `end` for overdue programs: if the program still runs `grace` after a signal, `end` is called on
-    // a thread of its own and the process exits with the code that `end` returns. Without `end` the exit code is
-    // exit_interrupted.
+    // a thread of its own and the process exits with the code that it returns; without `end`, with exit_interrupted.
     void when_overdue(std::function<int()> end);
     // Stops watching for overdue work, so that `end` is not called afterwards; if `end` is running already, this call
     // does not return. To be called before the program exits and before anything that `end` uses is destroyed.

@@ -84,8 +84,8 @@ std::string read_whole(const std::string& path, std::uint64_t largest, struct st
     check_kind(status, path, largest);
     std::string text;
     for (std::size_t done = 0;;) {
-        // The first read asks for one byte more than the file's size, to see its end; further ones are of files that
-        // grow.
+        // The first read asks for one byte more than the file's size, to see its end; a growing file needs further
+        // reads.
         text.resize(done == 0 ? static_cast<std::size_t>(status.st_size) + 1 : done + (1 << 16));
         const ssize_t got = ::read(file.descriptor(), text.data() + done, text.size() - done);
         if (got < 0 && errno != EINTR) {
@@ -122,8 +122,7 @@ namespace {
 // recurses once for each level.
 constexpr std::size_t deepest_nesting = 64;
 
-// The error for text that is not JSON: the library's "[json.exception.parse_error.101] parse error at line 1, column 2:
-// ..." without the bracket.
+// The error for text that is not JSON: the library's message without its "[json.exception.parse_error.101]".
 InputError not_json(const std::string& file, const Json::exception& error) {
     std::string message = error.what();
     if (const auto bracket = message.find("] "); bracket != std::string::npos) {

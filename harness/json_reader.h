@@ -34,9 +34,8 @@ std::string ending_of(const std::filesystem::path& file);
 // Error messages name `file`.
 Json parse_json(const std::string& text, const std::string& file);
 
-// Parses a JSON file without the strict checks, for a first look before the strict reader gets it; the value is
-// `discarded` where the file is no JSON. `array_in` returns the array at `key` of an object, and an empty array for any
-// other value.
+// `parse_loosely` parses JSON without the strict checks, for a first look at a file; its value is `discarded` if the
+// file is no JSON. `array_in` returns the array at `key` of an object, and an empty array for any other value.
 Json parse_loosely(const std::string& file);
 const Json& array_in(const Json& value, const std::string& key);
 

@@ -67,8 +67,7 @@ void add_refilled_work(const DeviceCounts& counts, WorkCounters& work) {
     work.sorted = work.sorts > 0 ? segments : 0;
 }
 
-// Adds the work of kernels that trace one segment per thread; the number of rays follows from the number of traced
-// paths.
+// Adds the work of kernels that trace one segment per thread: the number of rays follows from that of traced paths.
 void add_queue_work(const Job& job, const DeviceCounts& counts, WorkCounters& work) {
     const std::uint64_t segments = sum_of(counts.live);
     const std::uint64_t cache_uses = job.kept_rays > 0 ? counts.live.front() : 0;

@@ -83,22 +83,19 @@ struct ProgramToCompile {
 using ProgramsToCompile = std::map<std::string, ProgramToCompile>;
 
 // Adds the programs that a variant needs for a scene and that the kernel cache on disk lacks, for an architecture
-// ("sm_90") without a device or driver. If the architecture is empty, it is the device's, and nothing is added if the
-// backend is not available. `alone`: only the variant's own programs, without those of the variants that its claim
-// refers to.
+// ("sm_90") without a device or driver. An empty architecture is the device's; nothing is added if the backend is not
+// available. `alone`: only the variant's own programs, without those of the variants that its claim is held to.
 void collect_programs(const Scene& scene, const Variant& variant, const std::string& architecture, bool alone,
                       ProgramsToCompile& programs);
 
 // The machine's name for folders, e.g. "nvidia-h200". Precondition: not_available() is empty.
 std::string machine_name();
-// Whether several processes share the device concurrently (NVIDIA's MPS) rather than in time slices; false if the
-// backend is not available.
+// Whether processes share the device concurrently (NVIDIA's MPS) rather than in time slices; false without a backend.
 bool runs_processes_at_once();
 // The facts about the GPU for the context of a result file; nothing if the backend is not available.
 std::optional<GpuContext> context();
 
-// The clock of the GPU's multiprocessors, measured as cycles of a chain of dependent additions per time on the GPU's
-// nanosecond timer.
+// The clock of the GPU's multiprocessors: cycles of a chain of dependent additions against a nanosecond timer.
 double measure_clock_mhz();
 
 }  // namespace pt::cuda

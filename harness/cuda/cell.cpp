@@ -23,8 +23,7 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-// A bounding box of all objects relative to the eye, from the half diagonal around each centre or the mesh's bounding
-// box.
+// The bounding box of all objects relative to the eye: half a diagonal around each centre, or a mesh's bounding box.
 KeyBounds key_bounds(const Scene& scene) {
     Vec3d low(1e300), high(-1e300);
     for (const SceneObject& object : scene.objects) {
@@ -216,8 +215,7 @@ void RenderCell<Real>::upload() {
     integrator_->upload();
 }
 
-// Film, counters, first-bounce cache and graph stay on the device between two parts; the host waits only at the end of
-// each part.
+// Film, counters, first-bounce cache and graph stay on the device between parts; the host waits only for a part's end.
 template <class Real>
 void RenderCell<Real>::run(RenderResult& result) {
     add_learning(result);

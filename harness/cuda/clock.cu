@@ -1,5 +1,4 @@
-// Measures the clock of the GPU's multiprocessors: cycles of a chain of additions per time on the GPU's nanosecond
-// timer.
+// Measures the clock of the GPU's multiprocessors: cycles of a chain of additions against a nanosecond timer.
 #include "harness/cuda/clock.h"
 #include "variants/cuda/runtime/check.h"
 

@@ -49,8 +49,7 @@ private:
     DeviceArrays arrays_;
 };
 
-// Returns the current device's copy of a top-level tree, and makes it, finished on return, if there is none; null for
-// null.
+// Returns the device's copy of a top-level tree, and makes it, finished on return, if there is none; null for null.
 std::shared_ptr<const DeviceTree> device_tree(const std::shared_ptr<const SceneTree>& host);
 
 }  // namespace pt::cuda

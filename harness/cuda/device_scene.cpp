@@ -64,8 +64,7 @@ void copy_to_device(const View<T>& device, const View<T>& host, cudaStream_t str
     }
 }
 
-// Whether the elements of an array can be compiled into a kernel's source; instances of meshes cannot, since they
-// contain addresses.
+// Whether an array can be compiled into a kernel's source; instances of meshes cannot, since they contain addresses.
 template <class T>
 inline constexpr bool is_baked = true;
 template <class Real>

@@ -19,12 +19,10 @@ inline constexpr const char* scene_in_constant = "in_constant";
 // the result is the part of the name after "scene_".
 template <class Real>
 std::string scene_place(const SceneView<Real>& scene, FeatureSet features, bool is_baked);
-// Sets the numbers of objects and the walls of a room as compile-time constants in the configuration, if the kernel has
-// only the scene's features.
+// Makes object counts and the walls of a room compile-time constants, if the kernel has only the scene's features.
 template <class Real>
 void fix_counts(const SceneView<Real>& scene, KernelConfig& config);
-// The source text of constant arrays that hold the scene's data for scene_baked.cuh, so that the compiler can fold
-// them.
+// The source text of constant arrays with the scene's data for scene_baked.cuh, which the compiler can fold.
 template <class Real>
 std::string baked_text(const SceneView<Real>& scene);
 

@@ -27,8 +27,7 @@ struct Limits {
     int shared_unit;                // bytes; granularity of shared memory per thread block
 };
 
-// Limits from the CUDA C++ Programming Guide 13.0, "Technical Specifications per Compute Capability"; all have 65536
-// registers.
+// CUDA C++ Programming Guide 13.0, "Technical Specifications per Compute Capability"; all GPUs have 65536 registers.
 constexpr Limits all_limits[] = {
     {"sm_75", 32, 16, 64, 0, 256},      {"sm_80", 64, 32, 164, 1024, 128},  {"sm_86", 48, 16, 100, 1024, 128},
     {"sm_87", 48, 16, 164, 1024, 128},  {"sm_89", 48, 24, 100, 1024, 128},  {"sm_90", 64, 32, 228, 1024, 128},
@@ -90,8 +89,7 @@ std::vector<Program> programs_of(const Scene& scene, const Variant& variant, con
     return programs;
 }
 
-// The stages of a variant that are library calls, which nvcc compiled with ptbench, possibly for other GPUs than the
-// inspected one.
+// The stages of a variant that are library calls, compiled by nvcc with ptbench, possibly for other GPUs than this one.
 Json library_calls(const Variant& variant) {
     Json calls = Json::array();
     for (const Choice* const stage : stages_of(variant)) {

@@ -9,8 +9,7 @@
 
 namespace pt::cuda {
 
-// An LRU cache of copies on a device. Copy::key_of(host) is the key of a host object, copy.bytes() the size of its
-// copy.
+// An LRU cache of copies on a device. Copy::key_of(host) is the key of a host object, copy.bytes() its copy's size.
 template <class Copy>
 class KeptCopies {
 public:

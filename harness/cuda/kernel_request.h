@@ -1,5 +1,4 @@
-// Determines the programs that must be compiled to render a scene with a variant on a GPU architecture ("sm_90"): their
-// sources and options.
+// Determines the programs, sources and options, needed to render a scene with a variant on a GPU ("sm_90").
 #pragma once
 
 #include "harness/scene/scene.h"

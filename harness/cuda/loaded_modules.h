@@ -1,5 +1,4 @@
-// Keeps modules loaded, so that a process compiles a variant's kernels, or reads them from the cache on disk, only
-// once.
+// Keeps modules loaded, so that a process compiles a variant's kernels, or reads them from the disk cache, only once.
 #pragma once
 
 #include "harness/render/renderer.h"

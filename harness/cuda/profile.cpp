@@ -72,8 +72,7 @@ std::vector<std::string> csv_fields(const std::string& line) {
     return fields;
 }
 
-// Parses a number such as "1,234.5" and converts it to the base unit; ncu chooses units freely and states them in the
-// second line.
+// Parses a number such as "1,234.5" in the base unit; ncu chooses units freely and states them in the second line.
 double number(std::string text, const std::string& unit) {
     text.erase(std::remove(text.begin(), text.end(), ','), text.end());
     static const std::map<std::string, double> factors{

@@ -21,8 +21,7 @@ struct KernelCounters {
     double thread_instructions = 0;                      // warp instructions times active lanes
     double fma = 0, alu = 0, xu = 0, lsu = 0, fp64 = 0;  // warp instructions by pipe
     double memory_bytes = 0;                             // bytes to and from device memory
-    // Averages from 0 to 1, weighted by time; cache throughput is that of the unit's busiest part, relative to ncu's
-    // peak.
+    // Averages from 0 to 1, weighted by time; a cache's throughput is that of its busiest part, relative to ncu's peak.
     double occupancy = 0;   // achieved warps over the most warps
     double l1 = 0, l2 = 0;  // cache throughput
     double l1_hit_rate = 0, l2_hit_rate = 0;
@@ -53,12 +52,10 @@ std::vector<KernelCounters> parse_ncu_launches(const std::string& csv);
 std::vector<KernelCounters> parse_ncu_csv(const std::string& csv);
 
 nlohmann::ordered_json ceilings_json(const Ceilings& ceilings);
-// The counters as comparable figures, per ray and as fractions of the ceilings. `rays`: number of rays that the kernels
-// traced.
+// The counters as comparable figures, per ray and as fractions of the ceilings. `rays`: number of rays traced.
 nlohmann::ordered_json counters_json(const KernelCounters& counters, const Ceilings& ceilings, double rays);
 
-// The figures of each batch, as made by counters_json. Throws MachineError unless there is exactly one launch for each
-// batch.
+// The figures of each batch, as made by counters_json. Throws MachineError unless each batch has exactly one launch.
 std::vector<nlohmann::ordered_json> batch_counters_json(const std::vector<KernelCounters>& launches,
                                                         const std::vector<CountedBatch>& batches,
                                                         const Ceilings& ceilings);

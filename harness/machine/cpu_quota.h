@@ -22,8 +22,7 @@ struct Throttling {
 // The control groups of a process, the innermost first: of version 2 (cpu.max) or 1 (cpu.cfs_quota_us).
 class CpuGroups {
 public:
-    // Finds the control groups of this process. `root`: the folder that contains proc/self and the groups' mount
-    // points.
+    // Finds this process's control groups. `root`: the folder that contains proc/self and the groups' mount points.
     static CpuGroups of_this_process(const std::string& root = "/");
 
     // The number of CPUs that the tightest quota allows (0.5 for half of one); nothing if there is no quota.

@@ -1,5 +1,4 @@
-// The context of result files: facts about the machine, the program and the call. All context keys are defined in this
-// file.
+// The context of result files, with all of its keys: facts about the machine, the program and the call.
 #pragma once
 
 #include <optional>

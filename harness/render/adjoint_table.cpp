@@ -18,8 +18,7 @@ using LearningConfig =
     Config<float, (all_features | traversals) & ~set_of(Feature::adjoint_roulette), RunTimeAccelerator>;
 
 constexpr std::size_t paths_per_chunk = 128;
-// Weight of the average over all records that is mixed into each estimate, in records: estimates from few records would
-// be noisy.
+// Weight, in records, of the average that is mixed into each estimate, since estimates from few records are noisy.
 constexpr double records_of_the_mean = 32;
 constexpr std::uint32_t most_tiles = 16;  // of the image along each side, with an estimate each
 constexpr std::uint32_t most_steps = 64;  // segments with an estimate each; later ones share the last

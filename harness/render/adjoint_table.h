@@ -33,8 +33,7 @@ struct AdjointRecords {
     std::vector<AdjointStart> starts;
 };
 
-// Traces learning paths through the scene with these settings and records what they gather. Values that are not finite
-// are left out.
+// Traces learning paths through the scene with these settings and records what they gather, if it is finite.
 AdjointRecords learn_adjoint(const Scene& scene, const RenderSettings& settings);
 
 template <class Real>

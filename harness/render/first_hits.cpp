@@ -9,8 +9,7 @@ namespace pt {
 
 namespace {
 
-// The kernel configuration for first hits: all features of scenes, with the sampler and the accelerator chosen at run
-// time.
+// The kernel configuration for first hits: all features of scenes; sampler and accelerator are chosen at run time.
 template <class Real>
 using FirstHitConfig = Config<Real, all_features | samplers | traversals, RunTimeAccelerator>;
 

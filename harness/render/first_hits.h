@@ -26,9 +26,8 @@ inline constexpr std::uint32_t most_first_hit_rays = 256;
 // variant. Precondition: not depends_on_order(variant).
 FirstHits first_hits(const Scene& scene, const RenderRequest& request);
 
-// The albedo of a material without texture: the albedo of diffuse surfaces, the reflectance of mirrors and rough
-// conductors, the mean of both for a mix, the tint of dielectrics, sigma_s / sigma_t of subsurface bodies, 0 for
-// emitters.
+// The albedo of a material without texture: diffuse albedo, reflectance of mirrors and rough conductors, mean of both
+// for a mix, tint of dielectrics, sigma_s / sigma_t of subsurface bodies, 0 for emitters.
 Vec3d first_hit_albedo(const SceneMaterial& material);
 // The albedo of a material whose texture has `colour` at the hit point.
 Vec3d first_hit_albedo(const SceneMaterial& material, const Vec3d& colour);

@@ -7,8 +7,7 @@
 
 namespace pt {
 
-// Writes the film as an image, atomically. Throws InputError for an unknown extension and MachineError if the file
-// cannot be written.
+// Writes the film as an image, atomically. Throws InputError for an unknown extension, MachineError if writing fails.
 void write_image(const Film& film, const std::string& file);
 // Throws InputError unless the file name ends in .png, .pfm or, in a build with OpenEXR, .exr.
 void check_image_name(const std::string& file);

@@ -64,8 +64,7 @@ struct CudaFacts {
 // Facts of a render on several devices; for a single device `count` is 1 and all else empty.
 struct DeviceFacts {
     std::uint32_t count = 1;
-    // For each device the time from the common start to the end of its own work, without the reduction; 0 if it had no
-    // work.
+    // For each device the time from the common start to the end of its own work, without the reduction; 0 if idle.
     std::vector<double> own_ms;
     double slowest_ms = 0;  // from the common start until the last device has rendered
     double reduce_ms = 0;   // from then until the first device has the sum of the films
@@ -91,8 +90,7 @@ struct KernelChoice {
     FeatureSet needed, compiled;
     RenderFunction render;                        // for the CPU backend
     RenderIn<double> render_in_double = nullptr;  // replaces `render` on the CPU where precision=double
-    // How well the kernel fits the scene: "exact", or "has .. for nothing" with the features that the scene does not
-    // need.
+    // How well the kernel fits the scene: "exact", or "has .. for nothing" with the features that the scene lacks.
     std::string note() const;
 };
 KernelChoice choose_kernel(const Scene& scene, const Variant& variant, Backend backend = Backend::cpu);
@@ -106,11 +104,9 @@ inline constexpr std::uint64_t most_by_brute_force = 100'000;
 // The variant whose film this variant must equal bit for bit on a scene (Registry::reference). For scenes with more
 // than most_by_brute_force triangles, accelerators are compared with one of themselves.
 Variant reference_on(const Scene& scene, const Variant& variant, Backend backend);
-// The variants that verification renders: the variant, its exact twin, the reference, and those with which claims about
-// means are compared.
+// The variants that verification renders: the variant, its exact twin, the reference, and those of claims about means.
 std::vector<Variant> rendered_to_check(const Scene& scene, const Variant& variant, Backend backend);
-// Most objects with meshes for which testing each in turn is the reference of large scenes; beyond, it is a tree over
-// them.
+// Most objects with meshes for which testing each in turn is the reference; beyond, a tree over them is.
 inline constexpr std::ptrdiff_t most_objects_in_turn = 16;
 // A reference with a tree accelerator wherever there are meshes, for films that take long to render.
 Variant fast_reference_on(const Scene& scene, const Variant& variant, Backend backend);
@@ -121,8 +117,7 @@ Acceleration quick_acceleration(const Scene& scene);
 // The request's settings, completed by what its variant determines.
 RenderSettings settings_for(const RenderRequest& request, const KernelChoice& kernel);
 
-// What an inspecting integrator must know of a scene, without counters; `file_index` maps object numbers to the scene
-// file.
+// What an inspecting integrator must know of a scene, without counters; `file_index` is by object number.
 HealthRequest health_request(const Scene& scene, const std::vector<std::uint32_t>& file_index);
 
 // Renders the request. Precondition: why_not_applicable(variant, features) is empty. Throws MachineError if memory runs

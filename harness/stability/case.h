@@ -73,8 +73,7 @@ struct Quantity {
     bool is_estimate = true;
 };
 
-// A scene to render in batches of equally many samples, each with its own seed, and the quantities read from each
-// batch.
+// A scene to render in batches of equally many samples, each with its own seed, and the quantities to read from it.
 struct Rendering {
     Json scene;  // content of the scene file
     std::uint64_t quick_paths = 1u << 16;
@@ -120,8 +119,7 @@ struct Case {
     std::string sweep = {};    // the parameter that `points` vary, for the figure; empty if none
     // Choices of estimators with which the case is run besides the baseline's, e.g. {"direct_light", {"nee"}}.
     AxisChoices estimators = {};
-    // Joint choices on several axes with which the case is run, e.g. {{"direct_light", "nee"}, {"light_selection",
-    // "power"}}.
+    // Joint choices on several axes to run the case with: {{"direct_light", "nee"}, {"light_selection", "power"}}.
     std::vector<std::map<std::string, std::string>> joint_estimators = {};
     // Whether the plainest variant is also run with every accelerator and every builder of the backend.
     bool over_accelerators = false;
@@ -129,14 +127,12 @@ struct Case {
     std::function<std::vector<Rendering>(const Values&)> renderings = {};
     std::function<std::vector<Twins>(const Values&)> twins = {};
     std::function<std::vector<Measurement>(const Values&, const DirectSetting&)> direct = {};
-    // Whether `direct` gives other results with naive formulas, and with double precision for intersection alone
-    // (mixed).
+    // Whether `direct` differs with naive formulas, and with double precision for intersection alone (mixed).
     bool direct_has_naive = false;
     bool direct_has_mixed = false;
     // The feature that ptbench lacks to run the case; empty if it can be run.
     std::string missing_feature = {};
-    // Why the case is known to fail with these values and this variant, and what would cure it. Empty: the case must
-    // pass.
+    // Why the case is known to fail with these values and this variant, and the cure. Empty: the case must pass.
     std::function<std::string(const Values&, const VariantTraits&)> known_limit = {};
 };
 
@@ -162,7 +158,7 @@ inline constexpr std::string_view families[] = {"cavities", "irradiance", "geome
 const std::vector<Case>& catalogue();
 
 // The case's parameter values: its defaults with `changes`. Throws InputError for an unknown parameter or a value out
-// of the parameter's range.
+// of range.
 Values values_of(const Case& stiff_case, const std::map<std::string, double>& changes);
 
 void register_cases(Family family, std::vector<Case> cases);
@@ -176,8 +172,7 @@ double mean_radiance(const RenderResult& result);              // over pixels an
 double mean_channel(const RenderResult& result, int channel);  // over pixels
 // A reader for Quantity::of: the channel value, among all pixels, that is farthest from `exact`.
 std::function<double(const RenderResult&)> farthest_from(double exact);
-// A reader for Quantity::of: the segments that paths lack of `depth` on average, which leaked out of a closed scene
-// without emitters.
+// A reader for Quantity::of: how many segments paths lack of `depth` on average, having leaked out of a closed scene.
 std::function<double(const RenderResult&)> missing_segments(std::uint32_t depth);
 
 // A quantity that is the estimated mean over all pixels and channels.

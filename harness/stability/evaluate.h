@@ -52,8 +52,7 @@ std::vector<Row> evaluate(const Task& task);
 // compiled beforehand. Empty for a direct check.
 std::vector<std::pair<std::string, Variant>> renders_of(const Task& task);
 
-// The reference integrator with the generic kernel and exact arithmetic, and the baseline's reference on all other
-// axes.
+// The reference integrator with the generic kernel in exact arithmetic; every other axis at its plainest.
 Variant plainest_variant(Backend backend);
 
 // Whether ptbench claims that stability cases pass with this variant: robust kernels, arithmetic with rounding bounds,

@@ -52,8 +52,7 @@ private:
     std::set<std::string> done_;  // keys of the tasks with rows
 };
 
-// Describes a task, as "lamp a=0.1 albedo=0.5 depth=9 [nee, double]": the case, its point and the choices that differ
-// from the plainest variant.
+// Describes a task, as "lamp a=0.1 albedo=0.5 depth=9 [nee, double]": case, point, choices that are not the plainest.
 std::string label(const Task& task, const Variant& plainest);
 // Describes a row, as "mean radiance 0.0099010 (exact 0.0099010): off by 1.2e-8, allowed 5.3e-8".
 std::string in_words(const Row& row);

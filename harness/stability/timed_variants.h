@@ -9,10 +9,10 @@
 
 namespace pt::stability {
 
-// The timed variants to be checked with one case: every scheduler with every arithmetic (in a quick run half of the
-// pairs, alternating with `turn`), each with and without the room in turn. Of the integrators with a queue one is
-// taken, which changes with `turn`, the number of the case. Empty on a CPU, whose kernels for a scene are covered by
-// the plain runs.
+// The timed variants to be checked with one case: every scheduler with every arithmetic (in a quick run every second
+// pair, alternating with `turn`), with and without the room in turn. Of the integrators with a queue one is taken,
+// which changes with `turn`, the number of the case. Empty on a CPU, where the plain runs cover the kernels for a
+// scene.
 std::vector<Variant> timed_variants(Backend backend, std::size_t turn, bool quick);
 
 }  // namespace pt::stability

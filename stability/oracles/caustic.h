@@ -1,8 +1,7 @@
 // Exact answer for a spherical lamp within a ball of clear glass at the centre of a diffuse sphere: the share of the
-// wall's light that ends at the lamp. A light ray from the wall (radius 1) with impact parameter q is bent to q / n
-// within the ball and hits the lamp if q / n is less than the lamp's radius; q^2 is uniform on [0, 1]. Rays that miss
-// the lamp never reach it by internal reflection, which keeps q / n. Fresnel: Born and Wolf, "Principles of Optics",
-// 1.5.2.
+// wall's light that ends at the lamp. A ray from the wall (radius 1) with impact parameter q is bent to q / n within
+// the ball and hits the lamp if q / n is less than its radius; q^2 is uniform on [0, 1]. Internal reflection keeps q /
+// n, so rays that miss the lamp never reach it. Fresnel: Born and Wolf, "Principles of Optics", 1.5.2.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +16,7 @@ inline double fresnel_reflectance(double n, double sine_squared) {
     return 0.5 * (s * s + p * p);
 }
 
-// The view factor from the wall to a lamp of radius a within a glass ball of radius b: a^2 n^2 less what the glass
+// The view factor from the wall to a lamp of radius a in a glass ball of radius b: a^2 n^2 less what the glass
 // reflects.
 inline double glazed_lamp_share(double a, double b, double n) {
     const double last = std::min(n * a, b);

@@ -18,7 +18,7 @@ class RayRandom {
 public:
     explicit RayRandom(std::uint64_t seed) : engine_(seed) {}
 
-    // A uniform number, computed without std::uniform_real_distribution, whose numbers differ between standard
+    // A uniform number; std::uniform_real_distribution is not used, since its numbers differ between standard
     // libraries.
     double uniform(double low, double high) {
         return low + (high - low) * (static_cast<double>(engine_() >> 11) * 0x1p-53);

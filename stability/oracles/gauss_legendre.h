@@ -37,8 +37,7 @@ inline std::vector<Node> gauss_legendre(int count) {
     return nodes;
 }
 
-// Quadrature nodes over [low, high] in panels that halve towards `low`, for integrands with a root or a logarithm
-// there.
+// Quadrature nodes over [low, high] in panels that halve towards `low`, where the integrand has a root or logarithm.
 inline std::vector<Node> graded_nodes(long double low, long double high, int panels = 60, int nodes_per_panel = 16) {
     const std::vector<Node> unit = gauss_legendre(nodes_per_panel);
     std::vector<Node> nodes;

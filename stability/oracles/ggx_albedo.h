@@ -56,8 +56,7 @@ private:
     // The share of microfacets, by projected area, that are steeper than `slope`.
     long double steeper_than(long double slope) const { return 1 / (1 + slope * slope / (alpha_ * alpha_)); }
 
-    // The reflected light of the microfacets whose slope is exceeded by `share` of all microfacets, averaged over
-    // azimuth.
+    // The reflected light, averaged over azimuth, of the microfacets whose slope is exceeded by `share` of microfacets.
     long double ring(long double share) const {
         const long double slope = alpha_ * std::sqrt((1 - share) / share);
         const long double up = 1 / std::sqrt(1 + slope * slope), across = slope * up * x_;

@@ -12,8 +12,7 @@ Mesh grid_room(std::uint32_t n);
 Mesh spindle(std::uint32_t n);
 // A spindle with n triangles inside ("pages") from the axis to the ring, so that n triangles share the axis as an edge.
 Mesh book(std::uint32_t n);
-// A box [-1, 1]^3 whose walls along x are cut into strips: 16 of width 2^-k in the middle and a wide one on either
-// side.
+// A box [-1, 1]^3 whose walls along x are cut into strips: 16 of width 2^-k in the middle and a wide one beside them.
 Mesh striped_room(std::uint32_t k);
 // A tube with n sides and radius 2^-k along z from -1 to 1, closed by two lids.
 Mesh thin_tube(std::uint32_t n, std::uint32_t k);

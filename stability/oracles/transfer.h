@@ -30,8 +30,7 @@ private:
     std::vector<long double> values_;
 };
 
-// The mean number of collisions that the weight of a photon leaving a half space has gone through: d ln(albedo) / d
-// ln(w).
+// The mean number of collisions of the weight of a photon that leaves a half space: d ln(albedo) / d ln(w).
 double mean_collisions(double albedo, double mu);
 
 struct SlabShares {
@@ -39,8 +38,7 @@ struct SlabShares {
     double error = 0;  // of either share: the last step of the extrapolation
 };
 
-// The shares of light that a slab reflects and transmits for the cosine of incidence `mu`, or for diffuse light if it
-// is 0.
+// The shares of light that a slab reflects and transmits. `mu`: the cosine of incidence, or 0 for diffuse light.
 SlabShares slab_shares(double optical_depth, double albedo, double mu);
 
 }  // namespace pt::stability
