@@ -68,7 +68,7 @@ std::string text_of_report(const nlohmann::ordered_json& report) {
     return text;
 }
 
-// Renders the variant once to count its rays, and once more under ncu.
+// Adds hardware counters to the report: renders once to count rays, then once under ncu.
 void add_counters(const InspectArguments& arguments, const Scene& scene, const Variant& variant,
                   nlohmann::ordered_json& report) {
     RenderRequest request{
@@ -123,7 +123,7 @@ int run(const InspectArguments& arguments) {
         refuse_source(arguments.out);
         refuse_result(arguments.out);
     }
-    (void)parse_backend("cuda");  // a build without it has no variants to report on
+    (void)parse_backend("cuda");  // fails if the build has no CUDA variants
     const std::vector<Variant> variants = asked_variants(arguments, scene);
     nlohmann::ordered_json reports = nlohmann::ordered_json::array();
     std::string not_applicable;
