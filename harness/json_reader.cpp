@@ -84,8 +84,7 @@ std::string read_whole(const std::string& path, std::uint64_t largest, struct st
     check_kind(status, path, largest);
     std::string text;
     for (std::size_t done = 0;;) {
-        // The first read asks for one byte more than the file's size, to see its end; a growing file needs further
-        // reads.
+        // The first read asks for one byte more than the file's size, to see its end; a growing file needs more reads.
         text.resize(done == 0 ? static_cast<std::size_t>(status.st_size) + 1 : done + (1 << 16));
         const ssize_t got = ::read(file.descriptor(), text.data() + done, text.size() - done);
         if (got < 0 && errno != EINTR) {

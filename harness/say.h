@@ -24,8 +24,7 @@ void say(fmt::format_string<Values...> format, Values&&... values) noexcept {
 }
 
 // Opens /dev/null, in a mode in which each use still fails, in place of standard streams that are closed. Otherwise the
-// next file opened would get the descriptor of such a stream, and messages would go into it. To be called first in
-// main.
+// next file opened would get a stream's descriptor, and messages would go into it. To be called first in main.
 void occupy_standard_streams() noexcept;
 
 }  // namespace pt

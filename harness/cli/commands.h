@@ -1,5 +1,4 @@
-// The subcommands of ptbench. Each function adds a subcommand to the command line and returns the function that runs
-// it.
+// The subcommands of ptbench. Each function adds a subcommand to the command line and returns what runs it.
 #pragma once
 
 #include <functional>
@@ -41,8 +40,7 @@ std::vector<std::string> option_names(const CLI::App& command);
 std::pair<std::uint32_t, std::uint32_t> parse_resolution(const std::string& text);
 // Parses distinct resolutions, "WxH,WxH"; throws InputError.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> parse_resolutions(const std::string& text);
-// Parses distinct whole numbers from `low` to `high`, "2,4,8". Throws InputError, which names `flag`, for anything
-// else.
+// Parses distinct whole numbers from `low` to `high`, "2,4,8". Throws InputError, naming `flag`, for anything else.
 std::vector<std::uint32_t> parse_whole_numbers(const std::string& text, const std::string& flag, std::uint32_t low,
                                                std::uint32_t high);
 // Splits "A,B", the value of `flag`, into {A, B}; throws InputError for an empty or repeated name.

@@ -16,8 +16,7 @@ nlohmann::ordered_json list_axis(std::string_view axis);
 nlohmann::ordered_json list_axes();
 // Facts about a scene. Throws InputError if the scene does not exist.
 nlohmann::ordered_json list_scene(const std::string& name_or_file);
-// Code sizes of a scene's kernels with all features and with fewer, compiled for an architecture without needing a
-// device.
+// Code sizes and registers of a scene's kernels with all features and with fewer, compiled without needing a device.
 nlohmann::ordered_json list_kernels(const std::string& scene, const std::string& architecture);
 nlohmann::ordered_json list_suite(const std::string& name);
 nlohmann::ordered_json list_backends();

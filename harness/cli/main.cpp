@@ -1,5 +1,4 @@
-// The command line of ptbench. Exit codes: 0 good, 1 a check failed, 2 invalid input or call, 3 the machine failed, 130
-// interrupted.
+// The command line of ptbench. Exit codes: 0 good, 1 check failed, 2 invalid input, 3 machine failed, 130 interrupted.
 #include <algorithm>
 #include <cerrno>
 #include <csignal>

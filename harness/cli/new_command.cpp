@@ -254,8 +254,7 @@ std::vector<NewFile> new_files(const fs::path& home, const Kind& kind, const std
     return files;
 }
 
-// Writes all files or none: if one cannot be written, the others are removed again. An existing file comes last and is
-// replaced atomically.
+// Writes all files or none: if one cannot be written, the others are removed. An existing file is replaced last.
 void write_all(const std::vector<NewFile>& files) {
     std::size_t written = 0;
     try {

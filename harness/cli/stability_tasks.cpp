@@ -82,8 +82,7 @@ bool is_named(const std::string& axis, const StabilityRequest& request) {
                        [&](const std::string& argument) { return argument.starts_with(axis + "="); });
 }
 
-// `plain` with every accelerator, and with every builder under a tree that needs one, since all must find the same
-// hits.
+// `plain` with every accelerator, and with every builder under trees that need one: all must find the same hits.
 std::vector<Variant> accelerated_variants(const Variant& plain, Backend backend) {
     const Registry& registry = Registry::instance();
     std::vector<Variant> variants;

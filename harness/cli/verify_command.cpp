@@ -46,8 +46,7 @@ AxisChoices parse_against(const std::vector<std::string>& arguments, Backend bac
     return against;
 }
 
-// The claims about means to test for a scene's variants, once for each image; variants without such a claim are
-// tallied.
+// The claims about means to test for a scene's variants, once for each image; variants without one are tallied.
 std::vector<MeanClaim> claims_of(const Scene& scene, const std::vector<Variant>& variants, Backend backend,
                                  const VerifyArguments& arguments, Tally& tally) {
     const AxisChoices against = parse_against(arguments.against, backend);
@@ -125,8 +124,7 @@ std::vector<Variant> single_steps(Backend backend) {
     return variants;
 }
 
-// The accelerator used while other axes are varied: with meshes one that has a tree, since brute force would be too
-// slow.
+// The accelerator used while other axes are varied: with meshes one that has a tree, since brute force is too slow.
 std::string plain_accelerator(const Scene& scene, Backend backend) {
     std::string name = Registry::instance().baseline(backend)[axes::accelerator];
     for (const Choice* choice : Registry::instance().choices(axes::accelerator, backend)) {

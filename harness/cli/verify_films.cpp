@@ -159,8 +159,7 @@ std::string question_of(const FilmsToVerify& films, const Part& part) {
                        shown_name(films.variants[part.scene][part.variants.front()], films.backend));
 }
 
-// Checks parts, and keeps the references rendered for each scene. An answer is a JSON object with lines to print and
-// counts.
+// Checks parts, and keeps each scene's rendered references. An answer is a JSON object with lines to print and counts.
 class PartChecker {
 public:
     PartChecker(const FilmsToVerify& films, const VerifyArguments& arguments)

@@ -19,8 +19,8 @@ namespace pt::cuda {
 template <class Real>
 class RenderCell {
 public:
-    // Makes the cell on the current device, which must be current whenever the cell is used. `rows`: image rows to
-    // render.
+    // Makes the cell on the current device, which must be current whenever the cell is used, to render the image rows
+    // `rows`.
     RenderCell(const Scene& scene, const RenderRequest& request, const RenderSettings& settings,
                const KernelChoice& kernel, const FilmView& film, const Rows& rows = {});
     ~RenderCell();

@@ -24,8 +24,7 @@ double milliseconds_between(SteadyClock::time_point begin, SteadyClock::time_poi
 }
 
 // Threads that drive the devices; the caller's thread drives the first one. The threads exist before the clock starts,
-// start together, and all end before `run` returns their start time. Waits are busy loops, since waking a thread is
-// slow.
+// start together, and all end before `run` returns their start time. Waits are busy loops: waking threads is slow.
 class DeviceThreads {
 public:
     // Runs `work(device)` on a thread for each device. `work` makes the device current and may throw; the exception of

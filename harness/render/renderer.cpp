@@ -67,8 +67,7 @@ RenderResult render_in(const Scene& scene, const RenderRequest& request, const K
         wake_threads();
         const double cpu_start = process_cpu_ms();
         const auto start = std::chrono::steady_clock::now();
-        // The time of a render includes allocating and filling its first-bounce cache; queues stay from render to
-        // render.
+        // A render's time includes allocating and filling its first-bounce cache; queues stay from render to render.
         if (cache.rays > 0 && job.cache == nullptr) {
             cache.hits.resize(std::size_t{settings.width} * settings.height * cache.rays);
             job.cache = &cache;

@@ -157,8 +157,7 @@ inline constexpr std::string_view families[] = {"cavities", "irradiance", "geome
 // All cases, by family and then by number in the catalogue.
 const std::vector<Case>& catalogue();
 
-// The case's parameter values: its defaults with `changes`. Throws InputError for an unknown parameter or a value out
-// of range.
+// The case's parameter values: its defaults with `changes`. Throws InputError for unknown or out-of-range parameters.
 Values values_of(const Case& stiff_case, const std::map<std::string, double>& changes);
 
 void register_cases(Family family, std::vector<Case> cases);

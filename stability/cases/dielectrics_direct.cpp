@@ -1,5 +1,4 @@
-// Cases S26, S28, S29 and S31: the kernels' Fresnel reflectance against long double, and drift over many total
-// reflections.
+// Cases S26, S28, S29, S31: the kernels' Fresnel reflectance against long double, and drift over total reflections.
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -28,8 +28,7 @@ std::vector<Rendering> light_pipe(const Values& v) {
     return {rendering};
 }
 
-// The refractive index of the inner of two nested balls, as the scene file gives it: relative to the outer ball or to
-// air.
+// The index of the inner of two nested balls in the scene file: relative to the outer ball's index or to air.
 double inner_index(const Values& v) { return v.is_set("against_air") ? v["inner"] : v["inner"] / v["outer"]; }
 
 std::vector<Rendering> nested_balls(const Values& v) {

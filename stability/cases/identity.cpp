@@ -85,8 +85,7 @@ std::vector<Twins> coincident_in_order(const Values& v) {
     return {{.change = "coincident quads swapped", .reference = text.json(), .changed = swapped}};
 }
 
-// Adds objects that no path hits: a speck whose solid angle of 1e-18 is too small to be hit, and all kinds of objects
-// around a closed room.
+// Adds objects that no path hits: a speck of solid angle 1e-18, and objects of all kinds around a closed room.
 std::vector<Twins> with_unseen(const Values& v) {
     SceneText room("room");
     room.camera({0, 1, -1.5}, {0, 0.75, 0}).image(24, 16, 80, true).depth(5);

@@ -27,8 +27,7 @@ std::vector<Rendering> disk(const Values& v) {
                 "numerics.md S7, and four roundings of the distance in half thicknesses"});
 }
 
-// A camera height half way along the normal to the sphere's surface or, if that is far, half way to the sphere's
-// centre.
+// A camera height half way along the normal to the sphere's surface or, if far, half way to the sphere's centre.
 double height_within_gap(double distance, double angle) {
     const double b = distance * std::cos(angle), discriminant = b * b - (distance * distance - 1);
     double gap = std::max(distance, 1.0);

@@ -129,8 +129,7 @@ std::vector<Measurement> bright_texel(const Values& v, const DirectSetting& sett
     return setting.precision.is_double() ? measured(double{}) : measured(float{});
 }
 
-// A row of texels 0, 1, 0, 1 ... that is looked up around the centres and edges of texels; interpolation must be linear
-// between two centres.
+// A row of texels 0, 1, 0, 1 ..., looked up around texel centres and edges; a lookup is linear between centres.
 std::vector<Measurement> texture_edge(const Values& v, const DirectSetting& setting) {
     struct Row {
         std::vector<Vec3<float>> texels;

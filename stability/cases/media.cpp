@@ -152,8 +152,7 @@ std::vector<Rendering> white_body(const Values& v) {
                                            {0, 0, "every path leaves in the end, with weight 1"})}}};
 }
 
-// A body that only absorbs, by chance, in the random walk of a subsurface material; the exact answer is that of
-// absorbing glass.
+// A body that only absorbs, by random walks of a subsurface material; the exact answer is that of absorbing glass.
 std::vector<Rendering> absorbing_body(const Values& v) {
     const double b = v["impact"];
     SceneText scene("absorbing_body");

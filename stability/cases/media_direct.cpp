@@ -132,8 +132,7 @@ SceneText body_scene(const Values& v, double* four_v_over_s) {
     return text;
 }
 
-// The mean path length through a body under Lambertian light, as parallel rays through a disc that covers the body,
-// from all directions.
+// The mean path length through a body under Lambertian light: parallel rays from all directions, over a covering disc.
 std::vector<Measurement> mean_path(const Values& v, const DirectSetting& setting) {
     return with_kernel(setting, [&]<class Kernel>() {
         using Real = typename Kernel::Real;
@@ -176,8 +175,7 @@ long double phase_cdf(long double g, long double mu) {
     if (g == 0) {
         return (1 + mu) / 2;
     }
-    // This is (1-g^2)/2g [1/sqrt(1+g^2-2 g mu) - 1/(1+g)], rearranged so that the difference of the roots does not
-    // cancel.
+    // This is (1-g^2)/2g [1/sqrt(1+g^2-2 g mu) - 1/(1+g)], rearranged so that the roots do not cancel.
     const long double root = std::sqrt((1 - g) * (1 - g) + 2 * g * (1 - mu));
     return (1 - g) * (1 + mu) / (root * (1 + g + root));
 }

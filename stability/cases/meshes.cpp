@@ -117,8 +117,8 @@ std::vector<Rendering> grazing(const Values& v) {
     return stays_dark(scene);
 }
 
-// A rotated room stretched along an axis, which is a shear. Two objects share the mesh, so that rays are transformed
-// into its space and back.
+// A rotated room stretched along an axis, which is a shear. Two objects share the mesh, so rays are taken into its
+// space.
 std::vector<Rendering> shear(const Values& v) {
     SceneText scene = dark("shear");
     const double s = std::exp2(v["k"]), c = std::sqrt(0.5);

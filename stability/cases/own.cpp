@@ -185,8 +185,7 @@ std::string limit_of_time(const Values& v, const VariantTraits& variant) {
                : "";
 }
 
-// The share of random numbers that choose the mirror, by bisection of all 2^32 words, since chooses_mirror is
-// monotonic.
+// The share of random numbers that choose the mirror, by bisection of all 2^32 words: chooses_mirror is monotonic.
 template <class Real>
 double realised_probability(double probability) {
     std::uint64_t low = 0, high = std::uint64_t{1} << 32;

@@ -16,8 +16,7 @@ inline double fresnel_reflectance(double n, double sine_squared) {
     return 0.5 * (s * s + p * p);
 }
 
-// The view factor from the wall to a lamp of radius a in a glass ball of radius b: a^2 n^2 less what the glass
-// reflects.
+// The view factor from the wall to a lamp of radius a in a glass ball of radius b: a^2 n^2 less the reflected part.
 inline double glazed_lamp_share(double a, double b, double n) {
     const double last = std::min(n * a, b);
     // Substituting q^2 = last^2 (1 - x^2) makes the root at grazing incidence smooth; Simpson's rule integrates over x.

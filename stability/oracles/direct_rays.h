@@ -18,8 +18,7 @@ class RayRandom {
 public:
     explicit RayRandom(std::uint64_t seed) : engine_(seed) {}
 
-    // A uniform number; std::uniform_real_distribution is not used, since its numbers differ between standard
-    // libraries.
+    // A uniform number; std::uniform_real_distribution is avoided, since standard libraries differ in its numbers.
     double uniform(double low, double high) {
         return low + (high - low) * (static_cast<double>(engine_() >> 11) * 0x1p-53);
     }
