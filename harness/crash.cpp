@@ -58,7 +58,7 @@ void leave_last_line(std::size_t signal) {
 extern "C" void on_crash(int number) {
     if (is_crashing.exchange(true)) {
         if (::pthread_equal(crashing, ::pthread_self()) != 0) {
-            ::_exit(exit_machine_failed);  // the handler itself crashed
+            ::_exit(exit_machine_failed);  // the crash handler itself crashed
         }
         while (true) {
             ::pause();  // another thread is reporting its crash

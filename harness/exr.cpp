@@ -223,7 +223,7 @@ std::string encode_exr(const std::vector<ExrLayer>& layers, std::uint32_t width,
         Imf::OutputFile file(stream, header, 0);
         file.setFrameBuffer(frame);
         file.writePixels(static_cast<int>(height));
-    }  // the destructor writes the table of line offsets
+    }  // the file's destructor writes the table of line offsets
     return text;
 }
 

@@ -163,9 +163,9 @@ public:
 private:
     struct Container {
         bool is_array = false;
-        std::size_t index = 0;            // of the element being read, in an array
-        std::string key = {};             // of the member being read, in an object
-        std::set<std::string> keys = {};  // keys of the object met so far
+        std::size_t index = 0;            // index of the element being read, in an array
+        std::string key = {};             // key of the member being read, in an object
+        std::set<std::string> keys = {};  // keys met so far in an object
     };
 
     // The JSON path of the innermost value, built only when an error needs it.
@@ -225,7 +225,7 @@ Json parse_loosely(const std::string& file) {
 
 const Json& array_in(const Json& value, const std::string& key) {
     static const Json none = Json::array();
-    const auto found = value.find(key);  // of what is no object: the end
+    const auto found = value.find(key);  // the end iterator if `value` is no object
     return found != value.end() && found->is_array() ? *found : none;
 }
 

@@ -101,7 +101,7 @@ std::string ending(int status) {
 
 Workers::Workers(std::size_t count, const Answer& answer, const std::function<void()>& prepare) : workers_(count) {
     const pid_t parent = ::getpid();
-    const int threads = share_of_threads(count);  // before the fork: some OpenMP runtimes lose it in a child
+    const int threads = share_of_threads(count);  // set before the fork: some OpenMP runtimes lose it in a child
     for (Worker& worker : workers_) {
         int ends[2];
         if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {

@@ -51,7 +51,7 @@ void sync_folder(const std::filesystem::path& folder) {
     }
 }
 
-constexpr const char* partial_suffix = ".partial";  // followed by the process id
+constexpr const char* partial_suffix = ".partial";  // suffix of a temporary file, before the process id
 
 // Says why a regular file of that name cannot be written; an empty text means that nothing prevents it.
 std::string obstacle(const std::string& file) {

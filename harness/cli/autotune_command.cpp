@@ -34,7 +34,7 @@ struct AutotuneArguments {
 
 constexpr int samples_per_value = 5;
 constexpr int samples_at_the_end = 9;
-constexpr double least_gain = 0.01;  // smaller gains are noise and keep the default value
+constexpr double least_gain = 0.01;  // smaller gains in time are noise: the tunable keeps its default
 
 double median(std::vector<double> values) {
     std::sort(values.begin(), values.end());

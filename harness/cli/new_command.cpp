@@ -22,8 +22,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct TemplateFile {
-    std::string_view source;   // path in harness/templates/KIND
-    std::string_view written;  // path in the repository
+    std::string_view source;   // path of the template in harness/templates/KIND
+    std::string_view written;  // path of the written file in the repository
     std::string_view what;
 };
 
@@ -55,8 +55,8 @@ constexpr TemplateFile material_files[] = {
 struct ListOf {
     std::string_view file;
     std::string_view end_of_lines;  // how the last line of the list ends, and what follows
-    std::string_view line;          // {0}: the name, {1}: the class, {2}: the name in capitals
-    std::string_view example;       // an example of a line, for messages
+    std::string_view line;          // format of a line; {0}: the name, {1}: the class, {2}: the name in capitals
+    std::string_view example;       // an example of a line of the list, for messages
 };
 constexpr ListOf shape_list{"kernels/shape_list.h", ", more)\n\n", "SHAPE({0}, {0}s, {1}, {2}S, more)",
                             "SHAPE(..., more)"};
@@ -65,10 +65,10 @@ constexpr ListOf material_list{"kernels/material_list.h", ")\n\n#define PT_MATER
 
 // A kind of files that `ptbench new` writes.
 struct Kind {
-    std::string_view name;  // also the name of the folder of templates
+    std::string_view name;  // name of the kind and of its folder of templates
     std::span<const TemplateFile> files;
-    std::string_view folder;  // target folder of the files
-    std::string_view next;    // next steps to print; {0}: the repository, {1}: the name
+    std::string_view folder;  // target folder of the written files
+    std::string_view next;    // next steps to print for the user; {0}: the repository, {1}: the name
     const ListOf* list = nullptr;
 };
 constexpr Kind kinds[] = {
@@ -98,7 +98,7 @@ struct NewFile {
     fs::path path;
     std::string text;
     std::string_view what;
-    std::optional<std::string> before;  // content before the change; nothing if the file is new
+    std::optional<std::string> before;  // content of the file before; nothing if the file is new
 };
 
 std::string replaced(std::string text, std::string_view placeholder, std::string_view value) {

@@ -47,15 +47,15 @@ struct RenderArguments {
     std::string out;
 };
 
-constexpr double shortest_to_mention = 2;  // seconds; shorter renders print no estimate
+constexpr double shortest_to_mention = 2;  // seconds; for shorter renders no time estimate is printed
 // Most samples of all pixels for which a render with too few samples per pixel for a trial is not announced; more take
 // seconds on a CPU.
 constexpr double most_samples_unmentioned = 1 << 23;
 
 struct Trial {
     std::optional<double> seconds = {};  // estimated time of the render; nothing if unknown
-    std::optional<CudaFacts> cuda = {};  // nothing if no trial was made on CUDA
-    bool is_long = false;                // certainly
+    std::optional<CudaFacts> cuda = {};  // facts of the trial on CUDA; nothing if there was none
+    bool is_long = false;                // whether the render is certain to take long
 };
 
 double pixels_of(const RenderSettings& settings) { return static_cast<double>(settings.width) * settings.height; }
@@ -172,7 +172,7 @@ RankedRender render_aloud(const Scene& scene, RenderRequest request, const Trial
         if (is_short) {
             watch.reached(static_cast<double>(checkpoint.samples) / request.samples);
         } else {
-            watch.end();  // the progress bar takes over
+            watch.end();  // a progress bar replaces the watch
             progress.step(fmt::format("{} of {} spp", checkpoint.samples, request.samples));
         }
     };
@@ -181,7 +181,7 @@ RankedRender render_aloud(const Scene& scene, RenderRequest request, const Trial
 
 struct Chosen {
     Variant variant;
-    std::string by;  // source of the choice
+    std::string by;  // what made the choice
 };
 
 // The variant that the call names; axes left open get the fastest known choice that goes with the others (fastest.h).

@@ -10,7 +10,7 @@
 namespace pt {
 
 struct StabilityRequest {
-    std::vector<std::string> cases, families;  // if both are empty, every case
+    std::vector<std::string> cases, families;  // neither cases nor families named: every case
     std::vector<std::string> values;           // "NAME=VALUE" of the only point; empty: the cases' points
     std::vector<std::string> axes;             // "AXIS=CHOICE,CHOICE"; empty: the standard variants
     std::uint64_t seed = 1;

@@ -45,7 +45,7 @@ public:
 
 private:
     static std::uint32_t samples_for(std::uint32_t depth) {
-        constexpr std::uint32_t compactions = 70;  // one per segment but the last
+        constexpr std::uint32_t compactions = 70;  // number of compactions: one per path segment but the last
         return std::max(4u, compactions / std::max(1u, depth - 1) + 1);
     }
     static RenderSettings large(const Scene& scene, const VerifyArguments& arguments) {

@@ -15,7 +15,7 @@
 #include "harness/render/renderer.h"
 
 namespace pt {
-struct GpuContext;  // harness/machine/run_context.h
+struct GpuContext;  // defined in harness/machine/run_context.h
 }
 
 namespace pt::cuda {

@@ -10,8 +10,8 @@ namespace {
 
 constexpr unsigned threads = 256;
 constexpr int rounds = 256;
-constexpr int steps = 32;  // per round; unrolled
-constexpr int chains = 8;  // independent, so that no instruction waits for the previous one
+constexpr int steps = 32;  // unrolled steps per round of the measured loop
+constexpr int chains = 8;  // independent chains, so that no instruction waits for the previous one
 
 enum class Mix { issue, fma, alu, xu };
 

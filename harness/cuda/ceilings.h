@@ -6,11 +6,11 @@ namespace pt::cuda {
 
 struct Ceilings {
     // Rates of the whole GPU, in warp instructions per second.
-    double issue = 0;   // multiply-adds and logic in turn, which use two pipes
-    double fma = 0;     // multiply-adds only
-    double alu = 0;     // logic only
-    double xu = 0;      // powers of two only
-    double memory = 0;  // bytes read and written per second by a copy too large for the cache
+    double issue = 0;   // rate for multiply-adds and logic in turn, on both pipes
+    double fma = 0;     // rate for multiply-adds only
+    double alu = 0;     // rate for logic instructions only
+    double xu = 0;      // rate for powers of two (ex2) only
+    double memory = 0;  // bytes read and written per second by a copy larger than the cache
 };
 
 // Measures the ceilings in some milliseconds, with half a GiB of device memory. Precondition: there is a device.

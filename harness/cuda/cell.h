@@ -58,7 +58,7 @@ private:
     const RenderRequest& request_;
     VariantTraits traits_;
     const IntegratorHook& integrator_hook_;
-    FeatureSet features_;  // compiled into the kernels
+    FeatureSet features_;  // features compiled into the kernels
     Layout layout_;
     SceneBuffers<Real> buffers_;
     LearnedAdjoint<Real> learned_;
@@ -70,7 +70,7 @@ private:
     std::unique_ptr<Arena> arena_;
     Stream stream_;
     Event begin_, end_;
-    Event enqueued_[2];  // behind the last two pieces
+    Event enqueued_[2];  // recorded behind the last two enqueued pieces
     StageEvents stages_;
     JobOf<Real> job_;
     std::unique_ptr<Integrator> integrator_;

@@ -118,7 +118,7 @@ std::string baked_text(const SceneView<Real>& scene) {
     });
     text.add("environment", &scene.environment, 1);
     text.add("enclosure", &scene.enclosure, 1);
-    Camera<Real> camera = scene.camera;  // image size and pixel size may change without recompilation
+    Camera<Real> camera = scene.camera;  // image and pixel size may change without recompilation
     camera.width = camera.height = 0;
     camera.pixel_size = 0;
     text.add("camera", &camera, 1);
@@ -226,7 +226,7 @@ void DeviceScene<Real>::upload(const Module& module, cudaStream_t stream) const 
         PT_CUDA_CHECK(cudaMemcpyAsync(module.global("pt_scene"), constant.data(), constant.size(),
                                       cudaMemcpyHostToDevice, stream));
     }
-    PT_CUDA_CHECK(cudaStreamSynchronize(stream));  // `constant` goes out of scope
+    PT_CUDA_CHECK(cudaStreamSynchronize(stream));  // waits before `constant` goes out of scope
 }
 
 template std::string scene_place(const SceneView<float>& scene, FeatureSet features, bool is_baked);

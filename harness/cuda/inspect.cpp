@@ -22,9 +22,9 @@ namespace {
 
 struct Limits {
     const char* architecture;
-    int warps, blocks, shared_kib;  // per multiprocessor
-    int reserved_shared;            // bytes per thread block taken by the system
-    int shared_unit;                // bytes; granularity of shared memory per thread block
+    int warps, blocks, shared_kib;  // limits per multiprocessor; shared memory in KiB
+    int reserved_shared;            // bytes of shared memory that the system reserves per thread block
+    int shared_unit;                // granularity of shared memory per thread block, bytes
 };
 
 // CUDA C++ Programming Guide 13.0, "Technical Specifications per Compute Capability"; all GPUs have 65536 registers.
@@ -34,7 +34,7 @@ constexpr Limits all_limits[] = {
     {"sm_100", 64, 32, 228, 1024, 128}, {"sm_103", 64, 32, 228, 1024, 128}, {"sm_120", 48, 24, 100, 1024, 128},
 };
 constexpr int registers_per_multiprocessor = 65536;
-constexpr int register_unit = 256;  // granularity of registers per warp
+constexpr int register_unit = 256;  // granularity of registers allocated to a warp
 
 const Limits& limits_of(const std::string& architecture) {
     for (const Limits& limits : all_limits) {
@@ -64,7 +64,7 @@ Json pipes_json(const PipeCounts& counts) {
 struct Program {
     std::string of;  // "compaction=atomic_append"
     ModuleRequest request;
-    std::uint32_t threads;  // per thread block
+    std::uint32_t threads;  // threads per thread block
     bool is_launched = true;
 };
 

@@ -17,20 +17,20 @@ struct KernelCounters {
     std::string name;
     std::uint64_t launches = 0;
     double seconds = 0;
-    double instructions = 0;                             // warp instructions
-    double thread_instructions = 0;                      // warp instructions times active lanes
+    double instructions = 0;                             // number of warp instructions
+    double thread_instructions = 0;                      // warp instructions times their active lanes
     double fma = 0, alu = 0, xu = 0, lsu = 0, fp64 = 0;  // warp instructions by pipe
     double memory_bytes = 0;                             // bytes to and from device memory
     // Averages from 0 to 1, weighted by time; a cache's throughput is that of its busiest part, relative to ncu's peak.
-    double occupancy = 0;   // achieved warps over the most warps
-    double l1 = 0, l2 = 0;  // cache throughput
+    double occupancy = 0;   // achieved resident warps over the maximum
+    double l1 = 0, l2 = 0;  // throughput of the L1 and L2 caches
     double l1_hit_rate = 0, l2_hit_rate = 0;
     double memory_stalls = 0;  // share of resident warps' time spent waiting for loads
 };
 
 // One launch of a batch of rays, as `ptbench rays --counted` makes it.
 struct CountedBatch {
-    std::string function;  // the kernel's name without template arguments
+    std::string function;  // the kernel function's name without template arguments
     double rays = 0;
 };
 

@@ -24,8 +24,8 @@ namespace {
 
 struct Instruction {
     std::string mnemonic;
-    std::string label;   // if set, this is a branch target, not an instruction
-    std::string target;  // if this is a branch
+    std::string label;   // label of a branch target; empty for an instruction
+    std::string target;  // target label of a branch instruction
 };
 
 bool starts_with_any(const std::string& text, std::initializer_list<const char*> starts) {

@@ -44,7 +44,7 @@ public:
         std::vector<std::jthread> threads;
         for (std::uint32_t device = 1; device < devices; ++device) {
             threads.emplace_back([&, device] {
-                (void)cudaSetDevice(static_cast<int>(device));  // slow, so done before the clock starts
+                (void)cudaSetDevice(static_cast<int>(device));  // slow, so the device is set before the clock starts
                 ready += 1;
                 while (!is_started) {
                     std::this_thread::yield();
@@ -218,7 +218,7 @@ private:
             wait_for_sum();
             return start;
         } catch (...) {
-            disconnect_devices();  // otherwise devices would wait for the failed one
+            disconnect_devices();  // devices would wait for ever for one that failed
             throw;
         }
     }
@@ -270,12 +270,12 @@ private:
         }
     }
 
-    RenderRequest request_;  // the request of each cell; cells keep a reference
+    RenderRequest request_;  // the request of each cell; cells keep a reference to it
     VariantTraits traits_;
     std::size_t film_words_;
-    OnDevice first_;  // makes the first device current, unless stated otherwise
+    OnDevice first_;  // makes the first device current by default
     std::unique_ptr<Arena> memory_;
-    std::int64_t* sum_ = nullptr;  // on the first device
+    std::int64_t* sum_ = nullptr;  // the sum of the films, on the first device
     std::vector<std::unique_ptr<RenderCell<Real>>> cells_;
 };
 

@@ -16,7 +16,7 @@ namespace pt {
 struct ClockEvidence {
     double additions_per_us = 0;
     double multiplications_per_us = 0;
-    double time_stamps_per_us = 0;  // a constant rate on every core since 2008, near the nominal clock
+    double time_stamps_per_us = 0;  // time stamp counter: a constant rate near the nominal clock (cores since 2008)
     double cpufreq_max_mhz = 0;     // highest clock that the kernel states for the core; boost may exceed it
 };
 

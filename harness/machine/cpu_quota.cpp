@@ -79,9 +79,9 @@ void add_folders(std::vector<std::string>& folders, const std::string& root, con
 std::optional<double> quota_of(const std::string& folder) {
     double quota = 0, period = 0;
     if (std::ifstream file(folder + "/cpu.max"); file) {
-        file >> quota >> period;  // "max 100000" without a quota
+        file >> quota >> period;  // the file has "max 100000" if there is no quota
     } else {
-        std::ifstream(folder + "/cpu.cfs_quota_us") >> quota;  // -1 without a quota
+        std::ifstream(folder + "/cpu.cfs_quota_us") >> quota;  // the file has -1 if there is no quota
         std::ifstream(folder + "/cpu.cfs_period_us") >> period;
     }
     return quota > 0 && period > 0 ? std::optional(quota / period) : std::nullopt;

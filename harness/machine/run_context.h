@@ -14,7 +14,7 @@ struct GpuContext {
     std::string device = {}, compute_capability = {}, multiprocessors = {}, clock_mhz = {}, memory_clock_mhz = {};
     std::string memory_bus_bits = {}, memory_mib = {}, l2_bytes = {}, ecc = {}, mps = {}, driver = {}, runtime = {};
     std::string nvrtc = {}, cccl = {}, kernel_source_hash = {};
-    std::optional<std::string> devices = {}, nccl = {};  // of a host with several equal GPUs
+    std::optional<std::string> devices = {}, nccl = {};  // set on hosts with several equal GPUs
 
     template <class Self, class Visit>
     static void fields(Self& self, const Visit& visit) {
@@ -43,11 +43,11 @@ struct MachineContext {
     std::string schema_version = "1";
     std::string version = {}, git_sha = {}, git_dirty = {}, machine = {}, cpu_model = {}, os = {};
     std::string compiler = {}, compiler_flags = {}, build_type = {}, program_hash = {}, openmp_environment = {};
-    std::string clock = {};  // how the clock is measured
+    std::string clock = {};  // method of measuring the CPU clock
     std::string threads = {}, cpu_quota = {}, thrust_version = {}, thrust_system = {};
     std::string google_benchmark_version = {};
-    std::optional<GpuContext> gpu = {};     // of a run on a GPU
-    std::optional<std::string> ranks = {};  // number of MPI ranks, if several
+    std::optional<GpuContext> gpu = {};     // set for runs on a GPU
+    std::optional<std::string> ranks = {};  // number of MPI ranks, if there are several
 
     template <class Self, class Visit>
     static void fields(Self& self, const Visit& visit) {
@@ -111,7 +111,7 @@ struct BenchmarkContext {
             visit("num_sharing", self.num_sharing);
         }
     };
-    std::string date = {};  // ISO 8601; end of the run
+    std::string date = {};  // end of the run, ISO 8601
     std::string host_name = {};
     std::string executable = "ptbench";
     int num_cpus = 0;

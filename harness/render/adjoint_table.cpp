@@ -20,8 +20,8 @@ using LearningConfig =
 constexpr std::size_t paths_per_chunk = 128;
 // Weight, in records, of the average that is mixed into each estimate, since estimates from few records are noisy.
 constexpr double records_of_the_mean = 32;
-constexpr std::uint32_t most_tiles = 16;  // of the image along each side, with an estimate each
-constexpr std::uint32_t most_steps = 64;  // segments with an estimate each; later ones share the last
+constexpr std::uint32_t most_tiles = 16;  // image tiles with an estimate each, along either side
+constexpr std::uint32_t most_steps = 64;  // path segments with an estimate each; later ones share the last
 // The share of vertices that may lie outside the grid on either side of each axis.
 constexpr double left_out = 0.005;
 constexpr double least_estimate = 0x1p-20, most_estimate = 0x1p20;
@@ -218,7 +218,7 @@ std::unique_ptr<const AdjointTable<Real>> adjoint_table(const AdjointRecords& re
         all.add(start.brought, 1);
     }
     const double mean = all.value(0, 0);
-    if (!(mean > 0)) {  // also if there are no vertices
+    if (!(mean > 0)) {  // also false without vertices
         return nullptr;
     }
     auto table = std::make_unique<AdjointTable<Real>>();

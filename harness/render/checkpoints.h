@@ -8,7 +8,7 @@ namespace pt {
 // A part of a render: `samples` samples per pixel after the `done` samples of the parts before.
 struct RenderPart {
     std::uint32_t done = 0;
-    std::uint32_t samples = 1;  // per pixel
+    std::uint32_t samples = 1;  // samples per pixel
 };
 
 // Returns one part for each checkpoint, or a single part without checkpoints. Throws std::logic_error unless the

@@ -55,7 +55,7 @@ private:
     SampleRange samples_;
     std::mutex mutex_;
     std::uint32_t taken_ = 0;    // samples handed out from the shared counter
-    std::vector<bool> has_had_;  // by device: whether it has had its share
+    std::vector<bool> has_had_;  // whether a device has had its share, by device
 };
 
 }  // namespace pt

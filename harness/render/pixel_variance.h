@@ -31,7 +31,7 @@ private:
     std::uint32_t batches_ = 0;
     std::uint64_t samples_ = 0;
     std::vector<std::int64_t> sums_;  // the film's sums at the last stop
-    std::vector<double> means_;       // of the batches so far, weighted by samples; squares_ has squared deviations
+    std::vector<double> means_;       // weighted means of the batches so far; squares_ has the deviations
     std::vector<double> squares_;
 };
 

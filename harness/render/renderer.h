@@ -13,19 +13,19 @@ namespace pt {
 
 // The state of a render after some of its samples; valid only during the callback.
 struct Checkpoint {
-    std::uint32_t samples = 0;  // per pixel, so far
-    double wall_ms = 0;         // so far, as in RenderResult; without the time spent in callbacks
+    std::uint32_t samples = 0;  // samples per pixel so far
+    double wall_ms = 0;         // times so far, as in RenderResult, without callbacks
     double device_ms = 0;
     double cpu_ms = 0;
-    const Film& film;  // the samples so far, at the scale of the whole render
+    const Film& film;  // film of the samples so far, at the whole render's scale
 };
 
 struct RenderRequest {
     Variant variant;
     Backend backend = Backend::cpu;
-    RenderSettings settings;  // those that the variant determines are replaced (settings_for)
+    RenderSettings settings;  // settings that the variant determines are replaced (settings_for)
     std::uint32_t first_sample = 0;
-    std::uint32_t samples = 1;  // per pixel
+    std::uint32_t samples = 1;  // samples per pixel
     bool instrument = false;    // measures stages and live paths, which falsifies the render's time
     // Samples per pixel of the whole film, if this render adds only a part of them; 0: `samples`.
     std::uint32_t film_samples = 0;
@@ -40,19 +40,19 @@ struct RenderRequest {
 struct CudaFacts {
     struct Kernel {
         std::string name;
-        int registers = 0;             // per thread
-        std::size_t local_bytes = 0;   // per thread: spills and arrays
-        std::size_t shared_bytes = 0;  // per thread block
+        int registers = 0;             // registers per thread
+        std::size_t local_bytes = 0;   // local memory per thread: spills and arrays
+        std::size_t shared_bytes = 0;  // shared memory per thread block
     };
-    double compile_seconds = 0;    // time in NVRTC or reading the kernel cache
-    bool from_cache = false;       // all modules came from the cache on disk or were loaded already
-    double prepare_ms = 0;         // allocation, upload and graph capture
-    std::size_t device_bytes = 0;  // size of the cell's arena
-    std::size_t path_bytes = 0;    // device memory of one path in the queue, with its share of compaction and sorting
-    std::size_t path_state_bytes = 0;  // of `path_bytes`: one copy of the path's state
-    std::uint32_t threads = 0;         // per thread block
+    double compile_seconds = 0;        // time spent in NVRTC or on reading the kernel cache
+    bool from_cache = false;           // whether all modules were in the kernel cache or loaded already
+    double prepare_ms = 0;             // time for allocation, upload and graph capture
+    std::size_t device_bytes = 0;      // device memory of the cell's arena
+    std::size_t path_bytes = 0;        // device memory per path in the queue, with compaction and sorting
+    std::size_t path_state_bytes = 0;  // part of `path_bytes`: one copy of a path's state
+    std::uint32_t threads = 0;         // threads per thread block
     std::vector<Kernel> kernels;
-    std::vector<std::string> options;  // compiler options
+    std::vector<std::string> options;  // options of the kernel compiler
 
     // Adds the compilation for an earlier render of the same variant in this process.
     void add_compilation(const CudaFacts& earlier) {
@@ -66,8 +66,8 @@ struct DeviceFacts {
     std::uint32_t count = 1;
     // For each device the time from the common start to the end of its own work, without the reduction; 0 if idle.
     std::vector<double> own_ms;
-    double slowest_ms = 0;  // from the common start until the last device has rendered
-    double reduce_ms = 0;   // from then until the first device has the sum of the films
+    double slowest_ms = 0;  // time from the common start until the last device has rendered
+    double reduce_ms = 0;   // time from then until the first device has the films' sum
 };
 
 struct RenderResult {
@@ -76,20 +76,20 @@ struct RenderResult {
     StageTimes stages;
     FeatureSet needed = no_features;    // features needed by scene and variant
     FeatureSet compiled = no_features;  // features compiled into the kernel that ran
-    double wall_ms = 0;                 // from the first stage to the end of the last, without checkpoints
-    double device_ms = 0;               // equal to wall_ms on the CPU backend
-    double cpu_ms = 0;                  // CPU time of all threads over the same span
-    CudaFacts cuda = {};                // of a render on CUDA
-    MeshFacts meshes = {};              // no triangles if the scene has no meshes
-    HealthCounters health = {};         // of an inspecting integrator; else no paths
-    DeviceFacts devices = {};  // of several; wall_ms is slowest_ms + reduce_ms + time spent learning for roulette
+    double wall_ms = 0;                 // from the first stage's start to the last one's end, without checkpoints
+    double device_ms = 0;               // time on the device; equal to wall_ms on the CPU backend
+    double cpu_ms = 0;                  // CPU time of all threads during wall_ms
+    CudaFacts cuda = {};                // facts of a render on CUDA
+    MeshFacts meshes = {};              // without triangles if the scene has no meshes
+    HealthCounters health = {};         // counters of an inspecting integrator; else zero paths
+    DeviceFacts devices = {};           // several devices: wall_ms is slowest_ms + reduce_ms + learning for roulette
 };
 
 // The kernel with which a variant renders a scene: the features needed, and those compiled into the kernel.
 struct KernelChoice {
     FeatureSet needed, compiled;
-    RenderFunction render;                        // for the CPU backend
-    RenderIn<double> render_in_double = nullptr;  // replaces `render` on the CPU where precision=double
+    RenderFunction render;                        // render function on the CPU backend
+    RenderIn<double> render_in_double = nullptr;  // replaces `render` on the CPU with precision=double
     // How well the kernel fits the scene: "exact", or "has .. for nothing" with the features that the scene lacks.
     std::string note() const;
 };

@@ -20,7 +20,7 @@ struct Parameter {
     std::string name;
     double default_value = 0;
     double lowest = 0, highest = 0;
-    std::string summary;  // one line, with the unit
+    std::string summary;  // one line of help, with the unit
     bool is_whole = false;
 };
 
@@ -40,7 +40,7 @@ private:
 
 // The largest error of a correct implementation, in single and in double precision, and the reason for that size.
 struct Tolerance {
-    double single = 0, fp64 = 0;  // absolute, in the quantity's unit
+    double single = 0, fp64 = 0;  // absolute errors, in the quantity's unit
     std::string origin;
 
     static Tolerance relative(double exact, double single, double fp64, std::string origin);
@@ -57,7 +57,7 @@ struct Measurement {
     double measured = 0;
     double exact = 0;
     Relation relation = Relation::equal;
-    double standard_error = 0;  // of `measured`; 0 if it is not an estimate
+    double standard_error = 0;  // standard error of `measured`; 0 for no estimate
     Tolerance tolerance;
 };
 
@@ -86,8 +86,8 @@ struct Rendering {
 struct Twins {
     std::string change;  // what differs, e.g. "scene x 2^20"
     Json reference, changed;
-    std::vector<std::uint32_t> parts = {};             // samples of `changed` in several runs; empty: one run
-    std::map<std::string, std::uint32_t> tuning = {};  // tunables of `changed`; n/a if the variant lacks one
+    std::vector<std::uint32_t> parts = {};  // `changed` is rendered in runs of so many samples; empty: one run
+    std::map<std::string, std::uint32_t> tuning = {};  // tunables for `changed`; n/a if the variant lacks one
     std::uint32_t samples = 8;                         // samples per pixel
 };
 
@@ -108,10 +108,10 @@ struct DirectSetting {
 struct Case {
     std::string name;         // "lamp": plain, unique
     std::string catalogue;    // "S5", or "P1" and so on for ptbench's own cases
-    std::string family = {};  // one of `families`; CasesOf sets it
+    std::string family = {};  // one of `families`, set by CasesOf
     std::string title;
-    std::string stiff;    // one sentence: what is stiff about it
-    std::string formula;  // where the exact value comes from
+    std::string stiff;    // one sentence on what is stiff about the case
+    std::string formula;  // source of the exact value
     std::vector<Parameter> parameters = {};
     // The points of a full run, as changes to the defaults. Empty: the defaults alone.
     Points points = {};
@@ -167,8 +167,8 @@ struct CasesOf {
     explicit CasesOf(std::vector<Case> cases) { register_cases(family, std::move(cases)); }
 };
 
-double mean_radiance(const RenderResult& result);              // over pixels and channels
-double mean_channel(const RenderResult& result, int channel);  // over pixels
+double mean_radiance(const RenderResult& result);              // mean over pixels and channels
+double mean_channel(const RenderResult& result, int channel);  // mean of a channel over pixels
 // A reader for Quantity::of: the channel value, among all pixels, that is farthest from `exact`.
 std::function<double(const RenderResult&)> farthest_from(double exact);
 // A reader for Quantity::of: how many segments paths lack of `depth` on average, having leaked out of a closed scene.

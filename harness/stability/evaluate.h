@@ -13,7 +13,7 @@ struct Task {
     Variant variant;
     std::uint64_t seed = 1;
     bool is_quick = false;
-    std::uint64_t paths = 0;  // of a rendering; 0: as many as the case asks for
+    std::uint64_t paths = 0;  // paths of a rendering; 0: as many as the case asks for
 };
 
 // The verdict on a row. known_limit: failed where the case predicts it. not_applicable: cannot be evaluated. broken: no
@@ -25,7 +25,7 @@ struct Row {
     Status status = Status::not_applicable;
     std::string reason;  // why the status is not `passed`
     Measurement measurement;
-    double error = 0;          // by how much `measured` violates the relation; 0 if it does not
+    double error = 0;          // by how much `measured` violates the relation, or 0
     double allowed = 0;        // tolerance plus four standard errors
     bool is_estimate = false;  // whether the quantity is estimated from batches
     int looks = 1;             // number of independent measurements until the verdict
@@ -33,8 +33,8 @@ struct Row {
     std::uint64_t rays = 0;
     std::uint64_t unfinished_walks = 0;
     FilmFaults faults;
-    HealthCounters health;  // of an inspecting integrator; else no paths
-    std::string film_hash;  // of a single batch; else empty
+    HealthCounters health;  // counters of an inspecting integrator; else zero paths
+    std::string film_hash;  // hash of a single batch's film; else empty
     double seconds = 0;     // time spent rendering or in the direct check
 
     // The error as a share of the allowed error; infinite if nothing is allowed and there is an error.

@@ -14,7 +14,7 @@ struct RunDescription {
     Backend backend = Backend::cpu;
     bool is_quick = false;
     std::uint64_t seed = 1;
-    std::uint64_t paths = 0;  // of a rendering; 0: as many as the cases ask for
+    std::uint64_t paths = 0;  // paths of a rendering; 0: as many as the cases ask for
 };
 
 class Report {
@@ -44,8 +44,8 @@ private:
 
     std::string file_;
     std::string growing_;      // the file written after every case: file_, or file_ + ".unfinished"
-    mutable FileStamp stamp_;  // of file_ when this report last read or wrote it
-    bool is_changed_ = true;   // a complete file to which no rows are added is not rewritten
+    mutable FileStamp stamp_;  // stamp of file_ when last read or written here
+    bool is_changed_ = true;   // false keeps a complete file as it is
     RunDescription description_;
     Json variants_ = Json::object();  // name and choices of each variant with a row, by identity
     Json rows_ = Json::array();

@@ -25,7 +25,7 @@ public:
     SceneText& image(std::uint32_t width, std::uint32_t height, double vertical_fov_degrees, bool jitter);
     SceneText& depth(std::uint32_t segments);
     SceneText& environment(double radiance);
-    SceneText& drawn_environment(double radiance);  // sampled as a light by next-event estimation
+    SceneText& drawn_environment(double radiance);  // an environment that next-event estimation samples
     SceneText& lens(double aperture_radius, double focus_distance);
     SceneText& shutter(double open, double close, bool late);
 

@@ -20,7 +20,7 @@ double sample_value(std::uint32_t content, std::uint32_t i) {
         case 2:
             return u;
         case 3:
-            return pcg4d({i, 43, 1, 0}).x < 42950u ? 1e5 : 0.18 * u;  // one in 1e5 is bright
+            return pcg4d({i, 43, 1, 0}).x < 42950u ? 1e5 : 0.18 * u;  // one value in 1e5 is bright
         default:
             return i == 0 ? 1e6 : 1e-3 * u;
     }
@@ -65,7 +65,7 @@ std::vector<Measurement> jitter(std::uint32_t width, std::uint32_t x, std::uint3
     camera.right = {Real(1), Real(0), Real(0)};
     camera.up = {Real(0), Real(1), Real(0)};
     camera.forward = {Real(0), Real(0), Real(1)};
-    camera.pixel_size = Real(2) / static_cast<Real>(width);  // field of view of 90 degrees
+    camera.pixel_size = Real(2) / static_cast<Real>(width);  // for a field of view of 90 degrees
     camera.width = width;
     camera.height = 1;
     camera.jitter = 1;
@@ -218,7 +218,7 @@ std::vector<Measurement> motion_grid(const Values& v, const DirectSetting& setti
 std::vector<Rendering> pixel_edge(const Values& v) {
     constexpr std::uint32_t rows = 64;
     const double share = v["share"];
-    const double pixel = 2.0 / rows;  // 90 degrees, at distance 1
+    const double pixel = 2.0 / rows;  // pixel height for 90 degrees, at distance 1
     const Tolerance tolerance{0x1p-24 + 0x1p-18 * rows, 0x1p-32 + 0x1p-47 * rows,
                               "the steps of the random numbers, and a quad's edge that reaches out by 16 roundings"};
     SceneText column("pixel_edge");

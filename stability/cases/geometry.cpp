@@ -90,7 +90,7 @@ std::vector<Rendering> ground_view(const Values& v) {
 
     // The horizon is a hyperbola in the image plane.
     const double dip = std::sqrt(h * (2 * radius + h)) / radius;
-    const double half = 3.5 * dip;  // puts the horizon between two rows of pixels
+    const double half = 3.5 * dip;  // half the image, such that the horizon lies between two rows of pixels
     SceneText horizon = ground_text(v);
     horizon.image(16, 16, 2 * std::atan(half) * 180 / pi<double>, true);
     const double covered = 0.5 - dip * (std::sqrt(1 + half * half) + std::asinh(half) / half) / (4 * half);
@@ -113,7 +113,7 @@ std::vector<Rendering> ground_view(const Values& v) {
 std::vector<Rendering> far_sphere(const Values& v) {
     const double distance = v["distance"];
     const Vec3d view = Vec3d(2, 3, 6) * (1 / 7.0);
-    const double radius = 1 / std::sqrt((distance - 1) * (distance + 1));  // of the disc, in the plane at distance 1
+    const double radius = 1 / std::sqrt((distance - 1) * (distance + 1));  // apparent radius of the disc at distance 1
     const double half = 1.25 * radius;
     SceneText text("far_sphere");
     text.camera({0, 0, 0}, view).image(16, 16, 2 * std::atan(half) * 180 / pi<double>, true);
@@ -135,7 +135,7 @@ std::vector<Rendering> far_sphere(const Values& v) {
 
 struct StartedRays {
     std::uint64_t self_hits = 0, inward = 0;
-    double worst_chord = 0;  // error in radii
+    double worst_chord = 0;  // error of a chord, in radii
 };
 
 // Traces rays in all directions from hit points on the only object. `body`: that object in the precision of

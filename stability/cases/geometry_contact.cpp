@@ -62,7 +62,7 @@ std::function<double(const RenderResult&)> misjudged(const Vec3d& forward, const
         const Vec3l right = normalize(cross(ahead, Vec3l(up)));
         const Vec3l above = cross(right, ahead);
         return pixels_where([&](std::uint32_t i, double radiance) {
-            const long double pixel = 2.0L / height;  // 90 degrees
+            const long double pixel = 2.0L / height;  // pixel size for 90 degrees
             const long double x = (i % width + 0.5L - width / 2.0L) * pixel;
             const long double y = (i / width + 0.5L - height / 2.0L) * pixel;
             const long double cosine = dot(normalize(right * x - above * y + ahead), normalize(Vec3l(out)));

@@ -11,7 +11,7 @@
 namespace pt::stability::media {
 namespace {
 
-constexpr double half_quantum = 0x1p-40;  // of a film with radiance 1 and 2^16 samples
+constexpr double half_quantum = 0x1p-40;  // rounding of a film with radiance 1 and 2^16 samples
 
 std::vector<Rendering> absorbing_chord(const Values& v) {
     const double b = v["impact"], sigma = v["t"] / 2;

@@ -17,7 +17,7 @@ double disc_mean(double t) {
         const long double x = t;
         return static_cast<double>(2 * (1 - (1 + x) * std::exp(-x)) / (x * x));
     }
-    long double sum = 0, power = 1;  // 2 sum over k of (-t)^k / (k! (k + 2))
+    long double sum = 0, power = 1;  // 2 times the sum over k of (-t)^k / (k! (k + 2))
     for (int k = 0; k < 30; ++k) {
         sum += 2 * power / (k + 2);
         power *= -static_cast<long double>(t) / (k + 1);
@@ -138,7 +138,7 @@ std::vector<Measurement> mean_path(const Values& v, const DirectSetting& setting
         using Real = typename Kernel::Real;
         double four_v_over_s = 0;
         const HostScene<Kernel> scene(body_scene(v, &four_v_over_s));
-        const Vec3d to_body(0, 0, -8);  // from the eye, which is the kernels' origin
+        const Vec3d to_body(0, 0, -8);  // vector from the eye, which is the kernels' origin
         std::mt19937_64 generator(9);
         const auto uniform = [&] { return static_cast<double>(generator() >> 11) * 0x1p-53; };
         const double work = 1 + v["sigma"] * v["ior"] * v["ior"] * four_v_over_s;

@@ -14,7 +14,7 @@ namespace {
 // Light from straight above is reflected by a microfacet of slope m to the slope 2 m / (1 - m^2), where Smith's masking
 // keeps 1 / (1 + Lambda) of it.
 struct Exact {
-    long double sine;  // of the angle between reflected direction and normal
+    long double sine;  // sine of the angle between reflected direction and normal
     long double kept;
 };
 
@@ -56,7 +56,7 @@ std::vector<Measurement> rough_mirror(const Values& v, const DirectSetting& sett
     });
 }
 
-constexpr double fit = 2.5e-3;  // error of the gain by multiple scattering (kernels/ggx_gain.h)
+constexpr double fit = 2.5e-3;  // fit error of the multiple scattering gain (kernels/ggx_gain.h)
 
 enum Metal { single_scattering = 0, multiple_scattering = 1, principled = 2 };
 

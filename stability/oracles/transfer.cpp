@@ -17,7 +17,7 @@ long double series(int n, long double x) {
     for (int i = 1; i < n; ++i) {
         digamma += 1.0L / i;
     }
-    long double sum = 0, power = 1;  // (-x)^m / m!
+    long double sum = 0, power = 1;  // `power` is (-x)^m / m!
     for (int m = 0; m < 200; ++m) {
         const long double term = m == n - 1 ? power * (digamma - std::log(x)) : -power / (m - n + 1);
         sum += term;
@@ -148,7 +148,7 @@ long double uncollided(long double x, double mu) { return mu > 0 ? std::exp(-x /
 SlabShares galerkin(double optical_depth, double albedo, double mu, int cells) {
     const std::vector<long double> x = cell_borders(optical_depth, cells);
     const auto n = static_cast<std::size_t>(cells);
-    std::vector<std::vector<long double>> third(n + 1, std::vector<long double>(n + 1));  // E3 of distances
+    std::vector<std::vector<long double>> third(n + 1, std::vector<long double>(n + 1));  // E3 of border distances
     for (std::size_t i = 0; i <= n; ++i) {
         for (std::size_t j = 0; j <= i; ++j) {
             third[i][j] = third[j][i] = exponential_integral(3, x[i] - x[j]);
