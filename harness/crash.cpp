@@ -58,10 +58,10 @@ void leave_last_line(std::size_t signal) {
 extern "C" void on_crash(int number) {
     if (is_crashing.exchange(true)) {
         if (::pthread_equal(crashing, ::pthread_self()) != 0) {
-            ::_exit(exit_machine_failed);  // the crash handler itself crashed
+            ::_exit(exit_machine_failed);  // the crash handler itself has crashed
         }
         while (true) {
-            ::pause();  // another thread is reporting its crash
+            ::pause();  // another thread is already reporting a crash
         }
     }
     crashing = ::pthread_self();
@@ -87,7 +87,7 @@ extern "C" void on_crash(int number) {
 void name_crashes() {
     worker = ::pthread_self();
     has_bar_on_terminal = ::isatty(STDERR_FILENO) != 0;
-    // A stack that has overflowed holds no handler.
+    // The crash handler gets a stack of its own, since an overflowed stack has no room for it.
     static std::array<char, 64 * 1024> stack;
     const stack_t alternative{.ss_sp = stack.data(), .ss_flags = 0, .ss_size = stack.size()};
     ::sigaltstack(&alternative, nullptr);

@@ -13,8 +13,8 @@ namespace pt {
 // A layer of an EXR file: channels "name.R", "name.G", .. or, if it has no name, "R", "G", ..
 struct ExrLayer {
     std::string name;
-    std::string channels;       // channel names of one letter each
-    std::vector<float> values;  // row-major from the top, a pixel's channels adjacent
+    std::string channels;       // names of channels, one letter each
+    std::vector<float> values;  // pixel values, row-major from the top, a pixel's channels adjacent
 };
 
 // Whether this program was built with the OpenEXR library.

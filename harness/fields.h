@@ -24,7 +24,7 @@ public:
     using std::runtime_error::runtime_error;
 };
 
-// What a reader of fields does when a required key is missing.
+// What reading a struct from JSON does when a required key is missing.
 enum class Missing { is_refused, is_left_out };
 
 namespace fields_detail {

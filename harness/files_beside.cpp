@@ -23,7 +23,7 @@ bool holds(const fs::path& path, const std::string& content) {
     }
     try {
         return read_earlier_output(path.string(), content.size()) == content;
-    } catch (const InputError&) {  // the file is unreadable, so another user's
+    } catch (const InputError&) {  // an unreadable file must be another user's
         return false;
     }
 }

@@ -18,7 +18,7 @@ void check_replacement(const std::string& file, const std::string& content, bool
 
 class FilesBeside {
 public:
-    FilesBeside() = default;  // writes nothing, so that every name is free
+    FilesBeside() = default;  // a set that writes nothing, so that every file name is free
     explicit FilesBeside(std::filesystem::path out) : out_(std::move(out)) {}
 
     // A function that gives the N-th name to try for a file, without its folder.
@@ -27,7 +27,7 @@ public:
     // that is free or has the same content. Throws InputError if a name cannot be used.
     std::string add(const NameOf& name, std::size_t first, std::string content);
 
-    // The contents of the files beside --out, by their names.
+    // The contents of the files to be written beside --out, by their names.
     const std::map<std::string, std::string>& contents() const { return contents_; }
 
     // Writes all files beside --out, and then the file of --out with `content`, so that whoever finds that file finds

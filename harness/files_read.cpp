@@ -18,7 +18,7 @@ FileId id_of(const struct stat& status) {
 }
 
 struct FilesRead {
-    std::mutex mutex;  // needed since several threads may read scenes
+    std::mutex mutex;  // guards `ids`, since several threads may read scenes
     std::set<FileId> ids;
 };
 

@@ -8,7 +8,7 @@
 
 namespace pt {
 
-// Records a file as read; called by read_file.
+// Records that this call has read a file; called by read_file.
 void note_read(const struct stat& status);
 
 // Throws InputError if this call has read `file`, the value of the option `flag`: it is a scene, or a file that a scene

@@ -10,7 +10,7 @@
 
 namespace pt {
 
-inline constexpr int exit_interrupted = 130;  // 128 + SIGINT, as shells report Ctrl-C; also for SIGTERM and SIGHUP
+inline constexpr int exit_interrupted = 130;  // exit code: 128 + SIGINT, also for SIGTERM and SIGHUP
 
 class Interrupt {
 public:
@@ -20,7 +20,7 @@ public:
     Interrupt(const Interrupt&) = delete;
     Interrupt& operator=(const Interrupt&) = delete;
 
-    // Whether an interrupting signal has arrived.
+    // Whether SIGINT, SIGTERM or SIGHUP has arrived.
     bool requested() const;
     // Sets a function `end` for overdue programs: if the program still runs `grace` after a signal, `end` is called on
     // a thread of its own and the process exits with the code that it returns; without `end`, with exit_interrupted.
@@ -36,8 +36,8 @@ private:
     std::function<int()> end_;
     std::mutex mutex_;
     std::condition_variable changed_;
-    bool is_ending_ = false;   // the program is ending by itself
-    bool is_overdue_ = false;  // the grace period has passed and `end_` is called
+    bool is_ending_ = false;   // whether the program is ending by itself
+    bool is_overdue_ = false;  // whether the grace period has passed, so that `end_` is called
     bool is_over_ = false;
     std::thread watcher_;
 };

@@ -51,9 +51,10 @@ public:
     const std::string& path() const { return path_; }
     const std::string& file() const { return file_; }
 
-    // A finite number in [low, high]; the error message says `allowed`.
+    // Returns a finite number in [low, high]; otherwise throws InputError that says `allowed`.
     double number(double low, double high, const std::string& allowed) const;
-    // A whole number in [low, high], written without a fraction.
+    // Returns a whole number in [low, high], written without a fraction; otherwise throws InputError that says
+    // `allowed`.
     long long whole(long long low, long long high, const std::string& allowed) const;
     bool boolean() const;
     std::string text() const;
@@ -87,7 +88,7 @@ public:
     bool has(const std::string& key) const { return json_->contains(key); }
     // The member at a required key. Throws InputError if the key is missing.
     JsonValue required(const std::string& key) const;
-    // The member at a key for which has(key) is true.
+    // The member of a JSON object at a key for which has(key) is true.
     JsonValue at(const std::string& key) const;
 
 private:

@@ -34,7 +34,7 @@ struct AutotuneArguments {
 
 constexpr int samples_per_value = 5;
 constexpr int samples_at_the_end = 9;
-constexpr double least_gain = 0.01;  // smaller gains in time are noise: the tunable keeps its default
+constexpr double least_gain = 0.01;  // relative gain in time below which a tunable keeps its default, as noise
 
 double median(std::vector<double> values) {
     std::sort(values.begin(), values.end());
@@ -53,7 +53,7 @@ public:
     }
 
     double typical(const Variant& variant) const {
-        (void)milliseconds(variant, 1);  // compiles the kernels and warms up
+        (void)milliseconds(variant, 1);  // an untimed first render compiles the kernels and warms up
         std::vector<double> all;
         for (std::uint64_t seed = 1; seed <= samples_per_value; ++seed) {
             all.push_back(milliseconds(variant, seed));

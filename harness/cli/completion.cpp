@@ -22,7 +22,7 @@ Words split_words(const std::string& line) {
         words.push_back(word);
     }
     if (line.empty() || line.back() == ' ' || line.back() == '\t') {
-        words.emplace_back();  // an empty word begins at the cursor
+        words.emplace_back();  // after a space the word to complete is empty
     }
     return words;
 }

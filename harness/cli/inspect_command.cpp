@@ -123,7 +123,7 @@ int run(const InspectArguments& arguments) {
         refuse_source(arguments.out);
         refuse_result(arguments.out);
     }
-    (void)parse_backend("cuda");  // fails if the build has no CUDA variants
+    (void)parse_backend("cuda");  // throws if the build has no CUDA variants
     const std::vector<Variant> variants = asked_variants(arguments, scene);
     nlohmann::ordered_json reports = nlohmann::ordered_json::array();
     std::string not_applicable;

@@ -9,9 +9,9 @@ namespace pt {
 
 // The overview of `ptbench list`: one line for each axis with its choices, names of scenes and suites, backends.
 std::string overview_text();
-// The axes, one line each.
+// The list of all axes, one line for each.
 std::string axes_text();
-// The features of kernels, one name per line.
+// The list of kernel features, one name per line.
 std::string features_text();
 // The choices of an axis, with origins, claims and tunables.
 std::string axis_text(const nlohmann::ordered_json& axis);

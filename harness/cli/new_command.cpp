@@ -54,9 +54,9 @@ constexpr TemplateFile material_files[] = {
 // A macro list in a source file with one line for each shape or material.
 struct ListOf {
     std::string_view file;
-    std::string_view end_of_lines;  // how the last line of the list ends, and what follows
-    std::string_view line;          // format of a line; {0}: the name, {1}: the class, {2}: the name in capitals
-    std::string_view example;       // an example of a line of the list, for messages
+    std::string_view end_of_lines;  // text with which the macro list ends, and what follows
+    std::string_view line;          // format; {0}: the name, {1}: the class, {2}: the name in capitals
+    std::string_view example;       // an example of a line of the macro list, for messages
 };
 constexpr ListOf shape_list{"kernels/shape_list.h", ", more)\n\n", "SHAPE({0}, {0}s, {1}, {2}S, more)",
                             "SHAPE(..., more)"};
@@ -109,7 +109,7 @@ std::string replaced(std::string text, std::string_view placeholder, std::string
     return text;
 }
 
-// The name of the class, e.g. MyBallShape for a shape my_ball.
+// The class name of a new shape or material, e.g. MyBallShape for a shape my_ball.
 std::string type_of(const std::string& name, const Kind& kind) {
     std::string type;
     bool begins = true;
@@ -165,7 +165,7 @@ constexpr std::string_view reserved_names[] = {
     "unsigned",      "using",       "virtual",   "void",      "volatile",     "wchar_t",
     "while",         "xor",         "xor_eq"};
 
-constexpr std::size_t longest_name = 32;  // a variant's name contains it, with other choices
+constexpr std::size_t longest_name = 32;  // limits the length of variants' names, which contain the choice's name
 
 // Whether a name is snake_case: lower case letters and digits, joined by single underscores, starting with a letter.
 bool is_snake_case(const std::string& name) {
@@ -238,7 +238,7 @@ void check_is_free(const fs::path& home, const Kind& kind, const std::string& na
     }
 }
 
-// The files to write; nothing is written yet.
+// The files that `ptbench new` would write, with their contents; nothing is written yet.
 std::vector<NewFile> new_files(const fs::path& home, const Kind& kind, const std::string& name) {
     std::vector<NewFile> files;
     for (const TemplateFile& file : kind.files) {

@@ -172,7 +172,7 @@ RankedRender render_aloud(const Scene& scene, RenderRequest request, const Trial
         if (is_short) {
             watch.reached(static_cast<double>(checkpoint.samples) / request.samples);
         } else {
-            watch.end();  // a progress bar replaces the watch
+            watch.end();  // the progress bar replaces the watch of the render's phases
             progress.step(fmt::format("{} of {} spp", checkpoint.samples, request.samples));
         }
     };
@@ -181,7 +181,7 @@ RankedRender render_aloud(const Scene& scene, RenderRequest request, const Trial
 
 struct Chosen {
     Variant variant;
-    std::string by;  // what made the choice
+    std::string by;  // what chose the variant, for the message to the user
 };
 
 // The variant that the call names; axes left open get the fastest known choice that goes with the others (fastest.h).

@@ -59,7 +59,7 @@ void ask_for_errors(Study& study) {
     study.spp_on = {{Backend::cpu, 256}, {Backend::cuda, 4096}};
 }
 
-// The study that --scene and --axis describe.
+// The study that the options --scene and --axis of `ptbench run` describe.
 Suite suite_from_arguments(const RunArguments& arguments) {
     Study study;
     study.name = "adhoc";

@@ -10,7 +10,7 @@
 namespace pt {
 
 struct StabilityRequest {
-    std::vector<std::string> cases, families;  // neither cases nor families named: every case
+    std::vector<std::string> cases, families;  // names of cases and of families; if both are empty, every case is run
     std::vector<std::string> values;           // "NAME=VALUE" of the only point; empty: the cases' points
     std::vector<std::string> axes;             // "AXIS=CHOICE,CHOICE"; empty: the standard variants
     std::uint64_t seed = 1;
@@ -32,7 +32,7 @@ std::vector<Variant> asked_variants(const StabilityRequest& request, Backend bac
 std::vector<Variant> variants_of_case(const std::vector<Variant>& variants, const stability::Case& stiff_case,
                                       const StabilityRequest& request, Backend backend);
 
-// The tasks of a call, grouped by case.
+// All tasks of a call of `ptbench stability`, grouped by case.
 std::vector<stability::Task> all_tasks(const StabilityRequest& request, Backend backend);
 
 }  // namespace pt

@@ -17,14 +17,14 @@ struct VerifyArguments {
     std::string devices;
     std::vector<std::string> tunables;
     std::string backend;
-    std::string resolution;  // empty resolution, spp 0 or depth 0: the default of the check
+    std::string resolution;  // an empty resolution, spp 0 or depth 0 means the check's default
     std::uint32_t spp = 0;
     std::uint32_t depth = 0;
     std::uint64_t seed = 1;
     bool quick = false;
     CompileOnly compile_only;
     bool quiet = false;
-    std::size_t jobs = 0;  // number of processes; 0: as many as speed up the backend
+    std::size_t jobs = 0;  // number of worker processes; 0: as many as speed up the backend
     bool statistical = false;
     std::vector<std::string> against;
     std::uint32_t runs = 16;
@@ -46,7 +46,7 @@ class NotApplicableLines {
 public:
     void add(const std::string& variant, const std::string& reason);
     void print(const std::string& scene) const;
-    // The number of variants added.
+    // The number of variants that were added as not applicable.
     std::size_t variants() const { return variants_; }
 
 private:
@@ -54,7 +54,7 @@ private:
         std::string reason, first;
         std::size_t variants;
     };
-    std::vector<Group> groups_;  // groups of variants by reason, in order of their first variants
+    std::vector<Group> groups_;  // variants grouped by reason, in order of their first variants
     std::size_t variants_ = 0;
 };
 

@@ -57,7 +57,7 @@ std::vector<MeanClaim> claims_of(const Scene& scene, const std::vector<Variant>&
     for (const Variant& variant : variants) {
         const Variant image = image_of(scene, variant, backend);
         if (!images.insert(image).second || (against.empty() && claim_of(image, backend) == Claim::bitwise)) {
-            continue;  // bitwise claims are tested more strictly without --statistical
+            continue;  // a bitwise claim is tested more strictly by comparing films
         }
         std::string reason = why_not_applicable(image, features_of(scene), backend);
         if (reason.empty() && against.empty() && claim_of(image, backend) == Claim::biased) {
@@ -243,9 +243,9 @@ int run_statistical(const VerifyArguments& arguments, Backend backend, const std
     return tally.failed == 0 && tally.held > 0 ? exit_good : exit_check_failed;
 }
 
-// The scenes and variants of a call. Throws InputError for unknown names.
+// The scenes and variants that a call of `ptbench verify` names. Throws InputError for unknown names.
 FilmsToVerify films_of(const VerifyArguments& arguments, Backend backend) {
-    (void)parse_resolution(arguments.size());  // checked before variants are listed, which takes seconds
+    (void)parse_resolution(arguments.size());  // checks the resolution before variants are listed, which takes seconds
     FilmsToVerify films{backend, find_scenes(scenes_asked_for(arguments.scenes)), {}};
     for (const Scene& scene : films.scenes) {
         films.variants.push_back(variants_to_verify(arguments, backend, scene));

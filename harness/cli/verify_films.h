@@ -17,7 +17,7 @@ struct FilmsToVerify {
     std::vector<std::vector<Variant>> variants;
 };
 
-// The size of the second, larger film of each choice, "WxH".
+// The resolution, "WxH", of the larger film that one variant of each choice is verified on.
 std::string size_of_large_films();
 
 // The number of processes that check films: 1 on a CPU, where every render uses all processors already, and several on

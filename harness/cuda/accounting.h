@@ -14,7 +14,7 @@ struct DeviceCounts {
     Totals totals;
     HealthCounters health;
     std::vector<std::uint64_t> live;     // by segment: paths alive when the segment was traced
-    std::vector<std::uint64_t> in_play;  // by segment: paths in the queue, alive or not; of integrators with a queue
+    std::vector<std::uint64_t> in_play;  // by segment: paths in a queue, alive or not
 };
 DeviceCounts download_counts(const Job& job, const IntegratorTraits& integrator);
 

@@ -15,7 +15,7 @@
 #include "harness/render/renderer.h"
 
 namespace pt {
-struct GpuContext;  // defined in harness/machine/run_context.h
+struct GpuContext;
 }
 
 namespace pt::cuda {

@@ -95,7 +95,7 @@ RenderCell<Real>::RenderCell(const Scene& scene, const RenderRequest& request, c
     facts_.threads = job_.block;
     facts_.options = job_.module->image().options;
     integrator_->prepare();
-    choice_launches_ = 0;  // graph capture counted launches that were not made
+    choice_launches_ = 0;  // the launches counted during graph capture were not made
     PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));
     facts_.prepare_ms = milliseconds_since(start);
 }
@@ -202,7 +202,7 @@ void RenderCell<Real>::upload() {
         const std::uint32_t rows[] = {rows_.first, rows_.step, job_.pixels};
         PT_CUDA_CHECK(
             cudaMemcpyAsync(job_.module->global("pt_rows"), rows, sizeof rows, cudaMemcpyHostToDevice, job_.stream));
-        PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));  // waits before `rows` goes out of scope
+        PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));  // waits for the copy, since `rows` goes out of scope
     }
     clear(job_.film.sums, std::size_t{3} * job_.image_pixels * sizeof(std::int64_t), job_.stream);
     clear(job_.film.faults, sizeof(FilmFaults), job_.stream);

@@ -36,11 +36,11 @@ public:
         const std::function<std::optional<SampleRange>()>& next, const std::function<void()>& enqueue_more = [] {});
     // Whether all pieces have been rendered; to be called once they are all enqueued.
     bool has_rendered() const { return is_ready(cudaEventQuery(end_.get())); }
-    // Reads the film and the counters back.
+    // Downloads the film and the counters of the render from the device.
     void collect(RenderResult& result);
-    // Reads the counters back, but not the film.
+    // Downloads the counters of the render from the device, but not the film.
     void collect_counts(RenderResult& result);
-    // Adds the time spent on learning before the render, while the device was idle.
+    // Adds the time spent on learning for roulette before the render, while the device was idle.
     void add_learning(RenderResult& result) const;
     FilmFaults faults() const;
     const JobOf<Real>& job() const { return job_; }
@@ -70,7 +70,7 @@ private:
     std::unique_ptr<Arena> arena_;
     Stream stream_;
     Event begin_, end_;
-    Event enqueued_[2];  // recorded behind the last two enqueued pieces
+    Event enqueued_[2];  // events behind the last two enqueued pieces
     StageEvents stages_;
     JobOf<Real> job_;
     std::unique_ptr<Integrator> integrator_;

@@ -21,7 +21,7 @@ public:
     std::size_t bytes() const { return arrays_.bytes(); }
 
 private:
-    MeshGeometry host_;  // keeps the addresses in the key from being used by another mesh
+    MeshGeometry host_;  // kept alive so that no other mesh gets the addresses in its cache key
     MeshView view_;
     DeviceArrays arrays_;
 };
@@ -43,7 +43,7 @@ public:
     std::size_t bytes() const { return arrays_.bytes(); }
 
 private:
-    std::shared_ptr<const SceneTree> host_;  // keeps the address in the key from being used by another tree
+    std::shared_ptr<const SceneTree> host_;  // kept alive so that no other tree gets the address in its cache key
     ObjectTree objects_;
     FlatTree flat_;
     DeviceArrays arrays_;

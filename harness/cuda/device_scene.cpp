@@ -34,7 +34,7 @@ public:
         static_assert(std::is_trivially_copyable_v<T> && sizeof(T) % 4 == 0);
         std::vector<T> cleared(values, values + count);
         for (T& value : cleared) {
-            __builtin_clear_padding(&value);  // the text is part of the key in the kernel cache
+            __builtin_clear_padding(&value);  // padding must not vary, since the text is part of the kernel cache's key
         }
         std::vector<std::uint32_t> words(std::max<std::size_t>(1, count * sizeof(T) / 4));
         if (count != 0) {
@@ -226,7 +226,7 @@ void DeviceScene<Real>::upload(const Module& module, cudaStream_t stream) const 
         PT_CUDA_CHECK(cudaMemcpyAsync(module.global("pt_scene"), constant.data(), constant.size(),
                                       cudaMemcpyHostToDevice, stream));
     }
-    PT_CUDA_CHECK(cudaStreamSynchronize(stream));  // waits before `constant` goes out of scope
+    PT_CUDA_CHECK(cudaStreamSynchronize(stream));  // waits for the copy, since `constant` goes out of scope
 }
 
 template std::string scene_place(const SceneView<float>& scene, FeatureSet features, bool is_baked);

@@ -50,10 +50,10 @@ private:
     SceneView<Real> view_ = {};
     std::vector<std::shared_ptr<const DeviceMesh>> device_meshes_;
     std::shared_ptr<const DeviceTree> tree_;
-    MeshSearch<Real> search_;                    // copy with device pointers
-    EnvironmentMap<Real> environment_map_ = {};  // copy with device pointers
-    AdjointCache<Real> adjoint_ = {};            // copy with device pointers
-    std::vector<MeshInstance<Real>> instances_;  // copies with device pointers
+    MeshSearch<Real> search_;                    // search structures of meshes, with device pointers
+    EnvironmentMap<Real> environment_map_ = {};  // environment map with device pointers
+    AdjointCache<Real> adjoint_ = {};            // radiance estimates with device pointers
+    std::vector<MeshInstance<Real>> instances_;  // instances of meshes with device pointers
 };
 
 }  // namespace pt::cuda

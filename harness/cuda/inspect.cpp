@@ -64,7 +64,7 @@ Json pipes_json(const PipeCounts& counts) {
 struct Program {
     std::string of;  // "compaction=atomic_append"
     ModuleRequest request;
-    std::uint32_t threads;  // threads per thread block
+    std::uint32_t threads;  // number of threads per thread block
     bool is_launched = true;
 };
 

@@ -106,7 +106,7 @@ ModuleRequest module_request(const Scene& scene, const Variant& variant, const s
         }
     }
     if (!traits.integrator.has_queue) {
-        request.layout = "aos";  // unused without a queue; a fixed value saves compilations
+        request.layout = "aos";  // the layout is unused without a queue; a fixed one saves compilations
     }
     if (!integrator.stores_hits) {
         request.sort_key = "material";

@@ -44,7 +44,7 @@ public:
         std::vector<std::jthread> threads;
         for (std::uint32_t device = 1; device < devices; ++device) {
             threads.emplace_back([&, device] {
-                (void)cudaSetDevice(static_cast<int>(device));  // slow, so the device is set before the clock starts
+                (void)cudaSetDevice(static_cast<int>(device));  // a slow call, so before the clock starts
                 ready += 1;
                 while (!is_started) {
                     std::this_thread::yield();
@@ -82,7 +82,7 @@ public:
         missing_ -= 1;
     }
     bool is_open() const { return missing_ == 0; }
-    // Whether all threads have arrived; to be called once the gate is open.
+    // Whether all threads have arrived at the gate, rather than given up; to be called once it is open.
     bool have_all_come() const { return !is_given_up_; }
 
 private:
@@ -102,7 +102,7 @@ public:
         const std::uint32_t used =
             devices_at_work(traits_.partition, traits_.devices.count, request.samples, settings.height);
         const SampleSource source(traits_.partition, used, {request.first_sample, request.samples});
-        // A cell is made for the most samples that it renders at once
+        // A cell is made for the most samples that it renders at once.
         request_.samples = std::min(request.samples, source.most_at_once());
         request_.checkpoints = {};
         request_.on_checkpoint = {};
@@ -270,7 +270,7 @@ private:
         }
     }
 
-    RenderRequest request_;  // the request of each cell; cells keep a reference to it
+    RenderRequest request_;  // the request for each device's cell; cells keep a reference to it
     VariantTraits traits_;
     std::size_t film_words_;
     OnDevice first_;  // makes the first device current by default

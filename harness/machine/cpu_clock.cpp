@@ -29,7 +29,7 @@ constexpr double least_over_time_stamps = 0.05;
 constexpr double most_over_cpufreq = 2.5;
 
 constexpr std::uint64_t steps_per_pass = 100000;
-constexpr std::uint64_t steps_per_turn = 8;  // must match the assembler's .rept below
+constexpr std::uint64_t steps_per_turn = 8;  // must match the count of the assembler's .rept below
 
 // Calls `turn`, which makes steps_per_turn steps of an instruction chain, until `steps` are made. Every step depends on
 // the one before, which a register carries from turn to turn.

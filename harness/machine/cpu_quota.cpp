@@ -94,9 +94,9 @@ Throttling throttling_of(const std::string& folder) {
     for (double value = 0; lines >> name >> value;) {
         if (name == "nr_throttled") {
             found.periods = static_cast<std::uint64_t>(value);
-        } else if (name == "throttled_usec") {  // cgroup version 2
+        } else if (name == "throttled_usec") {  // key of control group version 2, in us
             found.ms = 1e-3 * value;
-        } else if (name == "throttled_time") {  // cgroup version 1, in ns
+        } else if (name == "throttled_time") {  // key of control group version 1, in ns
             found.ms = 1e-6 * value;
         }
     }

@@ -14,7 +14,7 @@ namespace pt {
 // How often control groups have stopped the process's threads, since the groups were created.
 struct Throttling {
     std::uint64_t periods = 0;
-    double ms = 0;  // CPU time lost, summed over processors
+    double ms = 0;  // CPU time lost by throttling, summed over processors
 
     Throttling operator-(const Throttling& before) const { return {periods - before.periods, ms - before.ms}; }
 };
@@ -27,7 +27,7 @@ public:
 
     // The number of CPUs that the tightest quota allows (0.5 for half of one); nothing if there is no quota.
     std::optional<double> quota() const;
-    // The throttling of all groups that have a quota, added up.
+    // The throttling of this process by all control groups that have a quota, added up.
     Throttling throttling() const;
 
 private:

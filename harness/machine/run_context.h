@@ -9,12 +9,12 @@
 
 namespace pt {
 
-// The GPU and the compiler of its kernels; all values are texts.
+// Context keys for the GPU and the compiler of its kernels; all values are texts.
 struct GpuContext {
     std::string device = {}, compute_capability = {}, multiprocessors = {}, clock_mhz = {}, memory_clock_mhz = {};
     std::string memory_bus_bits = {}, memory_mib = {}, l2_bytes = {}, ecc = {}, mps = {}, driver = {}, runtime = {};
     std::string nvrtc = {}, cccl = {}, kernel_source_hash = {};
-    std::optional<std::string> devices = {}, nccl = {};  // set on hosts with several equal GPUs
+    std::optional<std::string> devices = {}, nccl = {};  // only on hosts with several equal GPUs
 
     template <class Self, class Visit>
     static void fields(Self& self, const Visit& visit) {
@@ -38,7 +38,7 @@ struct GpuContext {
     }
 };
 
-// The machine and the build; all values are texts.
+// Context keys for the machine and the build; all values are texts.
 struct MachineContext {
     std::string schema_version = "1";
     std::string version = {}, git_sha = {}, git_dirty = {}, machine = {}, cpu_model = {}, os = {};
@@ -46,8 +46,8 @@ struct MachineContext {
     std::string clock = {};  // method of measuring the CPU clock
     std::string threads = {}, cpu_quota = {}, thrust_version = {}, thrust_system = {};
     std::string google_benchmark_version = {};
-    std::optional<GpuContext> gpu = {};     // set for runs on a GPU
-    std::optional<std::string> ranks = {};  // number of MPI ranks, if there are several
+    std::optional<GpuContext> gpu = {};     // only for runs on a GPU
+    std::optional<std::string> ranks = {};  // number of MPI ranks, only if there are several
 
     template <class Self, class Visit>
     static void fields(Self& self, const Visit& visit) {
@@ -111,7 +111,7 @@ struct BenchmarkContext {
             visit("num_sharing", self.num_sharing);
         }
     };
-    std::string date = {};  // end of the run, ISO 8601
+    std::string date = {};  // time at the end of the run, ISO 8601
     std::string host_name = {};
     std::string executable = "ptbench";
     int num_cpus = 0;
@@ -124,7 +124,7 @@ struct BenchmarkContext {
     static constexpr const char* mhz_per_cpu_key = "mhz_per_cpu";
     static constexpr const char* load_avg_key = "load_avg";
 
-    // The values for this machine; `date` is left empty.
+    // The context values for this machine at this moment; `date` is left empty.
     static BenchmarkContext now();
 
     template <class Self, class Visit>

@@ -20,7 +20,7 @@ using LearningConfig =
 constexpr std::size_t paths_per_chunk = 128;
 // Weight, in records, of the average that is mixed into each estimate, since estimates from few records are noisy.
 constexpr double records_of_the_mean = 32;
-constexpr std::uint32_t most_tiles = 16;  // image tiles with an estimate each, along either side
+constexpr std::uint32_t most_tiles = 16;  // image tiles with an estimate each, along each side of the image
 constexpr std::uint32_t most_steps = 64;  // path segments with an estimate each; later ones share the last
 // The share of vertices that may lie outside the grid on either side of each axis.
 constexpr double left_out = 0.005;
@@ -218,7 +218,7 @@ std::unique_ptr<const AdjointTable<Real>> adjoint_table(const AdjointRecords& re
         all.add(start.brought, 1);
     }
     const double mean = all.value(0, 0);
-    if (!(mean > 0)) {  // also false without vertices
+    if (!(mean > 0)) {  // no radiance, or no vertices at all
         return nullptr;
     }
     auto table = std::make_unique<AdjointTable<Real>>();
@@ -243,7 +243,7 @@ LearnedAdjoint<Real> learned_adjoint(const Scene& scene, const RenderSettings& s
     if (settings.adjoint.paths == 0) {
         return learned;
     }
-    const SceneBuffers<float> trees(scene, settings, quick_acceleration(scene));  // builds and keeps the trees
+    const SceneBuffers<float> trees(scene, settings, quick_acceleration(scene));  // builds the trees, for later too
     const double cpu_start = process_cpu_ms();
     const auto start = std::chrono::steady_clock::now();
     learned.table = adjoint_table<Real>(learn_adjoint(scene, settings), settings);

@@ -14,7 +14,7 @@ namespace pt {
 
 // A vertex of a learning path, before the path scatters; colours are sums of their channels.
 struct AdjointRecord {
-    Vec3<float> position;  // position relative to the eye
+    Vec3<float> position;  // vertex position relative to the eye
     std::uint32_t side;    // nearest_side of the surface normal
     std::uint32_t segment;
     float carried;  // throughput of the path at this vertex
@@ -38,7 +38,7 @@ AdjointRecords learn_adjoint(const Scene& scene, const RenderSettings& settings)
 
 template <class Real>
 struct AdjointTable {
-    AdjointCache<Real> cache{};  // points into the vectors of this table
+    AdjointCache<Real> cache{};  // kernels' view, with pointers into the vectors below
     std::vector<float> by_place, by_segment, by_pixel;
 
     AdjointTable() = default;
@@ -54,7 +54,7 @@ std::unique_ptr<const AdjointTable<Real>> adjoint_table(const AdjointRecords& re
 // acceleration structures is not counted, as in a render.
 template <class Real>
 struct LearnedAdjoint {
-    std::unique_ptr<const AdjointTable<Real>> table;  // null without roulette by estimates, or without radiance
+    std::unique_ptr<const AdjointTable<Real>> table;  // null if roulette needs no estimates or paths gathered nothing
     double wall_ms = 0, cpu_ms = 0;
 
     const AdjointCache<Real>* cache() const { return table != nullptr ? &table->cache : nullptr; }

@@ -1,4 +1,4 @@
-// Splits a render into parts that end at checkpoints.
+// Splits a render into parts that end at checkpoints, numbers of samples after which a callback sees the film.
 #pragma once
 
 #include "harness/render/renderer.h"
@@ -8,7 +8,7 @@ namespace pt {
 // A part of a render: `samples` samples per pixel after the `done` samples of the parts before.
 struct RenderPart {
     std::uint32_t done = 0;
-    std::uint32_t samples = 1;  // samples per pixel
+    std::uint32_t samples = 1;  // samples per pixel in this part
 };
 
 // Returns one part for each checkpoint, or a single part without checkpoints. Throws std::logic_error unless the

@@ -41,9 +41,9 @@ class SampleSource {
 public:
     SampleSource(const PartitionTraits& partition, std::uint32_t devices, const SampleRange& samples);
 
-    // The next samples for a device; nothing if it has none left.
+    // The next range of samples that a device shall render; nothing if it has no work left.
     std::optional<SampleRange> next(std::uint32_t device);
-    // The most samples that `next` may hand out at once.
+    // The most samples per pixel that `next` may hand out at once.
     std::uint32_t most_at_once() const;
 
 private:
@@ -55,7 +55,7 @@ private:
     SampleRange samples_;
     std::mutex mutex_;
     std::uint32_t taken_ = 0;    // samples handed out from the shared counter
-    std::vector<bool> has_had_;  // whether a device has had its share, by device
+    std::vector<bool> has_had_;  // by device: whether the device has had its share of samples
 };
 
 }  // namespace pt

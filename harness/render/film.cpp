@@ -17,7 +17,7 @@ std::string faults_text(const FilmFaults& faults) {
 
 double film_scale(double bound, std::uint64_t samples) {
     int bound_exponent = 0;
-    std::frexp(bound, &bound_exponent);  // gives bound < 2^bound_exponent
+    std::frexp(bound, &bound_exponent);  // yields the exponent with bound < 2^bound_exponent
     int sample_exponent = 16;
     while (sample_exponent < 62 && (std::uint64_t{1} << sample_exponent) < samples) {
         ++sample_exponent;

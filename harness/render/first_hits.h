@@ -11,11 +11,11 @@ namespace pt {
 // Means over all camera rays of a pixel, where a ray without a hit counts as zeros, as in Mitsuba 3's integrator `aov`.
 // Divided by the coverage, they are means over the rays that hit a surface.
 struct FirstHits {
-    std::uint32_t rays = 0;       // camera rays per pixel
+    std::uint32_t rays = 0;       // number of camera rays per pixel
     std::vector<float> albedo;    // linear RGB of the surface, by first_hit_albedo
     std::vector<float> normal;    // shading normal in world space, on the side of the ray origin
     std::vector<float> depth;     // distance from the ray origin (on the lens, if any), in scene units
-    std::vector<float> coverage;  // share of the rays that hit a surface
+    std::vector<float> coverage;  // share of a pixel's camera rays that hit a surface
 };
 
 // Limit on the camera rays per pixel; the first samples of longer renders stand for all.

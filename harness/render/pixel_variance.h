@@ -30,8 +30,8 @@ public:
 private:
     std::uint32_t batches_ = 0;
     std::uint64_t samples_ = 0;
-    std::vector<std::int64_t> sums_;  // the film's sums at the last stop
-    std::vector<double> means_;       // weighted means of the batches so far; squares_ has the deviations
+    std::vector<std::int64_t> sums_;  // sums of the film at the last stop
+    std::vector<double> means_;       // means over the batches so far, weighted by samples
     std::vector<double> squares_;
 };
 

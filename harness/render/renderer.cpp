@@ -247,7 +247,7 @@ bool set_cuda_render(RenderRequested render) {
 }
 
 RenderResult render(const Scene& scene, const RenderRequest& request) {
-    (void)parts_of(request);  // throws for invalid checkpoints before any work is done
+    (void)parts_of(request);  // throws for invalid checkpoints before anything is rendered
     if (request.backend == Backend::cuda) {
         return cuda_render()(scene, request);
     }

@@ -13,11 +13,11 @@ namespace pt {
 
 // The state of a render after some of its samples; valid only during the callback.
 struct Checkpoint {
-    std::uint32_t samples = 0;  // samples per pixel so far
+    std::uint32_t samples = 0;  // samples per pixel rendered so far
     double wall_ms = 0;         // times so far, as in RenderResult, without callbacks
     double device_ms = 0;
     double cpu_ms = 0;
-    const Film& film;  // film of the samples so far, at the whole render's scale
+    const Film& film;  // film of the samples so far, at the scale of the whole render
 };
 
 struct RenderRequest {
@@ -25,7 +25,7 @@ struct RenderRequest {
     Backend backend = Backend::cpu;
     RenderSettings settings;  // settings that the variant determines are replaced (settings_for)
     std::uint32_t first_sample = 0;
-    std::uint32_t samples = 1;  // samples per pixel
+    std::uint32_t samples = 1;  // samples per pixel to render
     bool instrument = false;    // measures stages and live paths, which falsifies the render's time
     // Samples per pixel of the whole film, if this render adds only a part of them; 0: `samples`.
     std::uint32_t film_samples = 0;
@@ -48,7 +48,7 @@ struct CudaFacts {
     bool from_cache = false;           // whether all modules were in the kernel cache or loaded already
     double prepare_ms = 0;             // time for allocation, upload and graph capture
     std::size_t device_bytes = 0;      // device memory of the cell's arena
-    std::size_t path_bytes = 0;        // device memory per path in the queue, with compaction and sorting
+    std::size_t path_bytes = 0;        // device memory per path in the queue, including compaction and sorting
     std::size_t path_state_bytes = 0;  // part of `path_bytes`: one copy of a path's state
     std::uint32_t threads = 0;         // threads per thread block
     std::vector<Kernel> kernels;
@@ -76,13 +76,13 @@ struct RenderResult {
     StageTimes stages;
     FeatureSet needed = no_features;    // features needed by scene and variant
     FeatureSet compiled = no_features;  // features compiled into the kernel that ran
-    double wall_ms = 0;                 // from the first stage's start to the last one's end, without checkpoints
-    double device_ms = 0;               // time on the device; equal to wall_ms on the CPU backend
-    double cpu_ms = 0;                  // CPU time of all threads during wall_ms
-    CudaFacts cuda = {};                // facts of a render on CUDA
-    MeshFacts meshes = {};              // without triangles if the scene has no meshes
-    HealthCounters health = {};         // counters of an inspecting integrator; else zero paths
-    DeviceFacts devices = {};           // several devices: wall_ms is slowest_ms + reduce_ms + learning for roulette
+    double wall_ms = 0;          // time from the first stage's start to the last stage's end, without checkpoints
+    double device_ms = 0;        // time on the device; equal to wall_ms on the CPU backend
+    double cpu_ms = 0;           // CPU time of all threads during wall_ms
+    CudaFacts cuda = {};         // facts of a render on CUDA
+    MeshFacts meshes = {};       // facts about meshes; zero triangles if the scene has none
+    HealthCounters health = {};  // counters of an inspecting integrator; else zero paths
+    DeviceFacts devices = {};    // for several devices: wall_ms is slowest_ms + reduce_ms + learning for roulette
 };
 
 // The kernel with which a variant renders a scene: the features needed, and those compiled into the kernel.
@@ -114,7 +114,7 @@ Variant fast_reference_on(const Scene& scene, const Variant& variant, Backend ba
 // A CPU accelerator that is fast on large meshes; all accelerators give the same hits.
 Acceleration quick_acceleration(const Scene& scene);
 
-// The request's settings, completed by what its variant determines.
+// The settings of a render request, completed by what its variant determines.
 RenderSettings settings_for(const RenderRequest& request, const KernelChoice& kernel);
 
 // What an inspecting integrator must know of a scene, without counters; `file_index` is by object number.

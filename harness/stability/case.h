@@ -20,11 +20,11 @@ struct Parameter {
     std::string name;
     double default_value = 0;
     double lowest = 0, highest = 0;
-    std::string summary;  // one line of help, with the unit
+    std::string summary;  // one line of help on the parameter, with its unit
     bool is_whole = false;
 };
 
-// A value for every parameter of a case.
+// The value of every parameter of a stability case.
 class Values {
 public:
     double operator[](const std::string& name) const { return values_.at(name); }
@@ -40,7 +40,7 @@ private:
 
 // The largest error of a correct implementation, in single and in double precision, and the reason for that size.
 struct Tolerance {
-    double single = 0, fp64 = 0;  // absolute errors, in the quantity's unit
+    double single = 0, fp64 = 0;  // largest absolute errors, in the quantity's unit
     std::string origin;
 
     static Tolerance relative(double exact, double single, double fp64, std::string origin);
@@ -87,8 +87,8 @@ struct Twins {
     std::string change;  // what differs, e.g. "scene x 2^20"
     Json reference, changed;
     std::vector<std::uint32_t> parts = {};  // `changed` is rendered in runs of so many samples; empty: one run
-    std::map<std::string, std::uint32_t> tuning = {};  // tunables for `changed`; n/a if the variant lacks one
-    std::uint32_t samples = 8;                         // samples per pixel
+    std::map<std::string, std::uint32_t> tuning = {};  // tunables for rendering `changed`; n/a if the variant lacks one
+    std::uint32_t samples = 8;                         // samples per pixel of either render
 };
 
 // Parameter values at which a case is evaluated, each point as changes to the case's defaults.
@@ -108,14 +108,14 @@ struct DirectSetting {
 struct Case {
     std::string name;         // "lamp": plain, unique
     std::string catalogue;    // "S5", or "P1" and so on for ptbench's own cases
-    std::string family = {};  // one of `families`, set by CasesOf
+    std::string family = {};  // name of the case's family, set by CasesOf
     std::string title;
-    std::string stiff;    // one sentence on what is stiff about the case
-    std::string formula;  // source of the exact value
+    std::string stiff;    // one sentence on what makes the case stiff
+    std::string formula;  // source of the case's exact value
     std::vector<Parameter> parameters = {};
     // The points of a full run, as changes to the defaults. Empty: the defaults alone.
     Points points = {};
-    Points quick_points = {};  // points of a quick run; empty: the first of `points`
+    Points quick_points = {};  // parameter values of a quick run; empty: the first of `points`
     std::string sweep = {};    // the parameter that `points` vary, for the figure; empty if none
     // Choices of estimators with which the case is run besides the baseline's, e.g. {"direct_light", {"nee"}}.
     AxisChoices estimators = {};
@@ -130,7 +130,7 @@ struct Case {
     // Whether `direct` differs with naive formulas, and with double precision for intersection alone (mixed).
     bool direct_has_naive = false;
     bool direct_has_mixed = false;
-    // The feature that ptbench lacks to run the case; empty if it can be run.
+    // The feature whose absence in ptbench makes the case impossible; empty if the case can be run.
     std::string missing_feature = {};
     // Why the case is known to fail with these values and this variant, and the cure. Empty: the case must pass.
     std::function<std::string(const Values&, const VariantTraits&)> known_limit = {};
@@ -167,8 +167,8 @@ struct CasesOf {
     explicit CasesOf(std::vector<Case> cases) { register_cases(family, std::move(cases)); }
 };
 
-double mean_radiance(const RenderResult& result);              // mean over pixels and channels
-double mean_channel(const RenderResult& result, int channel);  // mean of a channel over pixels
+double mean_radiance(const RenderResult& result);              // radiance averaged over pixels and channels
+double mean_channel(const RenderResult& result, int channel);  // one channel averaged over pixels
 // A reader for Quantity::of: the channel value, among all pixels, that is farthest from `exact`.
 std::function<double(const RenderResult&)> farthest_from(double exact);
 // A reader for Quantity::of: how many segments paths lack of `depth` on average, having leaked out of a closed scene.

@@ -158,7 +158,7 @@ std::optional<Row> compared_with_reference(const Task& task, const Scene& scene,
     return row;
 }
 
-// Measures every quantity of a rendering once, with `paths` paths.
+// Measures every quantity of a stability rendering once, with about `paths` paths.
 std::vector<Row> look(const Task& task, const Rendering& rendering, const Scene& scene, std::uint64_t seed,
                       std::uint64_t paths) {
     const bool estimates = std::any_of(rendering.quantities.begin(), rendering.quantities.end(),

@@ -13,7 +13,7 @@ struct Task {
     Variant variant;
     std::uint64_t seed = 1;
     bool is_quick = false;
-    std::uint64_t paths = 0;  // paths of a rendering; 0: as many as the case asks for
+    std::uint64_t paths = 0;  // paths per rendering; 0: as many as the case asks for
 };
 
 // The verdict on a row. known_limit: failed where the case predicts it. not_applicable: cannot be evaluated. broken: no
@@ -23,10 +23,10 @@ std::string_view to_string(Status status);
 
 struct Row {
     Status status = Status::not_applicable;
-    std::string reason;  // why the status is not `passed`
+    std::string reason;  // why the status of the row is not `passed`
     Measurement measurement;
     double error = 0;          // by how much `measured` violates the relation, or 0
-    double allowed = 0;        // tolerance plus four standard errors
+    double allowed = 0;        // largest error allowed: tolerance plus four standard errors
     bool is_estimate = false;  // whether the quantity is estimated from batches
     int looks = 1;             // number of independent measurements until the verdict
     std::uint64_t paths = 0;
@@ -41,7 +41,7 @@ struct Row {
     double error_over_allowed() const { return error == 0 ? 0 : error / allowed; }
 };
 
-// Says why the task cannot be evaluated; empty if it can.
+// Says why a stability task cannot be evaluated; empty if it can.
 std::string not_applicable(const Task& task);
 
 // Evaluates a task: one row for each quantity, or a single row with the reason why there is none. Exceptions of a

@@ -12,15 +12,15 @@ namespace pt::stability {
 
 // A path's state at the end of a segment.
 struct Step {
-    std::uint32_t segment = 0;  // number of the path segment, from 1
+    std::uint32_t segment = 0;  // number of the path segment, counted from 1
     std::string object;         // "sphere 3 (glass), inside"; "nothing": the ray left the scene
     std::uint32_t object_code = 0;
     double t = 0;  // distance along the ray, scene units
     Vec3d position{0.0}, normal{0.0};
-    Vec3d direction{0.0};   // direction in which the path leaves
-    Vec3d throughput{0.0};  // throughput after the hit
+    Vec3d direction{0.0};   // direction in which the path leaves the hit point
+    Vec3d throughput{0.0};  // path throughput after the hit
     Vec3d radiance{0.0};    // radiance collected so far
-    bool is_alive = false;  // whether the path continues
+    bool is_alive = false;  // whether the path continues after this segment
 };
 
 // Replays a path in single or in double precision. `formula`: one of the features `formulas`, or none, added to the
@@ -36,9 +36,9 @@ std::optional<std::uint32_t> first_parting(const std::vector<Step>& a, const std
 // How many of a scene's paths diverge between single and double precision, by the segment at which they part.
 struct Divergence {
     std::uint64_t paths = 0;
-    std::vector<std::uint64_t> parted_at;  // [k]: number of paths that parted at segment k + 1
+    std::vector<std::uint64_t> parted_at;  // [k] is the number of paths that part at segment k + 1
     double difference = 0;                 // mean radiance in single minus double, over pixels and channels
-    double standard_error = 0;             // standard error of `difference`, from the paths
+    double standard_error = 0;             // standard error of `difference`
 
     std::uint64_t parted() const;
 };

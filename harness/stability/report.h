@@ -14,7 +14,7 @@ struct RunDescription {
     Backend backend = Backend::cpu;
     bool is_quick = false;
     std::uint64_t seed = 1;
-    std::uint64_t paths = 0;  // paths of a rendering; 0: as many as the cases ask for
+    std::uint64_t paths = 0;  // paths per rendering; 0: as many as the cases ask for
 };
 
 class Report {
@@ -44,12 +44,12 @@ private:
 
     std::string file_;
     std::string growing_;      // the file written after every case: file_, or file_ + ".unfinished"
-    mutable FileStamp stamp_;  // stamp of file_ when last read or written here
-    bool is_changed_ = true;   // false keeps a complete file as it is
+    mutable FileStamp stamp_;  // stamp of file_ when this report last read or wrote it
+    bool is_changed_ = true;   // whether rows were added, so that the file must be written
     RunDescription description_;
     Json variants_ = Json::object();  // name and choices of each variant with a row, by identity
     Json rows_ = Json::array();
-    std::set<std::string> done_;  // keys of the tasks with rows
+    std::set<std::string> done_;  // keys of the tasks whose rows the report has
 };
 
 // Describes a task, as "lamp a=0.1 albedo=0.5 depth=9 [nee, double]": case, point, choices that are not the plainest.

@@ -33,7 +33,7 @@ Rendering pile_of_plates(const Pile& pile, std::uint64_t paths) {
     }
     scene.quad(scene.emitter(lamp_behind), {0, 0, end + 1}, 1e10, 1e10, {90, 0, 0});
     scene.quad(scene.emitter(lamp_before), {0, 0, -1}, 1e10, 1e10, {90, 0, 0});
-    const long double excess = (1.0 + pile.excess) - 1.0;  // rounded as in the scene file
+    const long double excess = (1.0 + pile.excess) - 1.0;  // refractive index - 1, rounded as in the scene file
     const long double reflected = reflectance(excess, pile.cosine);
     scene.depth(enough_segments(pile.plates, reflected));
     const long double within =
@@ -93,7 +93,7 @@ std::vector<Rendering> cut_off(const Values& v) {
     const long double r = reflectance(static_cast<long double>(v["ior"]) - 1, cosine_at(v["impact"]));
     const long double lost = (1 - r) * std::pow(r, static_cast<long double>(hits));
     const std::uint64_t paths = 1u << 16;
-    // The derivative of the reflectance times the rounding of the impact parameter.
+    // Tolerance for the rounding of the impact parameter, times the slope of the reflectance.
     const double slope = static_cast<double>(v["impact"] / cosine_at(v["impact"])) * 4 * 0x1p-22;
     return {{.scene = scene.json(),
              .quick_paths = paths,

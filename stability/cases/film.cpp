@@ -65,7 +65,7 @@ std::vector<Measurement> jitter(std::uint32_t width, std::uint32_t x, std::uint3
     camera.right = {Real(1), Real(0), Real(0)};
     camera.up = {Real(0), Real(1), Real(0)};
     camera.forward = {Real(0), Real(0), Real(1)};
-    camera.pixel_size = Real(2) / static_cast<Real>(width);  // for a field of view of 90 degrees
+    camera.pixel_size = Real(2) / static_cast<Real>(width);  // makes the field of view 90 degrees
     camera.width = width;
     camera.height = 1;
     camera.jitter = 1;

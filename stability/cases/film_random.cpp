@@ -52,7 +52,7 @@ std::uint64_t light_faults(const Body& body, Real u, Real v, Real w) {
                       std::isfinite(point.inverse_density)
                   ? 0
                   : 1;
-    // The observers are far away, near by, and inside the light.
+    // Observers of the light: far away, near by, and inside.
     for (const Vec3<Real>& observer : {Vec3<Real>(0, -1000, 0), Vec3<Real>(0.25, Real(-1.0009765625), 0.125),
                                        Vec3<Real>(3, 2, 1), Vec3<Real>(0.125, 0, 0.25)}) {
         const DirectionSample<Real> direction = sample_direction(body, observer, u, v, w);

@@ -36,7 +36,7 @@ GroundHit exact_ground_hit(const Values& v, const Vec3l& direction) {
 template <class Real, FeatureSet formula>
 std::vector<Measurement> huge_sphere_in(const Values& v, const DirectSetting& setting) {
     const RayScene<Real, formula> scene(ground_text(v));
-    const long double dip = sqrtl(v["height"] * (2 * v["radius"] + v["height"])) / v["radius"];  // horizon's slope
+    const long double dip = sqrtl(v["height"] * (2 * v["radius"] + v["height"])) / v["radius"];  // horizon's tangent
     RayRandom random(13);
     double off_tangent = 0, near_tangent = 0;
     for (int i = 0; i < (setting.is_quick ? 20000 : 1000000); ++i) {
@@ -90,7 +90,7 @@ std::vector<Rendering> ground_view(const Values& v) {
 
     // The horizon is a hyperbola in the image plane.
     const double dip = std::sqrt(h * (2 * radius + h)) / radius;
-    const double half = 3.5 * dip;  // half the image, such that the horizon lies between two rows of pixels
+    const double half = 3.5 * dip;  // half the image's height; the horizon lies between two rows of pixels
     SceneText horizon = ground_text(v);
     horizon.image(16, 16, 2 * std::atan(half) * 180 / pi<double>, true);
     const double covered = 0.5 - dip * (std::sqrt(1 + half * half) + std::asinh(half) / half) / (4 * half);
@@ -113,7 +113,7 @@ std::vector<Rendering> ground_view(const Values& v) {
 std::vector<Rendering> far_sphere(const Values& v) {
     const double distance = v["distance"];
     const Vec3d view = Vec3d(2, 3, 6) * (1 / 7.0);
-    const double radius = 1 / std::sqrt((distance - 1) * (distance + 1));  // apparent radius of the disc at distance 1
+    const double radius = 1 / std::sqrt((distance - 1) * (distance + 1));  // radius of the disc at distance 1
     const double half = 1.25 * radius;
     SceneText text("far_sphere");
     text.camera({0, 0, 0}, view).image(16, 16, 2 * std::atan(half) * 180 / pi<double>, true);

@@ -62,7 +62,7 @@ std::function<double(const RenderResult&)> misjudged(const Vec3d& forward, const
         const Vec3l right = normalize(cross(ahead, Vec3l(up)));
         const Vec3l above = cross(right, ahead);
         return pixels_where([&](std::uint32_t i, double radiance) {
-            const long double pixel = 2.0L / height;  // pixel size for 90 degrees
+            const long double pixel = 2.0L / height;  // size of a pixel at 90 degrees
             const long double x = (i % width + 0.5L - width / 2.0L) * pixel;
             const long double y = (i / width + 0.5L - height / 2.0L) * pixel;
             const long double cosine = dot(normalize(right * x - above * y + ahead), normalize(Vec3l(out)));
@@ -102,7 +102,7 @@ std::vector<Rendering> eye_touches(const Values& v) {
             touched("an ellipsoid", text.ellipsoid(text.diffuse(Vec3d(0.0)), {0, -size, 0}, {4 * size, 2 * size, size}),
                     {0, 1, 0}));
     }
-    // An eye inside a lamp.
+    // Adds a view from an eye inside a lamp.
     SceneText text("eye_touches");
     text.image(16, 16, 120, true).sphere(text.emitter(Vec3d(0.75)), {size / 4, size / 2, -size / 8}, 2 * size);
     renderings.push_back(

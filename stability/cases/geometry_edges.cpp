@@ -82,7 +82,7 @@ std::vector<Measurement> box_edges(const Values& v, const DirectSetting& setting
                       [&]<class Real, FeatureSet formula>() { return box_edges_in<Real, formula>(v, setting); });
 }
 
-// ---- Case S21 as a scene.
+// ---- Case S21 as a scene: an eye in the plane of a box's face.
 
 // An eye in the plane of a box's face, or of a box without thickness, so that one row of pixels lies in the plane.
 std::vector<Rendering> face_row(const Values& v) {

@@ -69,7 +69,7 @@ std::vector<Rendering> half_space(const Values& v) {
     scene.environment(1);
     const HFunction h(w);
     const double exact = mu > 0 ? h.plane_albedo(mu) : h.diffuse_albedo();
-    // Every collision rounds the throughput once.
+    // Rounding error of the throughput, which every collision rounds once.
     const double roundings = mean_collisions(w, mu) * exact;
     const std::uint64_t paths = paths_for(2 * depth);
     return {{.scene = scene.json(),

@@ -17,7 +17,7 @@ double disc_mean(double t) {
         const long double x = t;
         return static_cast<double>(2 * (1 - (1 + x) * std::exp(-x)) / (x * x));
     }
-    long double sum = 0, power = 1;  // 2 times the sum over k of (-t)^k / (k! (k + 2))
+    long double sum = 0, power = 1;  // the series is 2 times the sum over k of (-t)^k / (k! (k + 2))
     for (int k = 0; k < 30; ++k) {
         sum += 2 * power / (k + 2);
         power *= -static_cast<long double>(t) / (k + 1);
@@ -56,7 +56,7 @@ std::vector<Measurement> absorbing_disc(const Values& v, const DirectSetting& se
 // The share of the 2^32 random words with a free path longer than tau, found by bisection since the path is monotonic.
 template <class Real>
 double share_beyond(double tau) {
-    std::uint64_t low = 0, high = std::uint64_t{1} << 32;  // words below `low` exceed tau, those from `high` on do not
+    std::uint64_t low = 0, high = std::uint64_t{1} << 32;  // words below `low` exceed tau, from `high` on they do not
     while (low < high) {
         const std::uint64_t word = (low + high) / 2;
         const Real path = -logarithm(positive_unit_interval<Real>(static_cast<std::uint32_t>(word)));
@@ -138,7 +138,7 @@ std::vector<Measurement> mean_path(const Values& v, const DirectSetting& setting
         using Real = typename Kernel::Real;
         double four_v_over_s = 0;
         const HostScene<Kernel> scene(body_scene(v, &four_v_over_s));
-        const Vec3d to_body(0, 0, -8);  // vector from the eye, which is the kernels' origin
+        const Vec3d to_body(0, 0, -8);  // position of the body relative to the eye, which is the kernels' origin
         std::mt19937_64 generator(9);
         const auto uniform = [&] { return static_cast<double>(generator() >> 11) * 0x1p-53; };
         const double work = 1 + v["sigma"] * v["ior"] * v["ior"] * four_v_over_s;
@@ -204,7 +204,7 @@ std::vector<Measurement> phase_function(const Values& v, const DirectSetting& se
             const long double outside = std::max(moved(rounding) - exact, exact - moved(-rounding));
             worst = std::max(worst, static_cast<double>(outside));
         }
-        // The error of the midpoint rule for the exact inverse.
+        // The error of the midpoint rule for the mean cosine.
         const double rule = 4.0 / steps / (1 - std::abs(v["g"])) / steps;
         return std::vector<Measurement>{
             {.quantity = "worst error of a cosine beyond its rounding, as a share",

@@ -20,7 +20,7 @@ SceneText dark(const std::string& name) {
 }
 std::string wall_of(SceneText& scene) { return scene.mix(Vec3d(0.875), Vec3d(0.875), 0.5); }
 
-// Expects a black film, and paths of full length.
+// The quantities of a room without gaps: a black film, and paths of full length.
 std::vector<Rendering> stays_dark(const SceneText& scene) {
     const Tolerance none{0, 0, "numerics.md S20: none"};
     return {{.scene = scene.json(),
@@ -101,7 +101,7 @@ std::vector<Rendering> far_coordinates(const Values& v) {
     const std::string wall = wall_of(scene);
     const Vec3d back(-distance, distance, -distance);
     scene.mesh(wall, mesh, back);
-    if (v.is_set("instances")) {  // instances are not placed in the scene beforehand
+    if (v.is_set("instances")) {  // a second instance, so that the mesh is not placed in the scene beforehand
         scene.mesh(wall, mesh, back + Vec3d(4, 0, 0));
     }
     return stays_dark(scene);
@@ -135,7 +135,7 @@ std::vector<Rendering> shear(const Values& v) {
     return stays_dark(scene);
 }
 
-// ---- The limits of single precision.
+// ---- Meshes at the limits of single precision.
 
 // The known limit of a thin tube: a path starts in front of the plane that it has hit, by a bound on the rounding of
 // the hit point: 8 roundings of its coordinates.

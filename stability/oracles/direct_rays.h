@@ -101,8 +101,8 @@ Vec3<Real> direction_to(const Vec3<Real>& from, const Vec3d& to) {
 
 inline long double length(const Vec3l& v) { return sqrtl(dot(v, v)); }
 
-// The chord of a ray that starts on a body's surface: the distance t to the far side, and `slant`, the cosine by which
-// an error in the place of the far side is divided to give an error of t (1 where t is computed as a product).
+// The chord of a ray that starts on a body's surface: the distance `t` to the far side, and `slant`, the factor from an
+// error in t to an error in the place of the far side (1 where t is computed as a product).
 struct Chord {
     long double t, slant;
 };
@@ -135,7 +135,7 @@ inline Chord box_chord(const Vec3l& half, const Vec3l& origin, const Vec3l& dire
             nearest = {t, std::abs(direction[axis])};
         }
     }
-    nearest.t = std::max(nearest.t, 0.0L);  // rounding may put the start beyond an edge
+    nearest.t = std::max(nearest.t, 0.0L);  // rounding may put the ray's start beyond an edge
     return nearest;
 }
 

@@ -21,7 +21,7 @@ inline double rectangle_irradiance(double a, double b, double h) {
 inline double sphere_irradiance(double distance, double angle) {
     const double cosine = std::cos(angle), h = distance;
     if (h <= 1) {
-        return pi<double>;  // the point is inside the sphere
+        return pi<double>;  // the receiving point is inside the sphere
     }
     if (cosine >= 1 / h) {
         return pi<double> * cosine / (h * h);  // the whole sphere is above the horizon
