@@ -136,7 +136,7 @@ std::string with_line(const std::string& list, const std::string& name, const Ki
     const std::size_t after = end + kind.list->end_of_lines.find('\n');
     const std::size_t line = list.rfind('\n', end) + 1;
     const std::size_t line_before = list.rfind('\n', line - 2) + 1;
-    // The backslashes of all lines but the last are aligned in one column.
+    // The backslashes of all lines of a macro list but the last are aligned in one column.
     const std::size_t column = list.find('\\', line_before) - line_before;
     std::string upper = name;
     std::transform(upper.begin(), upper.end(), upper.begin(),

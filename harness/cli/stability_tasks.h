@@ -18,7 +18,8 @@ struct StabilityRequest {
     bool quick = false;
 };
 
-// The cases that a call names, in its order, then those of named families. Throws InputError, as all functions here do.
+// The cases that a call names, in its order, then those of named families, in the catalogue's. Throws InputError, as
+// all functions of this file do.
 std::vector<const stability::Case*> chosen_cases(const StabilityRequest& request);
 
 // The variants of a call that names no axis: every precision, arithmetic and robustness with the plainest integrator,

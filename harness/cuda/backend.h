@@ -62,7 +62,7 @@ std::string why_not_an_architecture(const std::string& name);
 // The folder of the kernel cache; empty in a build without CUDA.
 std::string kernel_cache();
 
-// While it lives, programs that this process compiles share headers that are precompiled once.
+// While a `SharedHeaders` lives, programs that this process compiles share headers that are precompiled once.
 class SharedHeaders {
 public:
     SharedHeaders();

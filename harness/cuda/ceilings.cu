@@ -15,7 +15,7 @@ constexpr int chains = 8;  // independent chains, so that no instruction waits f
 
 enum class Mix { issue, fma, alu, xu };
 
-// Every step of a chain is one instruction, or two for Mix::issue.
+// One step of the measured loop is one instruction per chain, or two (multiply-add and logic) for Mix::issue.
 template <Mix mix>
 __global__ void __launch_bounds__(threads) execute(float* result, float seed) {
     float x[chains];

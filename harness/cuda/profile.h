@@ -52,7 +52,8 @@ std::vector<KernelCounters> parse_ncu_launches(const std::string& csv);
 std::vector<KernelCounters> parse_ncu_csv(const std::string& csv);
 
 nlohmann::ordered_json ceilings_json(const Ceilings& ceilings);
-// The counters as comparable figures, per ray and as fractions of the ceilings. `rays`: number of rays traced.
+// Converts hardware counters to comparable figures: per ray and as fractions of the ceilings. `rays`: number of rays
+// traced.
 nlohmann::ordered_json counters_json(const KernelCounters& counters, const Ceilings& ceilings, double rays);
 
 // The figures of each batch, as made by counters_json. Throws MachineError unless each batch has exactly one launch.

@@ -8,7 +8,7 @@
 namespace pt::cuda {
 
 // Renders into the existing film of `result`. All devices start together; wall_ms is the time until the last one has
-// rendered, and then until the first one has the sum of the films.
+// rendered, plus the time until the first one has the sum of the films.
 template <class Real>
 void render_on_devices(const Scene& scene, const RenderRequest& request, const RenderSettings& settings,
                        const KernelChoice& kernel, RenderResult& result);

@@ -47,8 +47,8 @@ private:
 // Describes the faults of a film, as "1 non-finite, 0 negative and 2 saturated samples".
 std::string faults_text(const FilmFaults& faults);
 
-// The scale of a film in quanta per unit of radiance: a power of two such that 2^16 samples (or `samples`, if more) of
-// 64 times the bound fit into 63 bits.
+// The scale of a film in quanta per unit of radiance: a power of two such that the sums have room for 2^16 samples (or
+// `samples`, if more) of 64 times the bound.
 double film_scale(double bound, std::uint64_t samples);
 
 }  // namespace pt

@@ -99,14 +99,14 @@ KernelChoice choose_kernel(const Scene& scene, const Variant& variant, Backend b
 std::uint64_t triangles_of(const Scene& scene);
 std::ptrdiff_t objects_with_meshes(const Scene& scene);
 
-// Most triangles of a scene for which testing each triangle in turn is the reference of meshes.
+// Largest number of triangles for which brute force, testing each triangle in turn, is the reference accelerator.
 inline constexpr std::uint64_t most_by_brute_force = 100'000;
 // The variant whose film this variant must equal bit for bit on a scene (Registry::reference). For scenes with more
 // than most_by_brute_force triangles, accelerators are compared with one of themselves.
 Variant reference_on(const Scene& scene, const Variant& variant, Backend backend);
 // The variants that verification renders: the variant, its exact twin, the reference, and those of claims about means.
 std::vector<Variant> rendered_to_check(const Scene& scene, const Variant& variant, Backend backend);
-// Most objects with meshes for which testing each in turn is the reference; beyond, a tree over them is.
+// Largest number of objects with meshes for which testing each in turn is the reference; beyond, a tree over them is.
 inline constexpr std::ptrdiff_t most_objects_in_turn = 16;
 // A reference with a tree accelerator wherever there are meshes, for films that take long to render.
 Variant fast_reference_on(const Scene& scene, const Variant& variant, Backend backend);

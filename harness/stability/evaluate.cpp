@@ -46,7 +46,7 @@ Row without_measurement(Status status, std::string reason) {
     return row;
 }
 
-// Adds the work of a render to that of a row's renders.
+// Adds the paths, rays, faults and time of a render to the totals of a row.
 void count_work(Row& row, const RenderResult& result) {
     row.paths += result.work.paths;
     row.rays += result.work.rays;

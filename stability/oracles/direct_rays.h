@@ -151,7 +151,7 @@ Chord exact_chord(const OrientedBox<Real>& box, const Vec3l& origin, const Vec3l
     return box_chord(Vec3l(box.half), in_frame(axis, origin - Vec3l(box.centre)), in_frame(axis, direction));
 }
 
-// The chord of a shape without an inside, or of a body whose chord no case asks for.
+// A chord of length 0, for shapes without an inside and for bodies whose chord no case asks for.
 template <class Shape>
 Chord exact_chord(const Shape&, const Vec3l&, const Vec3l&) {
     return {0, 1};
