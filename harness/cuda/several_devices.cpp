@@ -218,7 +218,7 @@ private:
             wait_for_sum();
             return start;
         } catch (...) {
-            disconnect_devices();  // devices would wait for ever for one that failed
+            disconnect_devices();  // otherwise devices wait for ever for one that failed
             throw;
         }
     }

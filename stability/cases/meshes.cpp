@@ -1,5 +1,5 @@
-// Case S20: closed meshes seen from within, with rays aimed at edges and vertices of triangles. The walls are black and
-// a light surrounds the mesh, so the film of a mesh without gaps is exactly 0.
+// Case S20: closed meshes seen from within, with rays aimed at edges and vertices of triangles. The walls emit nothing
+// and a light surrounds the mesh, so the film of a mesh without gaps is exactly 0.
 #include <cmath>
 
 #include "harness/stability/case.h"

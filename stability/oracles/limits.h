@@ -34,7 +34,7 @@ inline std::string too_dim(double bright, double dim) {
                                          : "";
 }
 
-// The known limit of a light that a path hits by chance with probability `share`.
+// The known limit of a light that a path hits by chance with probability `share`, or whose connections add up to `dim`.
 inline std::string rare_or_dim(const VariantTraits& variant, double share, double bright, double dim,
                                double paths = quick_paths_at_least) {
     return !variant.direct_light.connects ? too_rare(share, paths) : too_dim(bright, dim);
