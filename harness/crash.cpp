@@ -14,8 +14,7 @@ namespace pt {
 
 namespace {
 
-// A text that a signal handler may read: no memory that is allocated or freed, and complete whenever its length is
-// above 0.
+// A text that a signal handler may read: it allocates and frees nothing, and is complete whenever its length is not 0.
 template <std::size_t Capacity>
 struct Text {
     void set(const std::string& text) {
@@ -33,7 +32,7 @@ constexpr std::size_t most_levels = 4;
 std::array<Text<2048>, most_levels> levels;
 std::atomic<std::size_t> level_count = 0;
 
-// Facts of a cell may be long; a line that does not fit is left out, as half of one would be damage.
+// The JSON line of a cell may be long; a line that does not fit is left out, since half of it would corrupt the file.
 constexpr std::size_t longest_line = 256 * 1024;
 std::array<Text<longest_line>, crash_signals.size()> last_lines;
 std::atomic<int> last_descriptor = -1;
@@ -49,20 +48,20 @@ void leave_last_line(std::size_t signal) {
     const int descriptor = last_descriptor.load();
     const Text<longest_line>& line = last_lines[signal];
     const std::size_t length = line.length.load();
-    // One write: the line is whole, or it is the last and cut off.
+    // One write call leaves the line whole, or as the last line of the file, cut off.
     if (descriptor >= 0 && length > 0 && ::write(descriptor, line.characters, length) < 0) {
         write_to_stderr("ptbench: the crash could not be noted\n");
     }
 }
 
-// The signal handler, which calls nothing but what POSIX lets a handler call.
+// Handles a crash signal; calls only functions that POSIX allows in signal handlers.
 extern "C" void on_crash(int number) {
     if (is_crashing.exchange(true)) {
         if (::pthread_equal(crashing, ::pthread_self()) != 0) {
-            ::_exit(exit_machine_failed);  // in this very handler
+            ::_exit(exit_machine_failed);  // the crash handler itself has crashed
         }
         while (true) {
-            ::pause();  // another thread has the word
+            ::pause();  // another thread is already reporting a crash
         }
     }
     crashing = ::pthread_self();
@@ -88,7 +87,7 @@ extern "C" void on_crash(int number) {
 void name_crashes() {
     worker = ::pthread_self();
     has_bar_on_terminal = ::isatty(STDERR_FILENO) != 0;
-    // A stack that has overflowed holds no handler.
+    // The crash handler gets a stack of its own, since an overflowed stack has no room for it.
     static std::array<char, 64 * 1024> stack;
     const stack_t alternative{.ss_sp = stack.data(), .ss_flags = 0, .ss_size = stack.size()};
     ::sigaltstack(&alternative, nullptr);

@@ -1,5 +1,5 @@
-// Names a crash. What a variant does to the process it runs in (a segmentation fault, an abort) cannot be undone, but
-// the line that is left says what was at work, and a file that goes on can be left a last line. Exit code 3.
+// Names the work in progress when the process crashes. A crash in a variant (a segmentation fault, an abort) cannot be
+// undone, but a line on stderr says which cell was running, and an open result file can get a last line. Exit code 3.
 #pragma once
 
 #include <array>
@@ -19,12 +19,12 @@ inline constexpr std::array<CrashSignal, 5> crash_signals{{{SIGSEGV, "segmentati
                                                            {SIGILL, "illegal instruction (SIGILL)"},
                                                            {SIGABRT, "abort (SIGABRT)"}}};
 
-// Installs handlers, so that a crash from now on is named. A handler that somebody else has set, as sanitizers do,
-// stays. To be called once, by the thread that everything is at work on.
+// Installs signal handlers, so that later crashes are reported with the work in progress. Handlers that others have
+// set, as sanitizers do, stay. To be called once, by the thread that does all the work.
 void name_crashes();
 
-// While it lives, a crash names `what`, after what was at work already: "CELL, sample 2 (seed 3)". Only on the thread
-// that called name_crashes(); elsewhere it does nothing. Costs a copy: not to be made while a time is taken.
+// While an `AtWork` lives, a crash report names `what`, after the work named by outer ones: "CELL, sample 2 (seed 3)".
+// Works only on the thread that called name_crashes(). Copies the text: not to be made inside a timed region.
 class AtWork {
 public:
     explicit AtWork(const std::string& what);
@@ -36,8 +36,9 @@ private:
     bool is_told_ = false;
 };
 
-// While it lives, a crash appends `line(signal's name)` to the open file `descriptor` and ends what it says with
-// `afterwards`. The lines are made now, one a signal: a handler can make none. One at a time in a process.
+// While a `LastLine` lives, a crash appends `line(signal's name)` to the open file `descriptor` and ends the crash
+// report with `afterwards`. The constructor makes one line for each signal, since a signal handler cannot allocate. At
+// most one `LastLine` may live in a process.
 class LastLine {
 public:
     LastLine(int descriptor, const std::function<std::string(const std::string& signal)>& line,

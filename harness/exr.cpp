@@ -27,7 +27,7 @@ namespace pt {
 
 namespace {
 
-// The library goes back to fill in the table of where lines begin.
+// The output stream can seek, since OpenEXR goes back to fill in the table of line offsets.
 class ExrText : public Imf::OStream {
 public:
     explicit ExrText(std::string& text) : Imf::OStream("the image"), text_(text) {}
@@ -65,7 +65,7 @@ private:
     std::size_t place_ = 0;
 };
 
-// Calls `read`, and turns what the library throws into an error of ours.
+// Calls `read` on an EXR file and turns the exceptions of the OpenEXR library into InputError.
 template <class Read>
 auto read_exr_file(std::string_view content, const std::string& name, const Read& read) {
     try {
@@ -84,7 +84,7 @@ bool has_channel(const Imf::Header& header, const std::string& name) {
     return header.channels().findChannel(name) != nullptr;
 }
 
-// The channels that hold the image: three, or one of luminance.
+// Returns the names of the channels that hold the image: R, G and B, or Y (luminance) alone.
 std::vector<std::string> colour_channels(const Imf::Header& header, const std::string& name) {
     const std::vector<std::string> colours{"R", "G", "B"};
     const bool is_coloured =
@@ -111,8 +111,7 @@ void check_windows(const Imf::Header& header, const std::string& name) {
     const Imath::Box2i &data = header.dataWindow(), &display = header.displayWindow();
     const bool covers = data.min.x <= display.min.x && data.min.y <= display.min.y && data.max.x >= display.max.x &&
                         data.max.y >= display.max.y;
-    // An image marked as a map of directions must have equal windows: the library takes the data window for all
-    // directions.
+    // Environment maps must have equal windows, since OpenEXR takes the data window for all directions.
     if (!covers || (Imf::hasEnvmap(header) && data != display)) {
         throw InputError(
             name, "windows",
@@ -151,7 +150,7 @@ ExrSize size_of(const Imath::Box2i& window) {
     return {1LL + window.max.x - window.min.x, 1LL + window.max.y - window.min.y};
 }
 
-// A channel of the display window's rows, as wide as the data window.
+// Reads one channel of the rows of the display window; each row is as wide as the data window.
 std::vector<float> read_channel(Imf::InputFile& image, const std::string& channel) {
     const Imath::Box2i &data = image.header().dataWindow(), &display = image.header().displayWindow();
     const Imath::Box2i rows({data.min.x, display.min.y}, {data.max.x, display.max.y});
@@ -213,7 +212,7 @@ std::string encode_exr(const std::vector<ExrLayer>& layers, std::uint32_t width,
         for (std::size_t i = 0; i < count; ++i) {
             const std::string channel = (layer.name.empty() ? "" : layer.name + ".") + layer.channels[i];
             header.channels().insert(channel, Imf::Channel(Imf::FLOAT));
-            // The library's type is that of a buffer to read into as well; writing leaves it as it is.
+            // `Slice` takes a mutable pointer for reading files; writing a file leaves the data unchanged.
             char* const first = reinterpret_cast<char*>(const_cast<float*>(layer.values.data() + i));
             frame.insert(channel, Imf::Slice(Imf::FLOAT, first, count * sizeof(float), count * width * sizeof(float)));
         }
@@ -224,7 +223,7 @@ std::string encode_exr(const std::vector<ExrLayer>& layers, std::uint32_t width,
         Imf::OutputFile file(stream, header, 0);
         file.setFrameBuffer(frame);
         file.writePixels(static_cast<int>(height));
-    }  // its end writes the table
+    }  // the file's destructor writes the table of line offsets
     return text;
 }
 

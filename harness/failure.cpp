@@ -7,7 +7,7 @@ namespace pt {
 
 namespace {
 
-// Bytes of the well-formed UTF-8 character that `text` begins with (Unicode 15, table 3-7); 0 if it begins with none.
+// Length in bytes of the well-formed UTF-8 character (Unicode 15, table 3-7) at the start of `text`, or 0 if none is.
 std::size_t utf8_length(std::string_view text) {
     const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
     const auto continues = [&](std::size_t i) { return byte(i) >= 0x80 && byte(i) <= 0xbf; };
@@ -32,8 +32,7 @@ std::size_t utf8_length(std::string_view text) {
     return 0;
 }
 
-// Whether a character is one that terminals obey, C0, DEL or C1 (U+0080 to U+009F), or the byte order mark, which
-// nobody sees.
+// Whether a character is a control character (C0, DEL or C1, U+0080 to U+009F) or the invisible byte order mark.
 bool is_control(std::string_view character) {
     const auto first = static_cast<unsigned char>(character[0]);
     const bool is_c1 = character.size() == 2 && first == 0xc2 && static_cast<unsigned char>(character[1]) < 0xa0;

@@ -1,5 +1,5 @@
-// The two ways in which a command can fail that are not a failed check: the input is wrong (exit code 2), or the
-// machine failed (exit code 3). Each carries one clear line for the user.
+// The two ways in which a command can fail other than by a failed check: the input is wrong (exit code 2), or the
+// machine failed (exit code 3). The message of either error is one line for the user.
 #pragma once
 
 #include <stdexcept>
@@ -12,8 +12,8 @@ inline constexpr int exit_check_failed = 1;
 inline constexpr int exit_bad_input = 2;
 inline constexpr int exit_machine_failed = 3;
 
-// The text as one line that is safe on a terminal: control characters and bytes that are no UTF-8, which a file's names
-// and values may bring along, are escaped: \x0a.
+// Makes a text one line that is safe on a terminal: control characters and bytes that are not UTF-8, which names of
+// files and values may contain, are escaped as \x0a.
 std::string one_line(const std::string& text);
 
 class InputError : public std::runtime_error {

@@ -1,4 +1,4 @@
-// Structs as JSON objects, by one list of their fields each. A struct has a static function template
+// Converts structs to and from JSON objects by a list of their fields. A struct has a static function template
 //     fields(self, visit)
 // which calls visit(KEY, self.member) for every field, in the order in which the keys are written. A member that is a
 // std::optional is a key that may be absent; visit.or_null(KEY, self.member) is a key that is always there and null
@@ -18,13 +18,13 @@
 
 namespace pt {
 
-// What a JSON value has instead of the facts that it should hold, in a few words: "pt_rays null", "no film_hash".
+// Thrown when a JSON value lacks the expected facts; the message says what was found: "pt_rays null", "no film_hash".
 class WrongFact : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;
 };
 
-// What a reader does where a key is missing that is not optional.
+// What reading a struct from JSON does when a required key is missing.
 enum class Missing { is_refused, is_left_out };
 
 namespace fields_detail {
@@ -50,7 +50,7 @@ concept HasFields = requires(T& facts) {
 
 namespace fields_detail {
 
-// Writes fields into an object, which may have some already.
+// Writes the fields of a struct into a JSON object, which may have other keys already.
 template <class AnyJson>
 class Writer {
 public:
@@ -75,8 +75,8 @@ private:
     AnyJson& json_;
 };
 
-// Whether a JSON value is a number that a member of type T holds unchanged. JSON has one kind of numbers, and
-// nlohmann's get() makes 1 of 1.5 and of true.
+// Whether a JSON value is a number that a member of type T holds without loss. The check is needed since nlohmann's
+// get() turns both 1.5 and true into 1.
 template <class T>
 bool fits(const Json& value) {
     if constexpr (std::is_same_v<T, bool> || !std::is_arithmetic_v<T>) {
@@ -138,7 +138,7 @@ private:
 
 }  // namespace fields_detail
 
-// Adds the fields of `facts` to a JSON object, in their order.
+// Reads a struct's fields from a JSON object and ignores keys that are no fields. Throws WrongFact.
 template <class AnyJson, HasFields T>
 void add_fields(AnyJson& json, const T& facts) {
     T::fields(facts, fields_detail::Writer<AnyJson>(json));
@@ -153,7 +153,7 @@ void read_fields(const Json& json, T& facts, Missing missing = Missing::is_refus
     T::fields(facts, fields_detail::Reader(json, missing));
 }
 
-// nlohmann::json finds these by the namespace of the struct.
+// nlohmann::json finds `to_json` and `from_json` by argument-dependent lookup in the namespace of the struct.
 template <class AnyJson, HasFields T>
 requires(nlohmann::detail::is_basic_json<AnyJson>::value) void to_json(AnyJson& json, const T& facts) {
     json = AnyJson::object();

@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Whether something has this name; a link to nothing counts.
+// Whether a file of any kind has this name; a dangling symbolic link counts.
 bool is_taken(const fs::path& path) {
     std::error_code ignored;
     return fs::exists(fs::symlink_status(path, ignored));
@@ -23,7 +23,7 @@ bool holds(const fs::path& path, const std::string& content) {
     }
     try {
         return read_earlier_output(path.string(), content.size()) == content;
-    } catch (const InputError&) {  // unreadable: somebody else's
+    } catch (const InputError&) {  // an unreadable file must be another user's
         return false;
     }
 }

@@ -1,6 +1,5 @@
-// Files that a command writes beside the file that its --out names. The rule for every command: what lies there already
-// stays as it is, whoever wrote it. A new file takes the first free name, or the name of a file that holds the same
-// bytes.
+// Writes files beside the file that --out names. An existing file is never overwritten, whoever wrote it: a new file
+// takes the first free name, or the name of a file that holds the same bytes.
 #pragma once
 
 #include <cstddef>
@@ -12,27 +11,28 @@
 
 namespace pt {
 
-// Throws InputError if `file`, the value of `flag` or in it, may not get this content: this call has read it, or it
-// holds another and `overwrite` is false.
+// Throws InputError if `file`, which the option `flag` names, must not be replaced by `content`: this call has read it,
+// or the file holds other content and `overwrite` is false.
 void check_replacement(const std::string& file, const std::string& content, bool overwrite,
                        const std::string& flag = "--out");
 
 class FilesBeside {
 public:
-    FilesBeside() = default;  // nothing is written: every name is free
+    FilesBeside() = default;  // a set that writes nothing, so that every file name is free
     explicit FilesBeside(std::filesystem::path out) : out_(std::move(out)) {}
 
-    // A function that gives the N-th name to try for a file, without a folder.
+    // A function that gives the N-th name to try for a file, without its folder.
     using NameOf = std::function<std::string(std::size_t n)>;
-    // Returns the name, in the folder of --out, under which this content is kept: the first from `first` on that is
-    // free or has it. Throws InputError if a name cannot be used.
+    // Returns the name, in the folder of --out, under which `content` is kept: the first name from number `first` on
+    // that is free or has the same content. Throws InputError if a name cannot be used.
     std::string add(const NameOf& name, std::size_t first, std::string content);
 
-    // The contents of the files, by their names.
+    // The contents of the files to be written beside --out, by their names.
     const std::map<std::string, std::string>& contents() const { return contents_; }
 
-    // Writes all of them, and then the file of --out with its own content: who finds that finds what it names. Throws
-    // MachineError if one cannot be written, or another command took its name meanwhile; new files are removed then.
+    // Writes all files beside --out, and then the file of --out with `content`, so that whoever finds that file finds
+    // the ones it names. Throws MachineError if a file cannot be written, or if another command took a name meanwhile;
+    // the files written so far are then removed.
     void write(const std::string& content) const;
 
 private:

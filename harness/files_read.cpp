@@ -10,7 +10,7 @@ namespace pt {
 
 namespace {
 
-// The identity of a file with its state: an inode's number may go to another file once the first is removed.
+// The identity of a file includes its size and time, since the inode number of a removed file may be used again.
 using FileId = std::tuple<dev_t, ino_t, off_t, time_t, long>;
 
 FileId id_of(const struct stat& status) {
@@ -18,7 +18,7 @@ FileId id_of(const struct stat& status) {
 }
 
 struct FilesRead {
-    std::mutex mutex;  // scenes may be read by several threads
+    std::mutex mutex;  // guards `ids`, since several threads may read scenes
     std::set<FileId> ids;
 };
 

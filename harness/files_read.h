@@ -1,4 +1,4 @@
-// Which files this call has read: a command never writes over one of them, whatever name it goes by.
+// Keeps track of the files that this call has read, so that no command writes over one of them, under whichever name.
 #pragma once
 
 #include <cstdint>
@@ -8,14 +8,14 @@
 
 namespace pt {
 
-// Notes that read_file has read this file.
+// Records that this call has read a file; called by read_file.
 void note_read(const struct stat& status);
 
-// Throws InputError if `file`, the value of the option `flag`, was read by this call: it is a scene, or one that a
-// scene names. To be asked once everything is read, and before anything is written.
+// Throws InputError if this call has read `file`, the value of the option `flag`: it is a scene, or a file that a scene
+// names. To be asked after all input has been read and before any output is written.
 void refuse_source(const std::string& file, const std::string& flag = "--out");
 
-// Reads a file that an earlier call may have written and this one may replace; it does not count as read.
+// Reads an output file of an earlier call that this call may replace; such a file does not count as read.
 std::string read_earlier_output(const std::string& file, std::uint64_t largest);
 
 }  // namespace pt

@@ -18,11 +18,11 @@ namespace pt {
 namespace {
 
 std::atomic<bool> is_requested = false;
-sem_t wake;  // posted by the handler, which may do little else
+sem_t wake;  // semaphore posted by the signal handler, in which few functions are allowed
 
 constexpr std::array ending_signals{SIGINT, SIGTERM, SIGHUP};
 
-// A hangup that the caller has ignored, as nohup does, stays so.
+// Sets the handler of the interrupting signals. A SIGHUP that the caller ignores, as nohup does, stays ignored.
 void set_handlers(void (*handler)(int)) {
     for (const int number : ending_signals) {
         struct sigaction known {};

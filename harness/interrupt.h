@@ -1,5 +1,5 @@
-// Ctrl-C, SIGTERM and the hangup of a terminal: a first one asks for an end, a second one is the end. What is in flight
-// may take hours, so it is given a moment to end by itself and is then abandoned.
+// Handles SIGINT (Ctrl-C), SIGTERM and SIGHUP (the hangup of a terminal): the first signal asks the program to stop,
+// the second ends it at once. Work in flight may take hours, so it gets a grace period after which it is abandoned.
 #pragma once
 
 #include <chrono>
@@ -10,23 +10,23 @@
 
 namespace pt {
 
-inline constexpr int exit_interrupted = 130;  // 128 + SIGINT, as shells report Ctrl-C; for the other two too
+inline constexpr int exit_interrupted = 130;  // exit code: 128 + SIGINT, also for SIGTERM and SIGHUP
 
 class Interrupt {
 public:
-    // Handles the interrupting signals while this object lives. A process has at most one Interrupt at a time.
+    // Handles SIGINT, SIGTERM and SIGHUP while this object lives. A process has at most one Interrupt at a time.
     explicit Interrupt(std::chrono::milliseconds grace = std::chrono::seconds(1));
     ~Interrupt();
     Interrupt(const Interrupt&) = delete;
     Interrupt& operator=(const Interrupt&) = delete;
 
-    // Whether there was an interrupting signal.
+    // Whether SIGINT, SIGTERM or SIGHUP has arrived.
     bool requested() const;
-    // If the program still runs `grace` after a signal, `end` is called on a thread of its own and the process exits
-    // with what it returns. Without this call the process then exits with exit_interrupted.
+    // Sets a function `end` for overdue programs: if the program still runs `grace` after a signal, `end` is called on
+    // a thread of its own and the process exits with the code that it returns; without `end`, with exit_interrupted.
     void when_overdue(std::function<int()> end);
-    // Ends the watch, so that `end` is not called afterwards; if `end` is running already, this call does not return.
-    // To be called before the program ends by itself and before anything that `end` uses is destroyed.
+    // Stops watching for overdue work, so that `end` is not called afterwards; if `end` is running already, this call
+    // does not return. To be called before the program exits and before anything that `end` uses is destroyed.
     void begin_end();
 
 private:
@@ -36,8 +36,8 @@ private:
     std::function<int()> end_;
     std::mutex mutex_;
     std::condition_variable changed_;
-    bool is_ending_ = false;   // by itself
-    bool is_overdue_ = false;  // by end_
+    bool is_ending_ = false;   // whether the program is ending by itself
+    bool is_overdue_ = false;  // whether the grace period has passed, so that `end_` is called
     bool is_over_ = false;
     std::thread watcher_;
 };

@@ -52,10 +52,10 @@ void check_kind(const struct stat& status, const std::string& path, std::uint64_
     }
 }
 
-// An open file, which closes itself.
+// An open file, closed by its destructor.
 class OpenFile {
 public:
-    // Opens the file without waiting for a writer, should a pipe have taken the name since it was looked at.
+    // Opens the file with O_NONBLOCK: a pipe that has taken the file's name since its kind was checked must not block.
     explicit OpenFile(const std::string& path) : descriptor_(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)) {}
     ~OpenFile() {
         if (descriptor_ >= 0) {
@@ -71,12 +71,12 @@ private:
     int descriptor_;
 };
 
-// Reads a file and fills in its `status`.
+// Reads a whole file and fills in its `status`.
 std::string read_whole(const std::string& path, std::uint64_t largest, struct stat& status) {
     if (::stat(path.c_str(), &status) != 0) {
         cannot_read(path, in_words(errno), largest);
     }
-    check_kind(status, path, largest);  // before it is opened: opening a device may do something
+    check_kind(status, path, largest);  // before opening, since opening a device may have effects
     const OpenFile file(path);
     if (file.descriptor() < 0 || ::fstat(file.descriptor(), &status) != 0) {
         cannot_read(path, in_words(errno), largest);
@@ -84,7 +84,7 @@ std::string read_whole(const std::string& path, std::uint64_t largest, struct st
     check_kind(status, path, largest);
     std::string text;
     for (std::size_t done = 0;;) {
-        // The whole file at once, and one byte more, at which its end shows; then piece by piece if it has grown.
+        // The first read asks for one byte more than the file's size, to see its end; a growing file needs more reads.
         text.resize(done == 0 ? static_cast<std::size_t>(status.st_size) + 1 : done + (1 << 16));
         const ssize_t got = ::read(file.descriptor(), text.data() + done, text.size() - done);
         if (got < 0 && errno != EINTR) {
@@ -117,11 +117,11 @@ std::string read_earlier_output(const std::string& file, std::uint64_t largest) 
 
 namespace {
 
-// Most levels of JSON: no file of ours nests half as deep, and what copies or prints JSON calls itself once a level.
+// Limit on the nesting of JSON. The files of ptbench nest less than half as deep, and code that copies or prints JSON
+// recurses once for each level.
 constexpr std::size_t deepest_nesting = 64;
 
-// The error for a text that is no JSON: the library's "[json.exception.parse_error.101] parse error at line 1, column
-// 2: ..." without the bracket.
+// The error for text that is not JSON: the library's message without its "[json.exception.parse_error.101]".
 InputError not_json(const std::string& file, const Json::exception& error) {
     std::string message = error.what();
     if (const auto bracket = message.find("] "); bracket != std::string::npos) {
@@ -131,9 +131,9 @@ InputError not_json(const std::string& file, const Json::exception& error) {
     return InputError(fmt::format("{}: not valid JSON: {}", file, message));
 }
 
-// Reads a text through without keeping it. Throws InputError where it is no JSON, at a key that its object has already,
-// and where containers nest too deeply. (nlohmann's parser takes a callback for such things, with which it looks at all
-// elements of an array again after each.)
+// Checks a JSON text without keeping its values. Throws InputError for text that is not JSON, for a key that occurs
+// twice in an object, and for containers nested too deeply. A SAX parser does this in linear time: nlohmann's parser
+// callbacks look at all elements of an array again after each element.
 class Checker final : public nlohmann::json_sax<Json> {
 public:
     explicit Checker(std::string file) : file_(std::move(file)) {}
@@ -163,12 +163,12 @@ public:
 private:
     struct Container {
         bool is_array = false;
-        std::size_t index = 0;            // of the element being read
-        std::string key = {};             // of the member being read
-        std::set<std::string> keys = {};  // met so far
+        std::size_t index = 0;            // index of the element being read, in an array
+        std::string key = {};             // key of the member being read, in an object
+        std::set<std::string> keys = {};  // keys met so far in an object
     };
 
-    // The path of the innermost value, put together only when asked for.
+    // The JSON path of the innermost value, built only when an error needs it.
     std::string innermost_path() const {
         std::string path = "$";
         for (auto container = open_.begin(); container + 1 != open_.end(); ++container) {
@@ -204,7 +204,7 @@ private:
 std::string ending_of(const std::filesystem::path& file) { return in_lower_case(file.extension().string()); }
 
 Json parse_json(const std::string& text, const std::string& file) {
-    // nlohmann's parser takes the byte 0 for the end of the text and would leave out, unseen, what comes after it.
+    // The byte 0 is refused, since nlohmann's parser takes it for the end of the text and ignores what follows.
     if (const std::size_t zero = text.find('\0'); zero != std::string::npos) {
         const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(zero), '\n');
         throw InputError(file, fmt::format("line {}", line), "the byte 0", "text without it");
@@ -225,7 +225,7 @@ Json parse_loosely(const std::string& file) {
 
 const Json& array_in(const Json& value, const std::string& key) {
     static const Json none = Json::array();
-    const auto found = value.find(key);  // of what is no object: the end
+    const auto found = value.find(key);  // the end iterator if `value` is no object
     return found != value.end() && found->is_array() ? *found : none;
 }
 

@@ -1,5 +1,5 @@
-// Reads JSON objects strictly: every key is asked for by name, and what was not asked for is an error. Used for scenes
-// and suites alike. Errors name the file, the JSON path, what was found and what is allowed.
+// Reads JSON objects strictly: every key is asked for by name, and an unknown key is an error. Scenes and suites are
+// read in this way. Errors name the file, the JSON path, what was found and what is allowed.
 #pragma once
 
 #include <algorithm>
@@ -18,28 +18,28 @@ namespace pt {
 
 using Json = nlohmann::json;
 
-// Most bytes of a file that people write by hand (scenes, suites and texts to import, which are smaller by far) and of
-// a result, which is what we write.
+// Size limits in bytes: of input files, which people write by hand (scenes, suites, texts to import; all far smaller),
+// and of results, which ptbench writes.
 inline constexpr std::uint64_t largest_input = std::uint64_t{64} << 20;
 inline constexpr std::uint64_t largest_result = std::uint64_t{1} << 30;
 
-// The text of a regular file of at most `largest` bytes. Throws InputError that says which it is: missing, a folder, no
-// regular file, no permission or too large.
+// Reads a regular file of at most `largest` bytes. Throws InputError, which says why the file cannot be read: missing,
+// a folder, no regular file, no permission or too large.
 std::string read_file(const std::string& path, std::uint64_t largest = largest_input);
 
-// The ending of a file's name, with its dot and in lower case, which says which reader the file is for.
+// Returns a file's extension with its dot and in lower case, by which a reader for the file is chosen.
 std::string ending_of(const std::filesystem::path& file);
 
-// Parses strictly: no comments, no byte 0, no duplicate keys, no numbers beyond double, no more than 64 levels. `file`
-// is for the messages.
+// Parses JSON strictly: no comments, no byte 0, no duplicate keys, no numbers beyond double, no more than 64 levels.
+// Error messages name `file`.
 Json parse_json(const std::string& text, const std::string& file);
 
-// Takes a first look at a file that will be read strictly, and which that may refuse: its value, discarded where it is
-// no JSON. array_in is the array at `key` of an object, and an empty one of anything else.
+// `parse_loosely` parses JSON without the strict checks, for a first look at a file; its value is `discarded` if the
+// file is no JSON. `array_in` returns the array at `key` of an object, and an empty array for any other value.
 Json parse_loosely(const std::string& file);
 const Json& array_in(const Json& value, const std::string& key);
 
-// A short rendering of a value for "found ...".
+// Returns a short text of a JSON value, for the "found ..." of an error message.
 std::string describe(const Json& value);
 
 class JsonValue {
@@ -51,18 +51,18 @@ public:
     const std::string& path() const { return path_; }
     const std::string& file() const { return file_; }
 
-    // A finite number in [low, high]; `allowed` says so in words.
+    // Returns a finite number in [low, high]; otherwise throws InputError that says `allowed`.
     double number(double low, double high, const std::string& allowed) const;
-    // A whole number in [low, high], written without a fraction.
+    // Returns a whole number in [low, high], written without a fraction; otherwise throws InputError that says
+    // `allowed`.
     long long whole(long long low, long long high, const std::string& allowed) const;
     bool boolean() const;
     std::string text() const;
-    // The file that a text names: absolute, or from the folder of the file that the text stands in.
+    // The file that a JSON string names: an absolute path, or one relative to the folder of the JSON file.
     std::filesystem::path named_file() const;
-    // Text that can be part of a benchmark's or a file's name: 1 to 64 letters, digits, '_' and '-'.
+    // A string that can be part of the name of a benchmark or a file: 1 to 64 letters, digits, '_' and '-'.
     std::string plain_name() const;
     std::string one_of(const std::vector<std::string>& allowed) const;
-    // The elements of an array.
     std::vector<JsonValue> elements() const;
     [[noreturn]] void fail(const std::string& allowed) const;
 
@@ -72,7 +72,7 @@ private:
     std::string path_;
 };
 
-// Throws InputError if the last element stands twice in the list.
+// Throws InputError if the last element of the list occurs earlier in the list too.
 template <class T>
 void check_once(const std::vector<T>& list, const std::string& file, const std::string& place) {
     if (std::count(list.begin(), list.end(), list.back()) > 1) {
@@ -82,13 +82,13 @@ void check_once(const std::vector<T>& list, const std::string& file, const std::
 
 class JsonObject {
 public:
-    // Fails unless the value is an object whose keys are all among `keys`.
+    // Throws InputError unless the value is an object whose keys are all among `keys`.
     JsonObject(const JsonValue& value, std::vector<std::string> keys);
 
     bool has(const std::string& key) const { return json_->contains(key); }
-    // The member; fails if it is missing.
+    // The member at a required key. Throws InputError if the key is missing.
     JsonValue required(const std::string& key) const;
-    // The member; call only if has(key).
+    // The member of a JSON object at a key for which has(key) is true.
     JsonValue at(const std::string& key) const;
 
 private:

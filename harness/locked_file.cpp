@@ -16,7 +16,7 @@ namespace pt {
 
 namespace {
 
-// Whether the name still is that of the open file: whoever had the lock before may have removed it.
+// Whether the file's name still leads to the open file: the previous holder of the lock may have removed the file.
 bool is_at(int descriptor, const std::string& file) {
     struct stat open {
     }, named{};

@@ -1,4 +1,4 @@
-// A file that one process at a time may hold: the kernel drops the lock when the process ends, however it ends.
+// A file locked by one process at a time; the kernel drops the lock when the process ends, in whichever way.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@ namespace pt {
 
 class LockedFile {
 public:
-    // Opens `file`, to read and to append, or creates it. Throws MachineError if it cannot, or if another process has
-    // it; the file is then as it was.
+    // Opens `file` for reading and appending, or creates it, and locks it. Throws MachineError if the file cannot be
+    // opened or another process has the lock; the file is then unchanged.
     explicit LockedFile(std::string file);
     ~LockedFile();
     LockedFile(const LockedFile&) = delete;
@@ -16,7 +16,7 @@ public:
 
     int descriptor() const { return descriptor_; }
     std::size_t size() const;
-    // Removes the file. This process holds its lock, so no other one is using it.
+    // Removes the locked file. The lock guarantees that no other process is using it.
     void remove() const;
 
 private:

@@ -12,8 +12,8 @@ namespace pt {
 
 namespace {
 
-// While it lives, a write to a pipe that nobody reads fails and ends no program. Who reads a result from standard
-// output may still end ptbench so, as `ptbench list | head` does.
+// While a `WithoutPipeSignal` lives, writing to a pipe without a reader fails but raises no SIGPIPE. Only stderr is
+// protected so: a closed pipe on standard output may still end ptbench, as in `ptbench list | head`.
 class WithoutPipeSignal {
 public:
     WithoutPipeSignal() noexcept {
@@ -38,7 +38,7 @@ private:
     bool was_pending_ = false;
 };
 
-// Whether a stream that does not block, as terminals that are shared with other programs may be, has room again.
+// Waits up to 50 ms for room in standard error, which may be non-blocking where programs share a terminal.
 bool has_room_again() noexcept {
     pollfd room{.fd = STDERR_FILENO, .events = POLLOUT, .revents = 0};
     constexpr int most_ms = 50;
@@ -66,7 +66,7 @@ void write_to_stderr(std::string_view text) noexcept {
 void occupy_standard_streams() noexcept {
     for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
         if (::fcntl(stream, F_GETFD) < 0 && errno == EBADF) {
-            (void)::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);  // the lowest that is free
+            (void)::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);  // takes the descriptor
         }
     }
 }

@@ -1,5 +1,5 @@
-// Standard error. Every line that ptbench says there goes through `say`, which never fails: a stream that is closed,
-// full, or a pipe that nobody reads any more takes the line, not the run.
+// Writes ptbench's messages to standard error through `say`, which never fails: if the stream is closed, full, or a
+// pipe without a reader, the message is lost but the run goes on.
 #pragma once
 
 #include <exception>
@@ -10,22 +10,21 @@
 
 namespace pt {
 
-// Writes all of the text to standard error at once, or as much as there is room for. May be called by a signal's
-// handler.
+// Writes the text to standard error at once, or as much of it as there is room for. May be called in a signal handler.
 void write_to_stderr(std::string_view text) noexcept;
 
-// Prints on stderr, formatted as fmt::print does; the text has its own line ends.
+// Prints on stderr, formatted as fmt::print does; the text contains its own newlines.
 template <class... Values>
 void say(fmt::format_string<Values...> format, Values&&... values) noexcept {
     try {
         write_to_stderr(fmt::format(format, std::forward<Values>(values)...));
-    } catch (const std::exception&) {  // no memory for the line
+    } catch (const std::exception&) {  // no memory is left to format the message
         write_to_stderr("ptbench: out of memory for a line\n");
     }
 }
 
-// Takes the place of standard streams that are closed, and writing to them goes on failing: else the next file that is
-// opened would have the place, and lines for the stream would stand in that file. To be called first of all.
+// Opens /dev/null, in a mode in which each use still fails, in place of standard streams that are closed. Otherwise the
+// next file opened would get a stream's descriptor, and messages would go into it. To be called first in main.
 void occupy_standard_streams() noexcept;
 
 }  // namespace pt

@@ -6,8 +6,8 @@ namespace {
 
 constexpr std::string_view utf8_mark("\xef\xbb\xbf");
 
-// The encoding of a text that is not UTF-8; empty: it may be UTF-8. The marks of UTF-32 begin as those of UTF-16 do, so
-// they come first.
+// Names the encoding of a text that is not UTF-8; an empty name means that it may be UTF-8. The byte order marks of
+// UTF-32 are tried first, since they begin with those of UTF-16.
 std::string other_encoding_of(std::string_view content) {
     using namespace std::string_view_literals;
     constexpr std::pair<std::string_view, const char*> marks[] = {

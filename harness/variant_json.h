@@ -1,4 +1,4 @@
-// A variant as results hold it.
+// Writes a variant as JSON in the form that result files hold.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-// Words that people type and that text files hold: numbers, lists, and the case of their letters.
+// Parses words of command lines and text files: numbers, lists, and letter case.
 #pragma once
 
 #include <algorithm>
@@ -13,8 +13,8 @@
 
 namespace pt {
 
-// The number that a word is, as std::from_chars reads it; nothing where it is none, is out of T's range, or goes on
-// behind the number.
+// Parses a word as a number with std::from_chars. Returns nothing if the word is no number, is out of T's range, or has
+// further characters behind the number.
 template <class T>
 std::optional<T> parse_number(std::string_view word) {
     T number{};
@@ -23,13 +23,13 @@ std::optional<T> parse_number(std::string_view word) {
     return error == std::errc() && end == last ? std::optional(number) : std::nullopt;
 }
 
-// A finite number, which may have the sign +.
+// Parses a finite number, which may have the sign +.
 inline std::optional<double> parse_finite(std::string_view word) {
     const auto number = parse_number<double>(word.substr(word.starts_with('+') ? 1 : 0));
     return number && std::isfinite(*number) ? number : std::nullopt;
 }
 
-// The whole numbers of "64x48", where `between` is 'x'.
+// Parses two whole numbers such as "64x48", where `between` is 'x'.
 inline std::optional<std::pair<std::uint32_t, std::uint32_t>> parse_pair(std::string_view word, char between) {
     const std::size_t middle = std::min(word.find(between), word.size());
     const auto first = parse_number<std::uint32_t>(word.substr(0, middle));
@@ -48,7 +48,7 @@ inline std::vector<std::string> split_at_commas(const std::string& text) {
     return parts;
 }
 
-// The text with the letters A to Z as a to z.
+// Returns the text with the letters A to Z in lower case.
 inline std::string in_lower_case(std::string text) {
     for (char& c : text) {
         c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;

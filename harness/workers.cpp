@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::size_t none = ~std::size_t{0};
 
-// Sends a line; false if the other end is gone.
+// Sends a line through a socket; returns false if the other end is closed.
 bool send_line(int socket, const std::string& text) {
     const std::string line = text + "\n";
     for (std::size_t sent = 0; sent < line.size();) {
@@ -38,7 +38,7 @@ bool send_line(int socket, const std::string& text) {
     return true;
 }
 
-// Appends what has come to `text`; false if the other end is gone.
+// Appends received bytes to `text`; returns false if the other end is closed.
 bool receive(int socket, std::string& text) {
     char buffer[65536];
     for (;;) {
@@ -54,10 +54,10 @@ bool receive(int socket, std::string& text) {
     }
 }
 
-// Answers in a child process until its parent is gone, and leaves without running what that registered to run at exit.
+// Answers questions in a child process until its parent is gone, and exits without running the parent's exit handlers.
 [[noreturn]] void serve(int socket, const Answer& answer, const std::function<void()>& prepare, pid_t parent) {
-    // What a terminal sends to all of a command is for the parent to decide; a question may take longer than that
-    // lives.
+    // The terminal sends SIGINT and SIGTERM to all processes of a command, but the parent decides whether to stop.
+    // SIGKILL on the parent's death ends a worker even in the middle of a question.
     std::signal(SIGINT, SIG_IGN);
     std::signal(SIGTERM, SIG_IGN);
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -101,7 +101,7 @@ std::string ending(int status) {
 
 Workers::Workers(std::size_t count, const Answer& answer, const std::function<void()>& prepare) : workers_(count) {
     const pid_t parent = ::getpid();
-    const int threads = share_of_threads(count);  // asked here: some runtimes forget it in a child
+    const int threads = share_of_threads(count);  // set before the fork, since some OpenMP runtimes lose it in a child
     for (Worker& worker : workers_) {
         int ends[2];
         if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
@@ -112,7 +112,7 @@ Workers::Workers(std::size_t count, const Answer& answer, const std::function<vo
             throw MachineError(std::string("no process: ") + std::strerror(errno));
         }
         if (worker.process == 0) {
-            // A parent's end that a child holds would keep the others from noticing that the parent is gone.
+            // A parent's socket held open in a child would keep other workers from noticing that the parent is gone.
             for (const Worker& other : workers_) {
                 if (other.socket >= 0) {
                     ::close(other.socket);
@@ -143,11 +143,11 @@ Workers::~Workers() {
 void Workers::ask(const std::vector<std::string>& questions,
                   const std::function<void(std::size_t, const std::string&)>& answered) {
     std::size_t next = 0, handed_on = 0;
-    std::map<std::size_t, std::string> waiting;  // answers whose turn has not come
+    std::map<std::size_t, std::string> waiting;  // answers that must wait for those to earlier questions
     const auto give = [&](Worker& worker) {
         worker.question = next < questions.size() ? next++ : none;
         if (worker.question != none) {
-            (void)send_line(worker.socket, questions[worker.question]);  // that it is gone shows when it is read from
+            (void)send_line(worker.socket, questions[worker.question]);  // a dead worker is noticed on reading
         }
     };
     for (Worker& worker : workers_) {

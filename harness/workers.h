@@ -1,5 +1,5 @@
-// Processes that answer questions at once, a line for a line: what is checked by many small renders is mostly waiting
-// for kernels that are too small for a GPU, and for checks that run on one core.
+// Worker processes that answer one-line questions in parallel. They speed up checks made of many small renders, which
+// mostly wait for kernels too small to fill a GPU and for work on one CPU core.
 #pragma once
 
 #include <sys/types.h>
@@ -10,22 +10,22 @@
 
 namespace pt {
 
-// A worker's answer to a question. Questions and answers are single lines.
+// A function that computes a worker's answer to a question. Questions and answers are single lines.
 using Answer = std::function<std::string(const std::string& question)>;
 
 class Workers {
 public:
-    // Forks `count` processes that call `prepare`, if there is one, and then `answer`: before anything of CUDA or
-    // OpenMP has started in this one, which neither outlives. What `prepare` throws is passed over. Throws
-    // MachineError.
+    // Forks `count` worker processes that call `prepare`, if given, and then `answer` each question. To be constructed
+    // before this process has started CUDA or OpenMP, since neither survives a fork. Exceptions of `prepare` are
+    // ignored. Throws MachineError if a process cannot be started.
     Workers(std::size_t count, const Answer& answer, const std::function<void()>& prepare = {});
-    // Ends the workers, which end when nobody asks any more.
+    // Closes the workers' sockets, upon which the workers exit.
     ~Workers();
     Workers(const Workers&) = delete;
     Workers& operator=(const Workers&) = delete;
 
-    // Asks all questions, in order, each of a worker that is free, and hands on the answers in the order of the
-    // questions, as soon as those before are there. Throws MachineError, naming the question, if a worker ends.
+    // Asks all questions, in order, each of a free worker, and calls `answered` in the order of the questions, as soon
+    // as all earlier answers have arrived. Throws MachineError, naming the question, if a worker dies.
     void ask(const std::vector<std::string>& questions,
              const std::function<void(std::size_t, const std::string&)>& answered);
 
@@ -33,7 +33,7 @@ private:
     struct Worker {
         pid_t process = -1;
         int socket = -1;
-        std::string received;  // of the answer that is on its way
+        std::string received;  // the part of the answer received so far
         std::size_t question = ~std::size_t{0};
     };
     std::vector<Worker> workers_;

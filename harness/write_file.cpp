@@ -16,7 +16,7 @@ namespace pt {
 
 namespace {
 
-// Returns whether every byte is on the disk; else errno says why not.
+// Writes all bytes and syncs them to disk; returns false and sets errno on failure.
 bool write_through(int descriptor, const std::string& content) {
     for (std::size_t done = 0; done < content.size();) {
         const ssize_t written = ::write(descriptor, content.data() + done, content.size() - done);
@@ -28,7 +28,7 @@ bool write_through(int descriptor, const std::string& content) {
     return ::fsync(descriptor) == 0;
 }
 
-// Writes a new file; returns 0, or the errno of what failed.
+// Writes a new file; returns 0, or the errno of the call that failed.
 int write_new(const std::string& file, const std::string& content) {
     const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (descriptor < 0) {
@@ -41,7 +41,8 @@ int write_new(const std::string& file, const std::string& content) {
     return failed;
 }
 
-// The new name is on the disk too. Some file systems cannot say so of a folder: the file itself is whole either way.
+// Syncs a folder, so that a new name in it is on the disk too. Errors are ignored, since some file systems cannot sync
+// a folder; the file's content is on the disk in any case.
 void sync_folder(const std::filesystem::path& folder) {
     const int descriptor = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (descriptor >= 0) {
@@ -50,14 +51,14 @@ void sync_folder(const std::filesystem::path& folder) {
     }
 }
 
-constexpr const char* partial_suffix = ".partial";  // and the process
+constexpr const char* partial_suffix = ".partial";  // suffix of a temporary file, before the process id
 
-// What stands in the way of a regular file of that name; empty: nothing.
+// Says why a regular file of that name cannot be written; an empty text means that nothing prevents it.
 std::string obstacle(const std::string& file) {
     if (file.empty()) {
         return "no name";
     }
-    // What is added to it for journals and half-written files must fit too, and results and terminals hold its text.
+    // The limits leave room for the suffixes of journals and temporary files.
     constexpr std::size_t longest_name = 200, longest_path = 3800;
     if (std::filesystem::path(file).filename().string().size() > longest_name || file.size() > longest_path) {
         return "a name of more than 200 bytes, or a path of more than 3800";
@@ -82,7 +83,7 @@ std::string obstacle(const std::string& file) {
     return file.back() == '/' ? "the name of a folder" : "";
 }
 
-// The file that a link leads to: renaming onto the link would leave that file as it is and lose the link.
+// Resolves a symbolic link, since renaming onto the link would replace the link and leave the file that it leads to.
 std::string target_of(const std::string& file) {
     std::error_code failed;
     if (!std::filesystem::is_symlink(std::filesystem::symlink_status(file, failed))) {

@@ -1,4 +1,4 @@
-// Writes a file whole: to a temporary name beside it, onto the disk, then renamed.
+// Writes files atomically: to a temporary name beside the file, synced to disk, then renamed.
 #pragma once
 
 #include <cstdint>
@@ -8,14 +8,14 @@ namespace pt {
 
 // Throws InputError if `file`, the value of the option `flag`, cannot be written as a regular file: it is a folder, a
 // device or a pipe, a part of its path is a file, or its name cannot be used (empty, too long, control characters). A
-// link to a regular file is good: the file that it leads to is written.
+// symbolic link to a regular file is allowed; the file that it leads to is written.
 void check_output_file(const std::string& file, const std::string& flag = "--out");
 
-// Creates missing folders. Throws MachineError if the file cannot be written or check_output_file would refuse it; an
-// old file then stays as it was.
+// Writes `content` to `file` and creates missing folders. Throws MachineError if the file cannot be written or
+// check_output_file would refuse its name; an existing file is then left unchanged.
 void write_file(const std::string& file, const std::string& content);
 
-// Identifies a file and its state: two stamps of one name differ if the file was written or replaced in between.
+// Identifies a file and its state: two stamps of the same name differ if the file was written or replaced in between.
 struct FileStamp {
     bool exists = false;
     std::uint64_t device = 0, inode = 0;

@@ -1,5 +1,5 @@
-// `ptbench autotune`: searches the tunables of one variant on this machine, one tunable at a time, and keeps what was
-// fastest.
+// `ptbench autotune`: searches the tunables of one variant on this machine, one tunable at a time, and stores the
+// fastest values.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -34,7 +34,7 @@ struct AutotuneArguments {
 
 constexpr int samples_per_value = 5;
 constexpr int samples_at_the_end = 9;
-constexpr double least_gain = 0.01;  // below this a difference is noise, and the standard stays
+constexpr double least_gain = 0.01;  // relative gain in time below which a tunable keeps its default, as noise
 
 double median(std::vector<double> values) {
     std::sort(values.begin(), values.end());
@@ -53,7 +53,7 @@ public:
     }
 
     double typical(const Variant& variant) const {
-        (void)milliseconds(variant, 1);  // compiles and warms up
+        (void)milliseconds(variant, 1);  // an untimed first render compiles the kernels and warms up
         std::vector<double> all;
         for (std::uint64_t seed = 1; seed <= samples_per_value; ++seed) {
             all.push_back(milliseconds(variant, seed));
@@ -61,7 +61,7 @@ public:
         return median(all);
     }
 
-    // The variant with the tunable at the value that was fastest.
+    // The variant with the tunable at its fastest value.
     Variant improved(const Variant& variant, const Tunable& tunable, double& best_ms) const {
         Variant best = variant;
         for (const std::uint32_t value : candidates(tunable)) {
@@ -93,7 +93,7 @@ public:
         return best;
     }
 
-    // Times of two variants, taken in turn: what drifts, drifts for both.
+    // Times two variants alternately, so that drift affects both equally.
     std::pair<double, double> compared(const Variant& a, const Variant& b) const {
         std::vector<double> of_a, of_b;
         for (std::uint64_t seed = 1; seed <= samples_at_the_end; ++seed) {
@@ -124,7 +124,7 @@ int run(const AutotuneArguments& arguments) {
         throw InputError(fmt::format("n/a: {} on {}: {}", shown_name(standard, backend), scene.name, reason));
     }
     require_backend(backend);
-    // The file is checked before the search, which takes minutes, and what it finds must have a place.
+    // The output file is checked before the search, which takes minutes.
     const std::string file = arguments.out.empty() ? tuning_file(backend) : arguments.out;
     check_output_file(file);
     refuse_result(file);
@@ -154,7 +154,7 @@ int run(const AutotuneArguments& arguments) {
         best = standard;
         tuned_ms = standard_ms;
     }
-    // A value that breaks the image must not be kept, however fast.
+    // A value that breaks the image must not be stored, however fast.
     RenderSettings small = settings;
     small.width = small.height = 48;
     small.seed = 1;

@@ -1,4 +1,4 @@
-// The subcommands of ptbench. Each adds itself to the command line and returns what to run if it was called.
+// The subcommands of ptbench. Each function adds a subcommand to the command line and returns what runs it.
 #pragma once
 
 #include <functional>
@@ -12,7 +12,7 @@
 
 namespace pt {
 
-// Carries a command out, and returns the exit code. May throw InputError and MachineError.
+// Runs a command and returns the exit code. May throw InputError and MachineError.
 using Command = std::function<int()>;
 
 Command add_list_command(CLI::App& app);
@@ -32,38 +32,36 @@ Command add_replay_command(CLI::App& app);
 Command add_stability_command(CLI::App& app, const std::string& command_line);
 Command add_rays_command(CLI::App& app, const std::string& command_line);
 
-// The kinds of things that `ptbench new` makes, "compaction" for instance.
+// The kinds of files that `ptbench new` can write, "compaction" for instance.
 std::vector<std::string> kinds_of_new();
-// A command's options, "--axis" for instance, for suggestions.
+// The options of a command, "--axis" for instance, for suggestions.
 std::vector<std::string> option_names(const CLI::App& command);
-// Reads a resolution, "WxH"; throws InputError.
+// Parses a resolution, "WxH"; throws InputError.
 std::pair<std::uint32_t, std::uint32_t> parse_resolution(const std::string& text);
-// Reads resolutions, "WxH,WxH", each of which may stand once; throws InputError.
+// Parses distinct resolutions, "WxH,WxH"; throws InputError.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> parse_resolutions(const std::string& text);
-// Reads whole numbers, "2,4,8"; `flag` is for the messages. Throws InputError for what is no whole number from `low` to
-// `high`, or stands twice.
+// Parses distinct whole numbers from `low` to `high`, "2,4,8". Throws InputError, naming `flag`, for anything else.
 std::vector<std::uint32_t> parse_whole_numbers(const std::string& text, const std::string& flag, std::uint32_t low,
                                                std::uint32_t high);
-// Splits "A,B", the names of `flag`, into {A, B}; throws InputError for an empty name, or one that stands twice.
+// Splits "A,B", the value of `flag`, into {A, B}; throws InputError for an empty or repeated name.
 std::vector<std::string> split_names(const std::string& text, const std::string& flag = "--scene");
-// Splits "A,B" into scene names; "all" stands for every shipped scene. Throws InputError for an empty name, or one that
-// stands twice.
+// Splits "A,B" into scene names; "all" stands for every shipped scene. Throws InputError for an empty or repeated name.
 std::vector<std::string> scenes_asked_for(const std::string& text);
-// Reads the name of a backend, "cpu" or "cuda"; "" is cuda where it is available, else cpu. Throws InputError for
-// another name, MachineError for a backend that this build lacks.
+// Parses the name of a backend, "cpu" or "cuda"; "" is cuda if available, else cpu. Throws InputError for another name,
+// MachineError for a backend that this build lacks.
 Backend parse_backend(const std::string& text);
-// Throws MachineError with the reason if the backend is not available here.
+// Throws MachineError, which says why, if the backend is not available.
 void require_backend(Backend backend);
-// `--compile --arch sm_NN`: the kernels that a call would use are compiled into the cache, on a machine that may have
-// no GPU, and nothing else is done.
+// Options `--compile --arch sm_NN`: compile the kernels that a call needs into the kernel cache and do nothing else,
+// possibly on a machine without a GPU.
 struct CompileOnly {
     bool is_asked = false;
     std::string architecture;
 };
 void add_compile_options(CLI::App& command, CompileOnly& compile_only);
-// For CLI::Option::check: what is wrong with an empty file name, which a shell's variable may have given; else nothing.
+// For CLI::Option::check: rejects an empty file name, as an unset shell variable gives; the result says what is wrong.
 std::string check_not_empty(const std::string& text);
-// For CLI::Option::check: what is wrong with a seed, or nothing. (CLI11 alone takes -1 for 2^64 - 1.)
+// For CLI::Option::check: rejects an invalid seed, such as -1, which CLI11 takes for 2^64 - 1.
 std::string check_seed(const std::string& text);
 
 }  // namespace pt

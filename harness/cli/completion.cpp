@@ -22,7 +22,7 @@ Words split_words(const std::string& line) {
         words.push_back(word);
     }
     if (line.empty() || line.back() == ' ' || line.back() == '\t') {
-        words.emplace_back();  // the one that begins at the cursor
+        words.emplace_back();  // after a space the word to complete is empty
     }
     return words;
 }
@@ -53,7 +53,7 @@ Words joined(Words words, const Words& more) {
     return words;
 }
 
-// Completes the last element of a list such as "a,b,c": names that are none of those before it.
+// Completes the last element of a list such as "a,b,c" by names that the list does not contain yet.
 Words complete_list(const std::string& begun, const Words& known) {
     const std::size_t comma = begun.rfind(',');
     const std::string before = comma == std::string::npos ? "" : begun.substr(0, comma + 1);
@@ -63,7 +63,7 @@ Words complete_list(const std::string& begun, const Words& known) {
     return with_prefix(before, found);
 }
 
-// The backends that a completion is for: with "--backend cpu" among the words, the choices of the others do not apply.
+// The backends that a completion considers: with "--backend cpu" among the words, only choices of the CPU.
 BackendSet backends_named(const Words& words) {
     for (std::size_t i = 0; i + 1 < words.size(); ++i) {
         for (const Backend backend : all_backends) {

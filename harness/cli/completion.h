@@ -1,6 +1,5 @@
-// What may follow what was typed: commands, options, axes and their choices, tunables, scenes, suites. The shell's
-// script
-// (`ptbench completion bash`) asks at every key, so that it never goes stale.
+// Completion of command lines: commands, options, axes and choices, tunables, scenes, suites. The shell script
+// (`ptbench completion bash`) calls ptbench at every key, so that completions are always up to date.
 #pragma once
 
 #include <string>
@@ -10,8 +9,8 @@
 
 namespace pt {
 
-// The words that begin as the last one of `line` does, which is a command line up to the cursor: "ptbench run --ax". Of
-// a list, "layout=aos,s", the whole word: "layout=aos,soa". Empty where a file may be meant.
+// Completions of the last word of `line`, the command line up to the cursor: "ptbench run --ax". In a list,
+// "layout=aos,s", a completion is the whole word: "layout=aos,soa". Empty where a file name may be meant.
 std::vector<std::string> completions(const CLI::App& app, const std::string& line);
 
 }  // namespace pt

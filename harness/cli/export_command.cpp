@@ -42,7 +42,7 @@ void check_arguments(const ExportArguments& arguments) {
     }
 }
 
-// A name that ends in .xml is the file; any other the folder, which the scene's name is put into.
+// The XML file to write: `out` itself if it ends in .xml, otherwise a file in the folder `out` named after the scene.
 fs::path xml_file(const ExportArguments& arguments, const Scene& scene) {
     const fs::path out(arguments.out);
     return out.extension() == ".xml" ? out : out / (scene.name + ".xml");

@@ -43,7 +43,7 @@ void print_findings(const ImportFindings& findings, const std::string& file, con
     }
 }
 
-// Says how many findings there are that leave no scene.
+// Reports how many problems (and warnings, with --strict) prevent the import; returns the exit code.
 int refuse_import(const ImportResult& result, const ImportArguments& arguments) {
     const std::size_t problems = result.problems.count(), warnings = arguments.strict ? result.warnings.count() : 0;
     const std::string refused = fmt::format("{}{}{}", problems > 0 ? counted(problems, "problem") : "",
@@ -59,7 +59,7 @@ int import_file(const ImportArguments& arguments) {
         {.text = read_import(arguments.file), .file = arguments.file, .out = arguments.out, .name = arguments.name});
     print_findings(result.problems, arguments.file, "");
     const bool is_scene = result.problems.count() == 0;
-    if (is_scene || arguments.strict) {  // what a file without its problems would be warned of, nobody knows yet
+    if (is_scene || arguments.strict) {  // after problems the list of warnings is incomplete, so not printed
         print_findings(result.warnings, arguments.file, "warning");
     }
     if (!is_scene || (arguments.strict && result.warnings.count() > 0)) {

@@ -103,7 +103,7 @@ std::string table_of_reports(std::span<const nlohmann::ordered_json> reports) {
     return text + text_of_library_calls(first);
 }
 
-// Renders the variant once to count its rays, and once more under ncu.
+// Adds hardware counters to the report: renders once to count rays, then once under ncu.
 void add_counters(const InspectArguments& arguments, const Scene& scene, const Variant& variant,
                   nlohmann::ordered_json& report) {
     RenderRequest request{
@@ -186,7 +186,7 @@ void check_arguments(const InspectArguments& arguments) {
         refuse_source(arguments.out);
         refuse_result(arguments.out);
     }
-    (void)parse_backend("cuda");  // a build without it has no variants to report on
+    (void)parse_backend("cuda");  // throws if the build has no CUDA variants
 }
 
 int run(const InspectArguments& arguments) {

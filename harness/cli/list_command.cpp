@@ -26,7 +26,7 @@ struct ListArguments {
 
 OrderedJson scenes_of(const ListArguments& arguments) {
     if (!arguments.architecture.empty()) {
-        (void)parse_backend("cuda");  // a build without it has nothing to compile
+        (void)parse_backend("cuda");  // throws if the build cannot compile CUDA kernels
     }
     OrderedJson scenes = OrderedJson::array();
     for (const std::string& name : arguments.scene.empty() ? scene_names() : split_names(arguments.scene)) {
@@ -53,7 +53,7 @@ OrderedJson everything(const ListArguments& arguments) {
             {"backends", list_backends()}};
 }
 
-// The text about one topic of `ptbench list`: the axes, one axis, the features, the scenes or the suites.
+// The text about a topic of `ptbench list`: the axes, one axis, the features, the scenes or the suites.
 std::string topic_text(const ListArguments& arguments) {
     const std::string& topic = arguments.topic;
     if (topic == "axes") {

@@ -17,13 +17,13 @@ namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 
-// Backends that have any choice at all on an axis: a build without a CUDA toolkit has none on some.
+// Whether the backend has choices on every axis; a build without a CUDA toolkit lacks some.
 bool is_built(Backend backend) {
     return std::all_of(std::begin(axis_names), std::end(axis_names),
                        [&](std::string_view axis) { return !Registry::instance().choices(axis, backend).empty(); });
 }
 
-// A choice that several backends have is one entry; its claim and words are those of the first.
+// The entry of a choice. A choice of several backends has one entry, with the claim and summary of the first backend.
 OrderedJson choice_json(std::string_view axis, const std::string& name) {
     const Registry& registry = Registry::instance();
     OrderedJson backends = OrderedJson::array();
@@ -63,7 +63,7 @@ OrderedJson choice_json(std::string_view axis, const std::string& name) {
             {"tunables", tunables}};
 }
 
-// For each backend and choice, why it does not apply to the scene with everything else at its baseline.
+// For each backend and choice, why the choice does not apply to the scene with all other axes at the baseline.
 OrderedJson reasons_json(FeatureSet features) {
     OrderedJson all = OrderedJson::object();
     for (const Backend backend : all_backends) {
@@ -145,8 +145,6 @@ OrderedJson list_scene(const std::string& name) {
             {"not_applicable_on", reasons}};
 }
 
-// Lists what leaving features out saves: a scene's kernel with everything and with less, compiled for a GPU that need
-// not be there.
 OrderedJson list_kernels(const std::string& name, const std::string& architecture) {
     const Scene scene = find_scene(name);
     OrderedJson kernels = OrderedJson::array();

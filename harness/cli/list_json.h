@@ -1,4 +1,4 @@
-// What there is, as `ptbench list --json` prints it: axes with their choices, scenes, suites, backends.
+// Output of `ptbench list --json`: axes with choices, scenes, suites, backends.
 #pragma once
 
 #include <string>
@@ -8,16 +8,15 @@
 
 namespace pt {
 
-// What each axis.h says: analysis/ptbench/io/axes.json is this, for Python and the schemas.
+// The facts of each axis.h; analysis/ptbench/io/axes.json holds this output for Python and the schemas.
 nlohmann::ordered_json list_axis_facts();
-// Every feature that a kernel may have, by name: analysis/ptbench/io/features.json is this, for the schemas.
+// All feature names of kernels; analysis/ptbench/io/features.json holds this output for the schemas.
 nlohmann::ordered_json list_features();
 nlohmann::ordered_json list_axis(std::string_view axis);
 nlohmann::ordered_json list_axes();
-// Lists a scene. Throws InputError for one that is not there.
+// Facts about a scene. Throws InputError if the scene does not exist.
 nlohmann::ordered_json list_scene(const std::string& name_or_file);
-// Lists what leaving features out saves: a scene's kernel with everything and with less, compiled for a GPU that need
-// not be there.
+// Code sizes and registers of a scene's kernels with all features and with fewer, compiled without needing a device.
 nlohmann::ordered_json list_kernels(const std::string& scene, const std::string& architecture);
 nlohmann::ordered_json list_suite(const std::string& name);
 nlohmann::ordered_json list_backends();

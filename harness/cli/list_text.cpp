@@ -19,7 +19,7 @@ std::string joined(const OrderedJson& names, const char* between) {
     return fmt::format("{}", fmt::join(names.get<std::vector<std::string>>(), between));
 }
 
-// The words with a space between them, in lines of at most 110 columns.
+// Joins words with spaces into lines of at most 110 columns.
 std::string wrapped(const std::vector<std::string>& words) {
     constexpr std::size_t width = 110;
     std::string text, line = " ";
@@ -37,7 +37,7 @@ bool is_there(std::string_view axis, const std::string& choice, Backend backend)
     return Registry::instance().find(axis, choice, backend) != nullptr;
 }
 
-// A choice's name, with a mark where it is not there on both backends.
+// A choice's name with a mark if only one of the backends has the choice.
 std::string marked(std::string_view axis, const std::string& choice) {
     if (!is_there(axis, choice, Backend::cpu)) {
         return choice + "*";

@@ -1,4 +1,4 @@
-// The output of `ptbench list` as text: all on one screen, or an axis, scenes or suites in full.
+// Output of `ptbench list` as text: an overview of everything, or an axis, scenes or suites in detail.
 #pragma once
 
 #include <string>
@@ -7,11 +7,11 @@
 
 namespace pt {
 
-// The overview of `ptbench list`: a line an axis with its choices, the names of scenes and suites, and the backends.
+// The overview of `ptbench list`: one line for each axis with its choices, names of scenes and suites, backends.
 std::string overview_text();
-// The axes, a line each.
+// The list of all axes, one line for each.
 std::string axes_text();
-// The features of kernels, a name a line.
+// The list of kernel features, one name per line.
 std::string features_text();
 // The choices of an axis, with origins, claims and tunables.
 std::string axis_text(const nlohmann::ordered_json& axis);

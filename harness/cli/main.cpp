@@ -1,5 +1,4 @@
-// ptbench's command line. Exit codes: 0 good, 1 a check failed, 2 the input or the call is wrong, 3 the machine failed,
-// 130 interrupted.
+// The command line of ptbench. Exit codes: 0 good, 1 check failed, 2 invalid input, 3 machine failed, 130 interrupted.
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
@@ -24,7 +23,7 @@
 
 namespace {
 
-// An argument as a shell takes it, quoted where it has to be.
+// Quotes an argument for a shell, if necessary.
 std::string quoted(const std::string& argument) {
     constexpr const char* plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=.,:/@%^";
     if (!argument.empty() && argument.find_first_not_of(plain) == std::string::npos) {
@@ -45,7 +44,7 @@ std::string join_arguments(int argc, char** argv) {
     return joined;
 }
 
-// The name that the first unknown argument may have been meant to be; empty where none is near.
+// A suggestion for the first unknown argument; empty if no known name is similar.
 std::string suggestion(const CLI::App& app, const std::vector<std::string>& arguments) {
     const std::vector<std::string> subcommands = pt::names_of_commands(app);
     if (arguments.empty()) {
@@ -65,7 +64,7 @@ std::string suggestion(const CLI::App& app, const std::vector<std::string>& argu
     return "";
 }
 
-// The error of a call in our words: CLI11 says "--seed: At Most 1 required but received 2".
+// Rewords an error of CLI11, such as "--seed: At Most 1 required but received 2".
 std::string in_words(const CLI::ParseError& error) {
     const std::string message = error.what();
     const std::size_t place = message.find(": At Most 1 required but received");
@@ -74,8 +73,7 @@ std::string in_words(const CLI::ParseError& error) {
                                                     message.substr(message.find_last_of(' ') + 1));
 }
 
-// Refuses several ranks for commands other than run and render, which would leave all ranks but one with nothing to do,
-// and time the one.
+// Refuses several MPI ranks for commands other than run and render, which would leave all ranks but one idle.
 void check_ranks(const std::string& command) {
     if (pt::ranks().count > 1 && command != "run" && command != "render") {
         throw pt::InputError(
@@ -87,7 +85,7 @@ void check_ranks(const std::string& command) {
 int run(int argc, char** argv) {
     CLI::App app("ptbench: does a path tracing optimisation pay? Measured, with the images compared first.", "ptbench");
     app.set_version_flag("--version", "ptbench " + pt::version_text());
-    app.require_subcommand(0, 1);  // none is reported below, after unknown arguments
+    app.require_subcommand(0, 1);  // a missing subcommand is reported below, after unknown arguments
     const std::vector<std::pair<std::string, pt::Command>> commands{
         {"list", pt::add_list_command(app)},
         {"run", pt::add_run_command(app, join_arguments(argc, argv))},
@@ -108,7 +106,7 @@ int run(int argc, char** argv) {
     };
     try {
         app.parse(argc, argv);
-    } catch (const CLI::Success& success) {  // --help
+    } catch (const CLI::Success& success) {  // CLI11 throws this for --help
         return app.exit(success);
     } catch (const CLI::ParseError& error) {
         pt::say("ptbench: {}{} (see ptbench --help)\n", pt::one_line(in_words(error)),
@@ -125,7 +123,7 @@ int run(int argc, char** argv) {
                          fmt::format("{} (see ptbench --help)", fmt::join(pt::names_of_commands(app), ", ")));
 }
 
-// What was printed may be a result: it is lost if standard output goes to a full disk.
+// Reports failed writes to standard output, for instance to a full disk, since the output may be a result.
 int check_output(int exit_code) {
     std::cout.flush();
     errno = 0;
@@ -136,7 +134,7 @@ int check_output(int exit_code) {
     return exit_code;
 }
 
-// The exit code of `program`; what it throws is said in one line.
+// Calls `program` and returns its exit code; exceptions are reported in one line.
 int guarded(const std::function<int()>& program) {
     try {
         return program();
@@ -147,7 +145,7 @@ int guarded(const std::function<int()>& program) {
         pt::say("ptbench: {}\n", error.what());
         return pt::exit_machine_failed;
     } catch (const std::system_error& error) {
-        // fmt::print throws this where a line finds no room.
+        // fmt::print throws system_error if writing fails.
         const bool is_output = std::ferror(stdout) != 0;
         pt::say("ptbench: {}: {}\n", is_output ? "standard output: cannot be written" : "internal error",
                 is_output ? error.code().message() : error.what());
@@ -162,9 +160,9 @@ int guarded(const std::function<int()>& program) {
 
 int main(int argc, char** argv) {
     pt::occupy_standard_streams();
-    // A file that grows beyond the process's limit is a write that fails, like one on a full disk.
+    // A write beyond the process's file size limit shall fail, like one to a full disk, instead of raising SIGXFSZ.
     std::signal(SIGXFSZ, SIG_IGN);
-    // Every line that is printed is out before the next: a crash takes none with it.
+    // Line buffering: a crash loses no line that was printed before.
     std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
     pt::name_crashes();
     const auto program = [&] { return guarded([&] { return check_output(run(argc, argv)); }); };

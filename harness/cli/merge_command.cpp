@@ -1,4 +1,4 @@
-// ptbench merge: the shards of a run as one result file.
+// `ptbench merge`: combines the shards of a run into one result file.
 #include <filesystem>
 
 #include <fmt/format.h>

@@ -1,5 +1,4 @@
-// `new`: writes the starting files of a choice, a shape or a material of one's own, whole and working, from
-// harness/templates/KIND.
+// `ptbench new`: writes working starter files for a choice, a shape or a material, from harness/templates/KIND.
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
@@ -23,13 +22,12 @@ namespace {
 namespace fs = std::filesystem;
 
 struct TemplateFile {
-    std::string_view source;   // in harness/templates/AXIS
-    std::string_view written;  // in the repository
+    std::string_view source;   // path of the template in harness/templates/KIND
+    std::string_view written;  // path of the written file in the repository
     std::string_view what;
 };
 
-// Placeholders in a template's path and text: "@NAME@" stands for the name, "@TYPE@" for the class that a shape or a
-// material has of it.
+// Placeholders in a template's path and text: "@NAME@" for the name, "@TYPE@" for the class of a shape or material.
 constexpr std::string_view name_placeholder = "@NAME@";
 constexpr std::string_view type_placeholder = "@TYPE@";
 
@@ -53,24 +51,24 @@ constexpr TemplateFile material_files[] = {
     {"test.cpp.in", "tests/unit/@NAME@_material_test.cpp", "its test"},
 };
 
-// A list that has a line more for each of a kind.
+// A macro list in a source file with one line for each shape or material.
 struct ListOf {
     std::string_view file;
-    std::string_view end_of_lines;  // how its last line ends, and what follows that
-    std::string_view line;          // {0}: the name, {1}: the class, {2}: the name in capitals
-    std::string_view example;       // of a line, for messages
+    std::string_view end_of_lines;  // text with which the macro list ends, and what follows
+    std::string_view line;          // format; {0}: the name, {1}: the class, {2}: the name in capitals
+    std::string_view example;       // an example of a line of the macro list, for messages
 };
 constexpr ListOf shape_list{"kernels/shape_list.h", ", more)\n\n", "SHAPE({0}, {0}s, {1}, {2}S, more)",
                             "SHAPE(..., more)"};
 constexpr ListOf material_list{"kernels/material_list.h", ")\n\n#define PT_MATERIAL_TYPE",
                                "MATERIAL({0}, {1}, is_delta)", "MATERIAL(...)"};
 
-// A kind of thing that `ptbench new` makes.
+// A kind of files that `ptbench new` writes.
 struct Kind {
-    std::string_view name;  // also of its folder of templates
+    std::string_view name;  // name of the kind and of its folder of templates
     std::span<const TemplateFile> files;
-    std::string_view folder;  // where its files lie
-    std::string_view next;    // what to do then; {0}: the repository, {1}: the name
+    std::string_view folder;  // target folder of the written files
+    std::string_view next;    // next steps to print for the user; {0}: the repository, {1}: the name
     const ListOf* list = nullptr;
 };
 constexpr Kind kinds[] = {
@@ -100,7 +98,7 @@ struct NewFile {
     fs::path path;
     std::string text;
     std::string_view what;
-    std::optional<std::string> before;  // what it held; nothing: it was not there
+    std::optional<std::string> before;  // content of the file before; nothing if the file is new
 };
 
 std::string replaced(std::string text, std::string_view placeholder, std::string_view value) {
@@ -111,7 +109,7 @@ std::string replaced(std::string text, std::string_view placeholder, std::string
     return text;
 }
 
-// The name of the class: MyBallShape for a shape my_ball.
+// The class name of a new shape or material, e.g. MyBallShape for a shape my_ball.
 std::string type_of(const std::string& name, const Kind& kind) {
     std::string type;
     bool begins = true;
@@ -128,7 +126,7 @@ std::string with_name(std::string_view text, const std::string& name, const Kind
     return replaced(replaced(std::string(text), name_placeholder, name), type_placeholder, type_of(name, kind));
 }
 
-// The kind's list with one more line, after the last.
+// The macro list of the kind with one more line at the end.
 std::string with_line(const std::string& list, const std::string& name, const Kind& kind) {
     const std::size_t end = list.find(kind.list->end_of_lines);
     if (end == std::string::npos) {
@@ -138,7 +136,7 @@ std::string with_line(const std::string& list, const std::string& name, const Ki
     const std::size_t after = end + kind.list->end_of_lines.find('\n');
     const std::size_t line = list.rfind('\n', end) + 1;
     const std::size_t line_before = list.rfind('\n', line - 2) + 1;
-    // The backslashes of all lines but the last stand in one column.
+    // The backslashes of all lines of a macro list but the last are aligned in one column.
     const std::size_t column = list.find('\\', line_before) - line_before;
     std::string upper = name;
     std::transform(upper.begin(), upper.end(), upper.begin(),
@@ -147,7 +145,7 @@ std::string with_line(const std::string& list, const std::string& name, const Ki
            fmt::format(fmt::runtime(kind.list->line), name, type_of(name, kind), upper) + list.substr(after);
 }
 
-// Names that are words of C++ or of the command line, or that would hide what the written files refer to.
+// Names that are reserved in C++ or on the command line, or would hide names that the written files use.
 constexpr std::string_view reserved_names[] = {
     "alignas",       "alignof",     "all",       "and",       "and_eq",       "asm",
     "auto",          "bitand",      "bitor",     "bool",      "break",        "case",
@@ -167,9 +165,9 @@ constexpr std::string_view reserved_names[] = {
     "unsigned",      "using",       "virtual",   "void",      "volatile",     "wchar_t",
     "while",         "xor",         "xor_eq"};
 
-constexpr std::size_t longest_name = 32;  // a variant's name spells it beside its other choices
+constexpr std::size_t longest_name = 32;  // limits the length of variants' names, which contain the choice's name
 
-// Whether a name is words of small letters and digits, joined by single underscores, the first character a letter.
+// Whether a name is snake_case: lower case letters and digits, joined by single underscores, starting with a letter.
 bool is_snake_case(const std::string& name) {
     constexpr std::string_view allowed = "abcdefghijklmnopqrstuvwxyz0123456789_";
     return !name.empty() && name.front() >= 'a' && name.front() <= 'z' && name.back() != '_' &&
@@ -186,7 +184,7 @@ void check_name(const std::string& name) {
     }
 }
 
-// A file of the folder, or of a folder in it, that has this name before its first dot; empty: there is none.
+// A file in the folder or its subfolders with this name before the first dot; empty if there is none.
 fs::path file_named(const fs::path& folder, const std::string& name) {
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
         const std::string found = entry.path().filename().string();
@@ -201,7 +199,7 @@ fs::path file_named(const fs::path& folder, const std::string& name) {
     throw InputError("new", "NAME", "\"" + name + "\"", "a name that is not taken: " + by);
 }
 
-// The name of a shape or material is also that of a feature, which must be free.
+// A shape's or material's name becomes a feature name, which must be unused.
 void check_feature_is_free(const std::string& name) {
     const std::vector<std::string> features = feature_names(~FeatureSet{0});
     if (std::find(features.begin(), features.end(), name) != features.end()) {
@@ -209,7 +207,7 @@ void check_feature_is_free(const std::string& name) {
     }
 }
 
-// The name of a shape is, with an s, that of an array too.
+// A shape's name with an s becomes the name of an array in SceneView, which must be unused.
 void check_array_is_free(const std::string& name) {
     SceneView<float> view{};
     for_each_array(view, [&](const SceneArray& array, const auto&) {
@@ -240,7 +238,7 @@ void check_is_free(const fs::path& home, const Kind& kind, const std::string& na
     }
 }
 
-// What is to be written, with nothing written yet.
+// The files that `ptbench new` would write, with their contents; nothing is written yet.
 std::vector<NewFile> new_files(const fs::path& home, const Kind& kind, const std::string& name) {
     std::vector<NewFile> files;
     for (const TemplateFile& file : kind.files) {
@@ -256,8 +254,7 @@ std::vector<NewFile> new_files(const fs::path& home, const Kind& kind, const std
     return files;
 }
 
-// Writes all files or none: what was written is taken away again if one cannot be. A file that was there before is the
-// last, and is written whole or not at all.
+// Writes all files or none: if one cannot be written, the others are removed. An existing file is replaced last.
 void write_all(const std::vector<NewFile>& files) {
     std::size_t written = 0;
     try {

@@ -1,4 +1,4 @@
-// ptbench rays: rates of ray batches without shading.
+// `ptbench rays`: rates of ray batches without shading.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -34,11 +34,11 @@ struct RaysArguments {
     int repetitions = 9, threads = 0;
     std::uint64_t first_ray = 0, seed = 1;
     bool leaks = false, overwrite = false;
-    bool counters = false, counted = false;  // counted: what --counters runs under ncu
+    bool counters = false, counted = false;  // counted: this is the process that --counters runs under ncu
     std::string command_line;
 };
 
-// The names of an option; each must be among `known`.
+// Splits the names in an option's value; each must be among `known`.
 std::vector<std::string> chosen(const std::string& text, const std::string& flag,
                                 const std::vector<std::string>& known) {
     const std::vector<std::string> names = split_names(text, flag);
@@ -128,7 +128,7 @@ std::vector<std::string> names_or_none(const std::string& text, const std::strin
     return text.empty() ? std::vector<std::string>() : split_names(text, flag);
 }
 
-// Checks the call for every fault before anything is made.
+// Checks all arguments before any work is done.
 void check_arguments(const RaysArguments& arguments, std::size_t meshes) {
     if (meshes == 0) {
         throw InputError("rays", "--mesh", "none", "--mesh NAME:SIZE|FILE,.. or --scene S,..");
@@ -156,7 +156,7 @@ void check_arguments(const RaysArguments& arguments, std::size_t meshes) {
     }
 }
 
-// Throws InputError where an output is a file that was read; it is asked again of each mesh, once that is read.
+// Throws InputError if an output file has been read as input; called again after each mesh is read.
 void refuse_sources(const RaysArguments& arguments) {
     refuse_source(arguments.out);
     refuse_source(arguments.write_mesh, "--write-mesh");
@@ -175,7 +175,7 @@ nlohmann::ordered_json context_of(const RaysArguments& arguments, const rays::Ra
     return context;
 }
 
-// What says how rays are timed has no meaning where leaks are counted, and the other way round.
+// Options about timing are refused with --leaks, and options about leaks without it.
 void check_leak_arguments(const RaysArguments& arguments) {
     if (!arguments.leaks) {
         if (arguments.log2_rays > 26) {
@@ -201,7 +201,7 @@ void check_leak_arguments(const RaysArguments& arguments) {
     }
 }
 
-// Looks for leaks; the exit code is 1 where a ray leaves a closed mesh.
+// Searches for leaks, rays that leave a closed mesh; the exit code is 1 if there are any.
 int find_leaks(const RaysArguments& arguments) {
     const std::vector<std::string> meshes = names_or_none(arguments.meshes, "--mesh");
     check_arguments(arguments, meshes.size());
@@ -229,7 +229,7 @@ int find_leaks(const RaysArguments& arguments) {
     return leaks == 0 ? exit_good : exit_check_failed;
 }
 
-// Calls each(mesh) for every mesh or scene of the call.
+// Calls each(mesh) for every mesh and scene of the call.
 template <class Each>
 void for_each_mesh(const RaysArguments& arguments, const Each& each) {
     for (const std::string& name : names_or_none(arguments.meshes, "--mesh")) {
@@ -240,7 +240,7 @@ void for_each_mesh(const RaysArguments& arguments, const Each& each) {
     }
 }
 
-// The call that traces the same batches under ncu.
+// The arguments with which ptbench traces the same batches under ncu.
 std::vector<std::string> counted_call(const RaysArguments& arguments, const rays::RayStudy& study) {
     std::vector<std::string> call{"--backend", "cuda", "--log2-rays", std::to_string(arguments.log2_rays)};
     for (const auto& [flag, text] : {std::pair<const char*, std::string>{"--mesh", arguments.meshes},
@@ -325,7 +325,7 @@ int measure_rays(const RaysArguments& arguments) {
     return agrees ? exit_good : exit_check_failed;
 }
 
-// Faults of the device are the machine's.
+// Runs `ptbench rays`; errors of the device become MachineError.
 int run_rays(const RaysArguments& arguments) {
     try {
         check_leak_arguments(arguments);

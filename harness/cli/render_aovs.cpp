@@ -17,11 +17,11 @@ namespace pt {
 namespace {
 
 constexpr std::array<std::string_view, 6> aov_names{"albedo", "normal", "depth", "coverage", "samples", "variance"};
-constexpr std::uint64_t most_rays_unmentioned = 1 << 23;  // more take seconds
+constexpr std::uint64_t most_rays_unmentioned = 1 << 23;  // more camera rays than this take seconds on a CPU
 constexpr std::array<std::string_view, 4> aovs_of_first_hits{"albedo", "normal", "depth", "coverage"};
 
-// A first-bounce cache of several camera rays shares them between samples, and low-discrepancy samples know of each
-// other: the variance that batches show is then not that of the mean.
+// Whether the scatter of batches estimates the variance of the mean without bias: samples must be independent, so
+// neither a low-discrepancy sampler nor a first-bounce cache of several camera rays, which samples share, may be used.
 bool has_unbiased_variance(const RenderRequest& request) {
     const auto& cache = Registry::instance().at(axes::first_bounce, request.variant, request.backend).hook.first_bounce;
     return has_independent_samples(request.variant, request.backend) && cache(request.variant, request.backend) <= 1;

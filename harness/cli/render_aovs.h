@@ -1,5 +1,4 @@
-// What `ptbench render --aovs` writes into an .exr beside the colour (arbitrary output variables, as renderers call
-// them): which there are, what they ask of the render, and the layers that they become.
+// Arbitrary output variables (AOVs) that `ptbench render --aovs` writes into an .exr file beside the colour.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -12,22 +11,22 @@ namespace pt {
 
 // The names of the AOVs that a render can write: "albedo", "normal", and so on.
 std::vector<std::string> names_of_aovs();
-// The names of the AOVs with commas between, for messages.
+// The names of the AOVs, joined by commas, for messages.
 std::string aov_names_text();
 
 class RenderAovs {
 public:
-    // Reads the AOVs asked for, "albedo,variance" or "all"; "": none. Throws InputError for other names.
+    // Parses a list of AOVs, "albedo,variance" or "all"; "" means none. Throws InputError for other names.
     static RenderAovs parse(const std::string& text);
 
     bool none() const { return names_.empty(); }
-    // Throws InputError where the file's format, the variant or the number of samples cannot have these AOVs.
+    // Throws InputError if the file format, the variant or the number of samples does not support these AOVs.
     void check(const std::string& file, const RenderRequest& request) const;
 
-    // The variance that a render feeds from its checkpoints, which it makes at variance_stops; null if no AOV needs it.
+    // The variance estimator, to be fed at variance_stops of the render; null if no AOV needs it.
     PixelVariance* variance() { return has("variance") ? &variance_ : nullptr; }
 
-    // Makes the layers after the render, and adds to the summary what they were made from.
+    // Makes the layers of the .exr file after the render, and adds to the summary what they were computed from.
     std::vector<ExrLayer> layers(const Scene& scene, const RenderRequest& request, const RenderResult& result,
                                  nlohmann::ordered_json& summary) const;
 

@@ -47,21 +47,21 @@ struct RenderArguments {
     std::string out;
 };
 
-constexpr double shortest_to_mention = 2;  // seconds: a render that takes less says nothing
-// Samples of all pixels above which a render is announced that has too few a pixel to spend any on finding out how long
-// it takes; so many take seconds on a CPU.
+constexpr double shortest_to_mention = 2;  // seconds; for shorter renders no time estimate is printed
+// Most samples of all pixels for which a render with too few samples per pixel for a trial is not announced; more take
+// seconds on a CPU.
 constexpr double most_samples_unmentioned = 1 << 23;
 
 struct Trial {
-    std::optional<double> seconds = {};  // that a render will take; nothing where that is not known
-    std::optional<CudaFacts> cuda = {};  // nothing: none was made
-    bool is_long = false;                // for sure
+    std::optional<double> seconds = {};  // estimated time of the render; nothing if unknown
+    std::optional<CudaFacts> cuda = {};  // facts of the trial on CUDA; nothing if there was none
+    bool is_long = false;                // whether the render is certain to take long
 };
 
 double pixels_of(const RenderSettings& settings) { return static_cast<double>(settings.width) * settings.height; }
 
-// One sample a pixel of an image with about so many pixels, fewer than the request's. A GPU spends as long on hardly
-// any: there only what takes longer than that says how long many take.
+// Times one sample per pixel of an image with about `pixels` pixels. On a GPU the time is used only if it exceeds a
+// threshold, since small images take no less time than larger ones.
 Trial try_with_pixels(const Scene& scene, RenderRequest request, double pixels) {
     constexpr double least_ms_on_gpu = 50;
     const double whole = pixels_of(request.settings) * request.samples;
@@ -79,8 +79,8 @@ Trial try_with_pixels(const Scene& scene, RenderRequest request, double pixels) 
     return {is_known ? std::optional(1e-3 * ms * times) : std::nullopt, cold.cuda};
 }
 
-// Times a small image, and a larger one where the whole may take long and that takes little itself. The time is unknown
-// where the render is so small that it would be told late.
+// Times a small image, then a larger one if the whole render may take long and the larger one takes little. The time
+// stays unknown if the render is so small that an estimate would come too late.
 Trial try_small(const Scene& scene, const RenderRequest& request) {
     constexpr double least_times = 16, most_seconds = 0.5;
     const double whole = pixels_of(request.settings) * request.samples;
@@ -102,7 +102,7 @@ Trial try_small(const Scene& scene, const RenderRequest& request) {
     return trial;
 }
 
-// Times one sample a pixel, after one that warms up; where that alone would take long, of a small image.
+// Times one sample per pixel after a warm-up; for long renders only a small image is timed.
 Trial try_out(const Scene& scene, RenderRequest request) {
     constexpr std::uint32_t fewest_samples = 32;
     Trial trial = try_small(scene, request);
@@ -125,8 +125,8 @@ Trial try_out(const Scene& scene, RenderRequest request) {
     return trial;
 }
 
-// The numbers of samples at which a long render stops to say how far it is: every two seconds or less often, at
-// multiples of the samples that kernels have in flight; a render of few samples stops at each.
+// The numbers of samples after which a long render reports progress: every two seconds or less often, at multiples of
+// the samples that kernels have in flight; renders of few samples report after each.
 std::vector<std::uint32_t> stops_of(const RenderRequest& request, std::optional<double> seconds) {
     constexpr std::uint32_t multiple = 16;
     std::uint32_t step = 1;
@@ -142,8 +142,8 @@ std::vector<std::uint32_t> stops_of(const RenderRequest& request, std::optional<
     return stops;
 }
 
-// Says on standard error what a long render will take, as far as that is known, and then how far it is. `variance`: fed
-// from the stops; or null.
+// Prints the estimated time of a long render on standard error, if known, and then its progress. `variance`: the
+// estimator to feed at the stops, or null.
 RankedRender render_aloud(const Scene& scene, RenderRequest request, const Trial& trial, PixelVariance* variance,
                           PhaseWatch& watch) {
     const std::optional<double>& seconds = trial.seconds;
@@ -158,7 +158,7 @@ RankedRender render_aloud(const Scene& scene, RenderRequest request, const Trial
         say("render: {}x{}, {} spp, {}{}\n", request.settings.width, request.settings.height, request.samples,
             shown_name(request.variant, request.backend), seconds ? ": about " + clock_text(*seconds) : "");
     }
-    // A render on several ranks does not stop, since they would meet at each stop.
+    // A render on several MPI ranks has no progress stops, since all ranks would have to wait for each other.
     if (stops_change_film(request.variant, request.backend) || (ranks().count > 1 && variance == nullptr)) {
         return render_on_ranks(scene, request);
     }
@@ -172,7 +172,7 @@ RankedRender render_aloud(const Scene& scene, RenderRequest request, const Trial
         if (is_short) {
             watch.reached(static_cast<double>(checkpoint.samples) / request.samples);
         } else {
-            watch.end();  // the bar says more
+            watch.end();  // the progress bar replaces the watch of the render's phases
             progress.step(fmt::format("{} of {} spp", checkpoint.samples, request.samples));
         }
     };
@@ -181,10 +181,10 @@ RankedRender render_aloud(const Scene& scene, RenderRequest request, const Trial
 
 struct Chosen {
     Variant variant;
-    std::string by;  // whom
+    std::string by;  // what chose the variant, for the message to the user
 };
 
-// The variant that the call names; what it leaves open is the best known that goes with the rest (fastest.h).
+// The variant that the call names; axes left open get the fastest known choice that goes with the others (fastest.h).
 Chosen choose_variant(const RenderArguments& arguments, const Scene& scene, Backend backend) {
     const AxisChoices asked = parse_axis_arguments(arguments.axes, arguments.devices, backend);
     const TunableValues tunables = parse_tunable_arguments(arguments.tunables);
@@ -219,7 +219,7 @@ Chosen choose_variant(const RenderArguments& arguments, const Scene& scene, Back
     return {Tuning::load(tuning_file(backend), backend).applied(variant, kept), by};
 }
 
-// Renders once more, warm, for whoever times other programs beside this one.
+// Renders once more, warmed up, for programs that compare ptbench's times with others.
 nlohmann::ordered_json timed_again(const Scene& scene, const RenderRequest& request) {
     const ForeignLoad before = ForeignLoad::now();
     const auto [result, ranked] = render_on_ranks(scene, request);
@@ -230,7 +230,7 @@ nlohmann::ordered_json timed_again(const Scene& scene, const RenderRequest& requ
             {"foreign_cpu_seconds", 1e-3 * foreign.cpu_ms}};
 }
 
-// Tells people on a terminal where the render runs; a program reads the summary.
+// Tells people on a terminal where the render ran and where its file is; programs read the summary instead.
 void say_where(const RenderArguments& arguments, const RenderRequest& request, const std::string& chosen_by) {
     if (::isatty(STDERR_FILENO) == 0) {
         return;
@@ -241,7 +241,7 @@ void say_where(const RenderArguments& arguments, const RenderRequest& request, c
         file.ends_with(".png") ? "xdg-open" : "tev", file);
 }
 
-// What was rendered and how, for whoever finds the file alone.
+// Facts about the render for the header of the .exr file, so that the file explains itself.
 std::vector<std::pair<std::string, std::string>> exr_texts(const nlohmann::ordered_json& summary) {
     std::vector<std::pair<std::string, std::string>> texts;
     for (const char* const key : {"scene", "scene_hash", "variant", "backend", "depth", "spp", "seed", "film_hash"}) {

@@ -1,4 +1,4 @@
-// ptbench replay: one path bounce by bounce, in single and double precision side by side.
+// `ptbench replay`: one path bounce by bounce, in single and double precision side by side.
 #include <fmt/format.h>
 
 #include "harness/bench/suite.h"
@@ -40,7 +40,7 @@ void print_side(const char* name, const std::vector<stability::Step>& steps, std
     fmt::print("          collected {}{}\n", text_of(step.radiance), step.is_alive ? "" : "; ends");
 }
 
-// Reads a pixel, "x,y", as its row-major index.
+// Parses a pixel, "x,y", and returns its row-major index.
 std::uint32_t parse_pixel(const std::string& text, const RenderSettings& settings) {
     std::uint32_t x = 0;
     std::uint32_t y = 0;

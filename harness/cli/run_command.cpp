@@ -49,8 +49,8 @@ struct RunArguments {
     std::string reference_cache;
 };
 
-// What --error-against-time asks of a study. The reference is rendered on until it is good enough for the errors that
-// are expected, so nobody has to name a variance.
+// Turns a study into one of error against time (--error-against-time). The reference image is refined until it is good
+// enough for the errors to be expected, so no target variance is needed.
 constexpr std::uint64_t most_reference_spp = 1u << 20;
 
 void ask_for_errors(Study& study) {
@@ -59,7 +59,7 @@ void ask_for_errors(Study& study) {
     study.spp_on = {{Backend::cpu, 256}, {Backend::cuda, 4096}};
 }
 
-// The study that --scene and --axis describe.
+// The study that the options --scene and --axis of `ptbench run` describe.
 Suite suite_from_arguments(const RunArguments& arguments) {
     Study study;
     study.name = "adhoc";
@@ -73,7 +73,7 @@ Suite suite_from_arguments(const RunArguments& arguments) {
     return {.name = "adhoc", .description = "", .studies = {study}};
 }
 
-// Error bars come from seeds: fewer tell too little.
+// Checks that --error-against-time has enough seeds for error bars, and no suite.
 void check_error_against_time(const RunArguments& arguments, const RunOptions& options) {
     if (!arguments.error_against_time) {
         return;
@@ -88,13 +88,13 @@ void check_error_against_time(const RunArguments& arguments, const RunOptions& o
     }
 }
 
-// The first of a list, and the others.
+// Splits a list into its first element and the rest.
 template <class T>
 std::pair<T, std::vector<T>> first_and_others(const std::vector<T>& list) {
     return {list.front(), {list.begin() + 1, list.end()}};
 }
 
-// What the call names replaces what the suite says of it.
+// Options of the command line override the settings of a suite's study.
 void override_study(Study& study, const RunArguments& arguments, Backend backend) {
     const AxisChoices axes = parse_axis_arguments(arguments.axes, arguments.devices, backend);
     const TunableValues tunables = parse_tunable_arguments(arguments.tunables);
@@ -126,7 +126,7 @@ void override_study(Study& study, const RunArguments& arguments, Backend backend
     }
 }
 
-// The axis that was given choices to compare: the first with more than one, or else the integrator.
+// The axis to compare: the first that is given more than one choice, or else the integrator.
 std::string compared_axis(const AxisChoices& axes) {
     for (const std::string_view axis : axis_names) {
         const auto choices = axes.find(std::string(axis));
@@ -137,7 +137,7 @@ std::string compared_axis(const AxisChoices& axes) {
     return axes::integrator;
 }
 
-// Throws InputError for two values of one of Google Benchmark's flags: the last would win without a word.
+// Throws InputError if a Google Benchmark flag is given twice, of which the last would silently win.
 void check_flags_once(const std::vector<std::string>& extras) {
     std::set<std::string> names;
     for (const std::string& extra : extras) {
@@ -148,7 +148,7 @@ void check_flags_once(const std::vector<std::string>& extras) {
     }
 }
 
-// Splits Google Benchmark's flags into those that ptbench owns and those that are passed on.
+// Splits Google Benchmark's flags into those that ptbench handles and those that are passed on.
 RunOptions make_options(const RunArguments& arguments, const CLI::App& command, const std::string& command_line) {
     const std::vector<std::string> extras = command.remaining();
     check_flags_once(extras);

@@ -14,7 +14,7 @@ namespace pt {
 
 namespace {
 
-// Whether the suite's text names scenes with meshes: reading them as a run does would take seconds for each large mesh.
+// Whether the suite names scenes with meshes; checked in the text, since loading large meshes takes seconds.
 bool has_scenes_with_meshes(const std::string& suite_file) {
     const Json suite = parse_loosely(suite_file);
     for (const Json& study : array_in(suite, "studies")) {

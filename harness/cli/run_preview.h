@@ -1,4 +1,4 @@
-// What `ptbench run` would compare: said where the call names neither suite nor scene nor axis.
+// Describes what `ptbench run` can compare, for calls without suite, scene or axis.
 #pragma once
 
 #include <string>
@@ -7,10 +7,10 @@
 
 namespace pt {
 
-// The axes that have something to compare on the backend, the suites with their numbers of cells, and calls.
+// The axes with several choices on the backend, the suites with their numbers of cells, and example calls.
 std::string what_run_compares(Backend backend);
 
-// What is said after a run of one variant alone, which compares nothing; empty where the plan holds several.
+// A hint after a run of a single variant, which compares nothing; empty if the plan has several variants.
 std::string nothing_to_compare(const Plan& plan);
 
 }  // namespace pt

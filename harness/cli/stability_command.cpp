@@ -1,4 +1,4 @@
-// ptbench stability: cases with exact answers, over precision, arithmetic, robustness, integrators and backend.
+// `ptbench stability`: cases with exact answers, over precision, arithmetic, robustness, integrators and backend.
 #include <algorithm>
 #include <deque>
 #include <map>
@@ -58,7 +58,7 @@ void list_cases(const std::vector<const Case*>& cases) {
 }
 
 void write_scenes(const std::vector<const Case*>& cases, const std::string& folder, bool overwrite) {
-    std::vector<std::pair<std::string, std::string>> files;  // names, and contents
+    std::vector<std::pair<std::string, std::string>> files;  // names and contents of scene files
     for (const Case* stiff_case : cases) {
         for (const auto& [name, text] : stability::scene_files(*stiff_case)) {
             files.emplace_back(folder + "/" + name + ".json", text);
@@ -71,8 +71,8 @@ void write_scenes(const std::vector<const Case*>& cases, const std::string& fold
     }
 }
 
-// The programs of tasks. Kernels that are compiled for their scene need every scene of every point: `scenes` keeps
-// them.
+// The programs to compile for the tasks. Kernels that are specialised for a scene need the scene of every point;
+// `scenes` owns them.
 std::vector<CompileTask> compilations_of(const std::vector<Task>& tasks, std::deque<Scene>& scenes) {
     std::vector<CompileTask> compilations;
     std::map<std::string, const Scene*> known;
@@ -88,7 +88,7 @@ std::vector<CompileTask> compilations_of(const std::vector<Task>& tasks, std::de
     return compilations;
 }
 
-// A task's rows, and what is printed of them, as a line of JSON.
+// Evaluates a task and returns its rows, and the text to print, as a line of JSON.
 std::string evaluated(const Task& task, bool quiet) {
     const std::vector<Row> rows = evaluate(task);
     std::string text;
@@ -103,7 +103,7 @@ std::string evaluated(const Task& task, bool quiet) {
     return stability::Json{{"rows", to_json(task, rows)}, {"text", std::move(text)}}.dump();
 }
 
-// The function by which a worker answers a question such as "cuda 17": the call's 17th task on that backend.
+// The function with which a worker answers a question such as "cuda 17": evaluate task 17 on that backend.
 Answer worker_of(const StabilityArguments& arguments) {
     auto tasks = std::make_shared<std::vector<Task>>();
     return [&arguments, tasks](const std::string& question) {
@@ -115,7 +115,7 @@ Answer worker_of(const StabilityArguments& arguments) {
     };
 }
 
-// The number of worker processes. On a CPU one is enough, since every render has all processors already.
+// The number of worker processes; 1 on a CPU, where every render uses all processors already.
 std::size_t worker_count(const StabilityArguments& arguments) {
     if (arguments.jobs != 0) {
         return arguments.jobs;
@@ -123,7 +123,7 @@ std::size_t worker_count(const StabilityArguments& arguments) {
     return arguments.backend == "cpu" ? 1 : std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, 16);
 }
 
-// The report itself is another file after every case: what is locked lies beside it.
+// The lock of a report is a file beside the report, since saving replaces the report's own file after every case.
 class ReportLock {
 public:
     explicit ReportLock(const std::string& file) : file_(file) {}
@@ -135,7 +135,7 @@ private:
     LockedFile file_;
 };
 
-// The tasks of a call whose rows the report has not yet, one answer after the other into it.
+// Evaluates the tasks of a call that the report lacks, and adds the results to the report.
 class StabilityRun {
 public:
     StabilityRun(const StabilityArguments& arguments, Backend backend)
@@ -167,13 +167,13 @@ public:
         return tasks;
     }
 
-    // Answers the missing tasks, by the workers or, without any, in this process by `answer`.
+    // Evaluates the missing tasks by the workers or, without workers, by calling `answer` in this process.
     int run(Workers* workers, const Answer& answer) {
         std::vector<std::string> questions;
         for (const std::size_t task : missing_) {
             questions.push_back(fmt::format("{} {}", to_string(backend_), task));
         }
-        if (workers != nullptr) {  // of an interrupt they know nothing: what they are at is abandoned
+        if (workers != nullptr) {  // workers ignore interrupts; tasks in flight are abandoned
             workers->ask(questions, [this](std::size_t i, const std::string& line) { answered(i, line); });
         }
         for (std::size_t i = 0; i < questions.size() && workers == nullptr; ++i) {
@@ -204,7 +204,7 @@ private:
         }
     }
 
-    // Ends the process from another thread, for good: nothing else of it is put away.
+    // Saves the report and ends the process from another thread, without cleaning up anything else.
     int abandon() {
         mutex_.lock();
         const int exit_code = end_interrupted();
@@ -227,7 +227,7 @@ private:
     stability::Report report_;
     std::vector<Task> tasks_;
     std::vector<std::size_t> missing_;
-    std::mutex mutex_;  // held while the report changes
+    std::mutex mutex_;  // mutex held while the report changes
     Interrupt interrupt_;
 };
 
@@ -252,7 +252,7 @@ int run(const StabilityArguments& arguments) {
         compile_for(arguments.compile_only.architecture, compilations_of(all_tasks(arguments, Backend::cuda), scenes));
         return exit_good;
     }
-    // Workers are forked before the backend is looked at: a process that has started CUDA cannot be forked.
+    // Workers are forked before the backend is initialised, since a process that has started CUDA cannot be forked.
     const Answer answer = worker_of(arguments);
     std::optional<Workers> workers;
     if (const std::size_t count = worker_count(arguments); count > 1) {

@@ -30,7 +30,7 @@ const Case& find_case(const std::string& name) {
                      fmt::format("{}{}", fmt::join(names, ", "), did_you_mean(name, names)));
 }
 
-// Reads values of parameters, each as "NAME=VALUE".
+// Parses parameter values, each "NAME=VALUE".
 std::map<std::string, double> parse_values(const std::vector<std::string>& arguments) {
     std::map<std::string, double> values;
     for (const std::string& argument : arguments) {
@@ -82,8 +82,7 @@ bool is_named(const std::string& axis, const StabilityRequest& request) {
                        [&](const std::string& argument) { return argument.starts_with(axis + "="); });
 }
 
-// `plain` with every accelerator, and with every builder under a tree that needs one: whatever is met must be met
-// through all of them.
+// `plain` with every accelerator, and with every builder under trees that need one: all must find the same hits.
 std::vector<Variant> accelerated_variants(const Variant& plain, Backend backend) {
     const Registry& registry = Registry::instance();
     std::vector<Variant> variants;
@@ -107,8 +106,7 @@ std::vector<Variant> accelerated_variants(const Variant& plain, Backend backend)
     return variants;
 }
 
-// Adds each accelerator with one after the other of the kernels that are timed, of which there are some, in either
-// arithmetic.
+// Adds each accelerator to one of the timed kernels, in turn, in either half of `timed`.
 void add_accelerators(std::vector<Variant>& all, const std::vector<Variant>& timed, std::size_t turn, Backend backend) {
     const std::vector<const Choice*> accelerators = Registry::instance().choices(axes::accelerator, backend);
     for (std::size_t i = 0; i < accelerators.size(); ++i) {
@@ -120,7 +118,7 @@ void add_accelerators(std::vector<Variant>& all, const std::vector<Variant>& tim
     }
 }
 
-// The other estimators that a case asks for, as choices that go together, unless the call named an axis of theirs.
+// The estimators that a case asks for, as sets of choices, except those on axes that the call names.
 std::vector<std::map<std::string, std::string>> estimators_of(const Case& stiff_case, const StabilityRequest& request) {
     std::vector<std::map<std::string, std::string>> estimators;
     for (const auto& [axis, choices] : stiff_case.estimators) {
@@ -143,8 +141,7 @@ Variant with_choices(Variant variant, const std::map<std::string, std::string>& 
     return variant;
 }
 
-// Adds the kernels that are timed: each without estimators and accelerators, and these with two of the kernels at a
-// time.
+// Adds the timed kernels as they are, and two of them at a time with each estimator and each accelerator of the case.
 void add_timed(std::vector<Variant>& all, const Case& stiff_case, const StabilityRequest& request, Backend backend) {
     const std::vector<Case>& catalogue = stability::catalogue();
     const auto turn = static_cast<std::size_t>(&stiff_case - catalogue.data());
@@ -204,7 +201,7 @@ std::vector<Task> tasks_of(const Case& stiff_case, const StabilityRequest& reque
 
 std::vector<const Case*> chosen_cases(const StabilityRequest& request) {
     std::vector<const Case*> cases;
-    std::vector<std::string> names;  // "lamp" and its number in the catalogue are one
+    std::vector<std::string> names;  // "lamp" and its catalogue number name the same case
     for (const std::string& argument : request.cases) {
         for (const std::string& name : split_names(argument, "--case")) {
             cases.push_back(&find_case(name));

@@ -1,4 +1,4 @@
-// What a call of `ptbench stability` asks for: of cases, points and variants the tasks.
+// Expands the arguments of `ptbench stability` into tasks: cases times points times variants.
 #pragma once
 
 #include <cstdint>
@@ -10,29 +10,30 @@
 namespace pt {
 
 struct StabilityRequest {
-    std::vector<std::string> cases, families;  // neither: every case
-    std::vector<std::string> values;           // "NAME=VALUE", for the one point; none: the cases' points
-    std::vector<std::string> axes;             // "AXIS=CHOICE,CHOICE"; none: the standard variants
+    std::vector<std::string> cases, families;  // names of cases and of families; if both are empty, every case is run
+    std::vector<std::string> values;           // "NAME=VALUE" of the only point; empty: the cases' points
+    std::vector<std::string> axes;             // "AXIS=CHOICE,CHOICE"; empty: the standard variants
     std::uint64_t seed = 1;
     std::uint64_t paths = 0;
     bool quick = false;
 };
 
-// The cases that a call asks for, in its order, then in the catalogue's. Throws InputError, as all functions here.
+// The cases that a call names, in its order, then those of named families, in the catalogue's. Throws InputError, as
+// all functions of this file do.
 std::vector<const stability::Case*> chosen_cases(const StabilityRequest& request);
 
 // The variants of a call that names no axis: every precision, arithmetic and robustness with the plainest integrator,
-// and the other integrators in single precision, all by the general kernel. What is timed is added by case
+// and the other integrators in single precision, all with the generic kernel. Timed kernels are added for each case
 // (variants_of_case).
 std::vector<Variant> asked_variants(const StabilityRequest& request, Backend backend);
 
-// The variants, and each with the estimators that the case asks for unless the call named their axis; likewise the
-// plainest one with accelerators and builders. Where no axis is named, also the kernels that findings time on a GPU
-// (harness/stability/timed_variants.h), and some of those with each estimator and each accelerator. Each once.
+// The variants to run with a case, without duplicates: the given ones, each with the case's estimators (unless the call
+// names their axis), and the plainest one with accelerators and builders. If the call names no axis, also the kernels
+// that findings time on a GPU (harness/stability/timed_variants.h), some of them with each estimator and accelerator.
 std::vector<Variant> variants_of_case(const std::vector<Variant>& variants, const stability::Case& stiff_case,
                                       const StabilityRequest& request, Backend backend);
 
-// The tasks that a call asks for, case after case.
+// All tasks of a call of `ptbench stability`, grouped by case.
 std::vector<stability::Task> all_tasks(const StabilityRequest& request, Backend backend);
 
 }  // namespace pt

@@ -18,16 +18,17 @@ namespace pt {
 
 namespace {
 
-// Turns of a loop with a pause, which takes 40 to 140 cycles: 0.1 to 0.4 ms. Measured (results/*/waiting.txt): on an
-// idle machine as fast as the default of 300,000; with 1,000 a wavefront of 32x32 takes two to three times as long.
+// Spin count of waiting threads in commands that time renders: 0.1 to 0.4 ms, at 40 to 140 cycles a turn. Measured
+// (results/*/waiting.txt): on an idle machine as fast as the default of 300,000; with 1,000 a wavefront of 32x32 takes
+// two to three times as long.
 constexpr const char* spins_where_times_count = "10000";
-// Turns of that loop beside other jobs, where a small wavefront takes less than a third of the time without a single
-// turn (results/*/waiting.txt).
+// Spin count in other commands: beside other jobs, a small wavefront takes less than a third of the time without
+// spinning (results/*/waiting.txt).
 constexpr const char* spins_elsewhere = "0";
 
 bool is_set(const char* name) { return std::getenv(name) != nullptr; }
 
-// Returns whether the environment has changed, as do the others.
+// Sets a spin count for waiting threads; returns whether the environment was changed.
 bool shorten_waits(const std::string& command) {
     if (is_set("OMP_WAIT_POLICY") || is_set("GOMP_SPINCOUNT")) {
         return false;
@@ -50,7 +51,7 @@ bool ignore_benchmark_variables(const std::string& command) {
     return !names.empty();
 }
 
-// libgomp takes its default for a value that it cannot read.
+// Refuses invalid values of OMP_NUM_THREADS, which libgomp would silently replace by its default.
 void check_threads() {
     constexpr const char* name = "OMP_NUM_THREADS";
     const char* const value = std::getenv(name);

@@ -11,7 +11,7 @@ namespace pt {
 
 namespace {
 
-// Seconds until `--quiet` says that it goes on.
+// Seconds after which `--quiet` shows progress.
 constexpr double patience = 5;
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What a call of `ptbench verify` asks for, and what its two ways of checking, films and means, tell alike.
+// Arguments of `ptbench verify`, and what its checks of films and of means report alike.
 #pragma once
 
 #include <cstdint>
@@ -17,14 +17,14 @@ struct VerifyArguments {
     std::string devices;
     std::vector<std::string> tunables;
     std::string backend;
-    std::string resolution;  // empty and 0: the test's own
+    std::string resolution;  // an empty resolution, spp 0 or depth 0 means the check's default
     std::uint32_t spp = 0;
     std::uint32_t depth = 0;
     std::uint64_t seed = 1;
     bool quick = false;
     CompileOnly compile_only;
     bool quiet = false;
-    std::size_t jobs = 0;  // 0: as many as the backend gains by
+    std::size_t jobs = 0;  // number of worker processes; 0: as many as speed up the backend
     bool statistical = false;
     std::vector<std::string> against;
     std::uint32_t runs = 16;
@@ -40,12 +40,13 @@ struct Tally {
     std::size_t held = 0, failed = 0, not_applicable = 0;
 };
 
-// Collects what does not apply in a scene: most of a product of axes, for few reasons, of which each is a line.
+// Collects variants that do not apply to a scene and prints one line per reason: in a product of axes most variants do
+// not apply, for few reasons.
 class NotApplicableLines {
 public:
     void add(const std::string& variant, const std::string& reason);
     void print(const std::string& scene) const;
-    // How many variants were added.
+    // The number of variants that were added as not applicable.
     std::size_t variants() const { return variants_; }
 
 private:
@@ -53,11 +54,11 @@ private:
         std::string reason, first;
         std::size_t variants;
     };
-    std::vector<Group> groups_;  // in the order of their first variants
+    std::vector<Group> groups_;  // variants grouped by reason, in order of their first variants
     std::size_t variants_ = 0;
 };
 
-// With --quiet, nothing is shown in the first seconds.
+// The progress display of `ptbench verify`; with --quiet it stays hidden for the first seconds.
 Progress progress_of(std::size_t steps, const VerifyArguments& arguments);
 
 }  // namespace pt

@@ -18,12 +18,12 @@ namespace pt {
 
 namespace {
 
-// The variant whose image is compared, which all that differ in bitwise choices share.
+// The variant that stands for all variants with the same image, which differ from it only in bitwise choices.
 Variant image_of(const Scene& scene, const Variant& variant, Backend backend) {
     return fp_relaxed(variant, backend) ? variant : fast_reference_on(scene, variant, backend);
 }
 
-// The variant with the choices of --against, and without tunables that are none of theirs.
+// The variant with the choices of --against, without tunables that its choices lack.
 Variant changed(const Scene& scene, Variant variant, const AxisChoices& against, Backend backend) {
     for (const auto& [axis, choices] : against) {
         variant.set(axis, choices.front());
@@ -46,7 +46,7 @@ AxisChoices parse_against(const std::vector<std::string>& arguments, Backend bac
     return against;
 }
 
-// The claims to test of a scene's variants, each image once; what makes none is tallied.
+// The claims about means to test for a scene's variants, once for each image; variants without one are tallied.
 std::vector<MeanClaim> claims_of(const Scene& scene, const std::vector<Variant>& variants, Backend backend,
                                  const VerifyArguments& arguments, Tally& tally) {
     const AxisChoices against = parse_against(arguments.against, backend);
@@ -57,7 +57,7 @@ std::vector<MeanClaim> claims_of(const Scene& scene, const std::vector<Variant>&
     for (const Variant& variant : variants) {
         const Variant image = image_of(scene, variant, backend);
         if (!images.insert(image).second || (against.empty() && claim_of(image, backend) == Claim::bitwise)) {
-            continue;  // of bitwise claims the film's bits say more, without --statistical
+            continue;  // a bitwise claim is tested more strictly by comparing films
         }
         std::string reason = why_not_applicable(image, features_of(scene), backend);
         if (reason.empty() && against.empty() && claim_of(image, backend) == Claim::biased) {
@@ -107,7 +107,7 @@ void verify_means(const Scene& scene, const std::vector<MeanClaim>& claims, Back
     }
 }
 
-// The plainest variant of each image: one choice away from the reference.
+// Variants that differ from the reference in a single choice, one for each choice.
 std::vector<Variant> single_steps(Backend backend) {
     const Registry& registry = Registry::instance();
     const Variant plainest = registry.reference(registry.baseline(backend), backend);
@@ -124,8 +124,7 @@ std::vector<Variant> single_steps(Backend backend) {
     return variants;
 }
 
-// The accelerator of variants in which another axis is varied: every triangle in turn is the reference, and too slow
-// for every other choice.
+// The accelerator used while other axes are varied: with meshes one that has a tree, since brute force is too slow.
 std::string plain_accelerator(const Scene& scene, Backend backend) {
     std::string name = Registry::instance().baseline(backend)[axes::accelerator];
     for (const Choice* choice : Registry::instance().choices(axes::accelerator, backend)) {
@@ -136,8 +135,8 @@ std::string plain_accelerator(const Scene& scene, Backend backend) {
     return name;
 }
 
-// Every way to draw lights and directions to them with every estimator that connects, by kernels that know the scene
-// and by the general one: what pairs of choices leave out. On a CPU with every integrator.
+// All combinations of light selection and light sampling with all estimators that make connections, with specialised
+// and generic kernels, beyond the pairs of the covering set. On a CPU also with every integrator.
 std::vector<Variant> lit_variants(Backend backend, const Scene& scene) {
     const Registry& registry = Registry::instance();
     AxisChoices axes{{axes::accelerator, {plain_accelerator(scene, backend)}}};
@@ -175,10 +174,11 @@ void add_unknown(std::vector<Variant>& variants, const std::vector<Variant>& mor
     }
 }
 
-// A product of all choices is small on the CPU backend but for roulette, samplers, robustness, accelerators,
-// builders, levels and ways to draw lights and walks, which multiply it by hundreds; on CUDA it is millions. So without
-// --axis these meet the rest in a covering set, in which every two choices of two axes meet, on CUDA all axes do, and
-// of means each choice is tested by itself. Ways to draw lights meet all estimators that connect besides.
+// On a CPU the product of all choices is verified except on axes marked `by_pairs` (roulette, samplers, robustness,
+// accelerators, builders, levels, light sampling, walks), which would multiply it by hundreds; on CUDA the product has
+// millions. Without --axis those axes (on CUDA all axes) are verified by a covering set, which has every pair of
+// choices of two axes, and means by single choices. Light sampling is also combined with all estimators that make
+// connections.
 std::vector<Variant> variants_to_verify(const VerifyArguments& arguments, Backend backend, const Scene& scene) {
     const bool none_named = arguments.axes.empty() && arguments.devices.empty() && arguments.tunables.empty();
     if (arguments.quick) {
@@ -243,9 +243,9 @@ int run_statistical(const VerifyArguments& arguments, Backend backend, const std
     return tally.failed == 0 && tally.held > 0 ? exit_good : exit_check_failed;
 }
 
-// Throws InputError for what the call names and there is not.
+// The scenes and variants that a call of `ptbench verify` names. Throws InputError for unknown names.
 FilmsToVerify films_of(const VerifyArguments& arguments, Backend backend) {
-    (void)parse_resolution(arguments.size());  // before variants are listed, which takes seconds
+    (void)parse_resolution(arguments.size());  // checks the resolution before variants are listed, which takes seconds
     FilmsToVerify films{backend, find_scenes(scenes_asked_for(arguments.scenes)), {}};
     for (const Scene& scene : films.scenes) {
         films.variants.push_back(variants_to_verify(arguments, backend, scene));
@@ -271,7 +271,7 @@ int run(const VerifyArguments& arguments) {
         compile_for(arguments.compile_only.architecture, compilations_of(films_of(arguments, Backend::cuda)));
         return exit_good;
     }
-    // Workers are forked before the backend is looked at: a process that has started CUDA cannot be forked.
+    // Workers are forked before the backend is initialised, since a process that has started CUDA cannot be forked.
     const std::size_t processes = arguments.statistical ? 1 : processes_for_films(arguments);
     Workers workers = film_checkers(processes > 1 ? processes : 0, arguments,
                                     [&arguments] { return films_of(arguments, parse_backend(arguments.backend)); });

@@ -20,8 +20,8 @@ namespace {
 
 constexpr std::uint32_t large_width = 128, large_height = 96;
 
-// A queue of more than ten thousand paths, compacted more than sixty times: what goes wrong in large queues alone, or
-// after many calls, is nowhere to be seen at 64x64 and 4 spp. Once for each choice, as it takes several times as long.
+// Checks one variant of each choice on a larger film: a queue of over ten thousand paths, compacted over sixty times,
+// shows faults that do not occur at 64x64 and 4 spp. Too slow for every variant.
 class LargeCheck {
 public:
     LargeCheck(const Scene& scene, Backend backend, const std::vector<Variant>& variants,
@@ -33,7 +33,7 @@ public:
         }
     }
 
-    // The variant's own verdict, or that of its film at the larger size if it fails only there.
+    // The verdict on the variant at the normal size or, if that holds, at the larger size.
     Verdict after(const Verdict& verdict, const Variant& variant) {
         if (!verdict.holds || !checked_.contains(variant)) {
             return verdict;
@@ -45,7 +45,7 @@ public:
 
 private:
     static std::uint32_t samples_for(std::uint32_t depth) {
-        constexpr std::uint32_t compactions = 70;  // one a segment but the last
+        constexpr std::uint32_t compactions = 70;  // number of compactions: one per path segment but the last
         return std::max(4u, compactions / std::max(1u, depth - 1) + 1);
     }
     static RenderSettings large(const Scene& scene, const VerifyArguments& arguments) {
@@ -54,7 +54,7 @@ private:
         settings.height = large_height;
         return settings;
     }
-    // For each choice, the variant that has it and otherwise the fewest choices other than the baseline's.
+    // For each choice, the variant with this choice that otherwise differs least from the baseline.
     static std::set<Variant> plainest_of_each_choice(const Scene& scene, const std::vector<Variant>& variants,
                                                      Backend backend) {
         const Variant baseline = Registry::instance().baseline(backend);
@@ -88,7 +88,7 @@ private:
     std::set<Variant> checked_;
 };
 
-// The checks of one scene. Films that several variants are held to are rendered once.
+// The checks of one scene. Reference films that several variants share are rendered once.
 class SceneChecks {
 public:
     SceneChecks(const Scene& scene, Backend backend, const std::vector<Variant>& variants,
@@ -96,7 +96,7 @@ public:
         : verifier_(scene, settings_of(scene, arguments), arguments.samples(), backend),
           large_check_(scene, backend, variants, arguments) {}
 
-    // A variant that throws fails; the others go on.
+    // Verifies a variant; an exception counts as a failure, so that other variants are still checked.
     Verdict verdict_on(const Variant& variant) {
         try {
             return large_check_.after(verifier_.check(variant), variant);
@@ -110,18 +110,18 @@ private:
     LargeCheck large_check_;
 };
 
-// Variants that one process checks one after the other.
+// Variants that one process checks in sequence.
 struct Part {
     std::size_t scene;
-    std::vector<std::size_t> variants;  // their places in the scene's list
+    std::vector<std::size_t> variants;  // indices into the scene's list of variants to verify
 };
 
-// Variants a part, such that each process gets several parts: one that is slow then keeps few others waiting.
+// The number of variants in a part, so that each process gets several parts and a slow one delays few others.
 std::size_t part_size(std::size_t variants, std::size_t processes) {
     return processes <= 1 ? 1 : std::clamp<std::size_t>(variants / (4 * processes), 1, 16);
 }
 
-// What applies, in parts, scene after scene, and what does not, by scene.
+// The applicable variants of all scenes in parts, and the others by scene.
 struct PartedFilms {
     std::vector<Part> parts;
     std::vector<NotApplicableLines> not_applicable;
@@ -153,13 +153,13 @@ PartedFilms in_parts(const FilmsToVerify& films, std::size_t processes) {
     return parted;
 }
 
-// How a part is asked for, and named where a worker ends in it.
+// The question by which a worker is asked to check a part, and which an error message quotes if the worker dies.
 std::string question_of(const FilmsToVerify& films, const Part& part) {
     return fmt::format("{} on {}, part from {}", films.scenes[part.scene].name, to_string(films.backend),
                        shown_name(films.variants[part.scene][part.variants.front()], films.backend));
 }
 
-// Checks parts, whose scenes it keeps what it rendered for. An answer is a JSON object: the lines to print, and counts.
+// Checks parts, and keeps each scene's rendered references. An answer is a JSON object with lines to print and counts.
 class PartChecker {
 public:
     PartChecker(const FilmsToVerify& films, const VerifyArguments& arguments)
@@ -191,7 +191,7 @@ private:
     std::vector<std::optional<SceneChecks>> scenes_;
 };
 
-// What a worker has once it was first asked.
+// The films of a worker, prepared when the worker is first asked.
 struct WorkerFilms {
     WorkerFilms(FilmsToVerify prepared, const VerifyArguments& arguments)
         : films(std::move(prepared)), checker(films, arguments) {

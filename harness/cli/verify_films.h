@@ -1,4 +1,4 @@
-// The films of `ptbench verify`: every variant of every scene is held to its claim, in this process or by several.
+// Verifies the films of `ptbench verify`: every variant on every scene against its claim, in one or several processes.
 #pragma once
 
 #include <functional>
@@ -10,29 +10,29 @@
 
 namespace pt {
 
-// A call's scenes, and for each the variants that are held to their claims there.
+// The scenes of a call, and for each scene the variants to verify.
 struct FilmsToVerify {
     Backend backend = Backend::cpu;
     std::vector<Scene> scenes;
     std::vector<std::vector<Variant>> variants;
 };
 
-// The size of the second, larger film of each choice, "WxH".
+// The resolution, "WxH", of the larger film that one variant of each choice is verified on.
 std::string size_of_large_films();
 
-// The number of processes that check films. On a CPU one is enough, since every render has all processors already. On a
-// GPU its small films are mostly waiting for launches and for the host; each process takes device memory for itself.
+// The number of processes that check films: 1 on a CPU, where every render uses all processors already, and several on
+// a GPU, where small films mostly wait for launches and the host; each process takes device memory of its own.
 std::size_t processes_for_films(const VerifyArguments& arguments);
 
-// Whether films are checked by several processes. Those are forked before the backend is known, and may stay idle.
+// Whether several processes check films. They are forked before the backend is known and may stay idle.
 bool uses_processes(const VerifyArguments& arguments, Backend backend);
 
-// Processes that check films for `verify_films`. Those that are used call `prepared`, which must give what the call
-// itself verifies, while the call is at its own; `arguments` must outlive them.
+// Forks processes that check films for `verify_films`. A process calls `prepared` once it is used, which must give the
+// films that the call itself verifies; `arguments` must outlive the processes.
 Workers film_checkers(std::size_t count, const VerifyArguments& arguments, std::function<FilmsToVerify()> prepared);
 
-// Holds all variants to their claims, by the workers or, where there are none, in this process, and prints a line for
-// each and, scene by scene, what does not apply. Lines and their order do not depend on the number of workers.
+// Verifies all variants, by the workers or, without workers, in this process, and prints a line for each variant and
+// each reason why variants do not apply. The output does not depend on the number of workers.
 Tally verify_films(const FilmsToVerify& films, const VerifyArguments& arguments, Workers* workers);
 
 }  // namespace pt

@@ -50,7 +50,7 @@ std::vector<std::uint64_t> download_segments(const Job& job, const std::uint64_t
     return counts;
 }
 
-// Turns counts of paths by their number of segments into counts of paths that have a segment, by segment.
+// Turns the number of paths of each length into the number of paths alive at each segment.
 std::vector<std::uint64_t> alive_by_segment(std::vector<std::uint64_t> by_length) {
     std::uint64_t alive = 0;
     for (std::size_t segment = by_length.size(); segment-- > 0;) {
@@ -60,14 +60,14 @@ std::vector<std::uint64_t> alive_by_segment(std::vector<std::uint64_t> by_length
     return by_length;
 }
 
-// Adds the work of a queue in which paths of any number of segments are together; its kernels count the rays.
+// Adds the work of a queue whose paths are at different segments; the kernels of such a queue count rays themselves.
 void add_refilled_work(const DeviceCounts& counts, WorkCounters& work) {
     const std::uint64_t segments = counts.totals.paths.rays;
     work.rays = segments + counts.totals.paths.connections;
     work.sorted = work.sorts > 0 ? segments : 0;
 }
 
-// Adds the work of kernels that trace one segment a thread: rays are told from how many paths were traced.
+// Adds the work of kernels that trace one segment per thread: the number of rays follows from that of traced paths.
 void add_queue_work(const Job& job, const DeviceCounts& counts, WorkCounters& work) {
     const std::uint64_t segments = sum_of(counts.live);
     const std::uint64_t cache_uses = job.kept_rays > 0 ? counts.live.front() : 0;
@@ -102,7 +102,7 @@ DeviceCounts download_counts(const Job& job, const IntegratorTraits& integrator)
         counts.live = sum_of_copies(counts.live, job.segments.copies);
         counts.in_play = sum_of_copies(counts.in_play, job.segments.copies);
     } else {
-        // Integrators without a queue count path lengths in the place of `live`, without copies.
+        // Integrators without a queue count path lengths, in a single copy, in the array `live`.
         counts.live.resize(job.longest_path);
         counts.live = alive_by_segment(std::move(counts.live));
     }

@@ -10,12 +10,12 @@ namespace {
 
 constexpr unsigned threads = 256;
 constexpr int rounds = 256;
-constexpr int steps = 32;  // a round; unrolled
-constexpr int chains = 8;  // independent, so that no instruction waits for the one before it
+constexpr int steps = 32;  // unrolled steps per round of the measured loop
+constexpr int chains = 8;  // independent chains, so that no instruction waits for the previous one
 
 enum class Mix { issue, fma, alu, xu };
 
-// Every step of a chain is one instruction, or one of either kind.
+// One step of the measured loop is one instruction per chain, or two (multiply-add and logic) for Mix::issue.
 template <Mix mix>
 __global__ void __launch_bounds__(threads) execute(float* result, float seed) {
     float x[chains];
@@ -63,7 +63,7 @@ public:
     Timer(const Timer&) = delete;
     Timer& operator=(const Timer&) = delete;
 
-    // Seconds of the fastest of five runs, after one that is not counted.
+    // Returns the time in seconds of the fastest of five runs, after one warm-up run.
     template <class Work>
     double fastest(const Work& work) const {
         float least = 1e30f;

@@ -1,19 +1,19 @@
-// What this GPU can do at most, measured: how many instructions it issues a second, by pipe, and how fast it copies
-// memory. Kernels are told how far below they stay.
+// Measures the peak rates of this GPU: instructions issued per second, by pipe, and bytes copied per second. The rates
+// of kernels are reported relative to these ceilings.
 #pragma once
 
 namespace pt::cuda {
 
 struct Ceilings {
-    // Rates of warp instructions a second, of the whole GPU.
-    double issue = 0;   // multiply-adds and logic in turn: the two pipes together
-    double fma = 0;     // multiply-adds alone
-    double alu = 0;     // logic alone
-    double xu = 0;      // powers of two alone
-    double memory = 0;  // bytes read and written a second, of a copy that does not fit into the cache
+    // Rates of the whole GPU, in warp instructions per second.
+    double issue = 0;   // rate for multiply-adds and logic in turn, on both pipes
+    double fma = 0;     // rate for multiply-adds only
+    double alu = 0;     // rate for logic instructions only
+    double xu = 0;      // rate for powers of two (ex2) only
+    double memory = 0;  // bytes read and written per second by a copy larger than the cache
 };
 
-// Takes some milliseconds and half a GiB of memory for a moment. Precondition: there is a device.
+// Measures the ceilings in some milliseconds, with half a GiB of device memory. Precondition: there is a device.
 Ceilings measure_ceilings();
 
 }  // namespace pt::cuda

@@ -23,7 +23,7 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-// A box round all objects, relative to the eye: each within its half diagonal of its centre, a mesh within its own box.
+// The bounding box of all objects relative to the eye: half a diagonal around each centre, or a mesh's bounding box.
 KeyBounds key_bounds(const Scene& scene) {
     Vec3d low(1e300), high(-1e300);
     for (const SceneObject& object : scene.objects) {
@@ -49,7 +49,7 @@ KeyBounds key_bounds(const Scene& scene) {
     return bounds;
 }
 
-// The class of each object by its number: 0 diffuse-like, 1 delta-like.
+// The class of each object, by object number: 1 if its material is specular (delta), 0 otherwise.
 template <class Real>
 std::vector<unsigned char> object_classes(const SceneView<Real>& scene) {
     std::vector<unsigned char> classes;
@@ -95,7 +95,7 @@ RenderCell<Real>::RenderCell(const Scene& scene, const RenderRequest& request, c
     facts_.threads = job_.block;
     facts_.options = job_.module->image().options;
     integrator_->prepare();
-    choice_launches_ = 0;  // what was captured has not been launched
+    choice_launches_ = 0;  // the launches counted during graph capture were not made
     PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));
     facts_.prepare_ms = milliseconds_since(start);
 }
@@ -202,7 +202,7 @@ void RenderCell<Real>::upload() {
         const std::uint32_t rows[] = {rows_.first, rows_.step, job_.pixels};
         PT_CUDA_CHECK(
             cudaMemcpyAsync(job_.module->global("pt_rows"), rows, sizeof rows, cudaMemcpyHostToDevice, job_.stream));
-        PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));  // the host's copy ends here
+        PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));  // waits for the copy, since `rows` goes out of scope
     }
     clear(job_.film.sums, std::size_t{3} * job_.image_pixels * sizeof(std::int64_t), job_.stream);
     clear(job_.film.faults, sizeof(FilmFaults), job_.stream);
@@ -215,8 +215,7 @@ void RenderCell<Real>::upload() {
     integrator_->upload();
 }
 
-// Between two parts everything stays on the device as it is: the film, the counters, the cache, the graph. Nobody waits
-// but for the end of a part.
+// Film, counters, first-bounce cache and graph stay on the device between parts; the host waits only for a part's end.
 template <class Real>
 void RenderCell<Real>::run(RenderResult& result) {
     add_learning(result);

@@ -1,5 +1,5 @@
-// Everything a render on the device needs, made before its clock starts and freed on every path out: compiled kernels,
-// one arena, the uploaded scene, the film, the integrator with the choices that work on its queue.
+// Everything that a render on the device needs, made before its clock starts and freed even if the render fails:
+// compiled kernels, an arena of device memory, the scene, the film, and the integrator with its queue's stages.
 #pragma once
 
 #include <functional>
@@ -19,28 +19,28 @@ namespace pt::cuda {
 template <class Real>
 class RenderCell {
 public:
-    // Makes the cell on the current device, which must be current whenever it is used. `rows`: the rows that it
-    // renders.
+    // Makes the cell on the current device, which must be current whenever the cell is used, to render the image rows
+    // `rows`.
     RenderCell(const Scene& scene, const RenderRequest& request, const RenderSettings& settings,
                const KernelChoice& kernel, const FilmView& film, const Rows& rows = {});
     ~RenderCell();
     RenderCell(const RenderCell&) = delete;
     RenderCell& operator=(const RenderCell&) = delete;
 
-    // Runs the integrator, in parts where the request has checkpoints, and adds up the times of `result`.
+    // Runs the integrator, in parts if the request has checkpoints, and adds the times to `result`.
     void run(RenderResult& result);
-    // Renders what `next` hands out until it hands out nothing, and waits for it. One piece is enqueued while the piece
-    // before it runs. `enqueue_more`: what the device goes on with, neither waited for nor timed. Returns the time on
-    // the device, ms.
+    // Renders the pieces (ranges of samples) that `next` returns until it returns nothing, and waits for them. Each
+    // piece is enqueued while the previous one runs. `enqueue_more` enqueues work to follow the pieces, which is
+    // neither awaited nor timed. Returns the device time in ms.
     double run_pieces(
         const std::function<std::optional<SampleRange>()>& next, const std::function<void()>& enqueue_more = [] {});
-    // Whether the pieces have been rendered, once they are all enqueued.
+    // Whether all pieces have been rendered; to be called once they are all enqueued.
     bool has_rendered() const { return is_ready(cudaEventQuery(end_.get())); }
-    // Reads film and counters back.
+    // Downloads the film and the counters of the render from the device.
     void collect(RenderResult& result);
-    // Reads the counters back, but not the film.
+    // Downloads the counters of the render from the device, but not the film.
     void collect_counts(RenderResult& result);
-    // Adds what was spent before anything could be rendered, while the device waited.
+    // Adds the time spent on learning for roulette before the render, while the device was idle.
     void add_learning(RenderResult& result) const;
     FilmFaults faults() const;
     const JobOf<Real>& job() const { return job_; }
@@ -58,7 +58,7 @@ private:
     const RenderRequest& request_;
     VariantTraits traits_;
     const IntegratorHook& integrator_hook_;
-    FeatureSet features_;  // of the kernels
+    FeatureSet features_;  // features compiled into the kernels
     Layout layout_;
     SceneBuffers<Real> buffers_;
     LearnedAdjoint<Real> learned_;
@@ -70,7 +70,7 @@ private:
     std::unique_ptr<Arena> arena_;
     Stream stream_;
     Event begin_, end_;
-    Event enqueued_[2];  // after the last piece, and the one before it
+    Event enqueued_[2];  // events behind the last two enqueued pieces
     StageEvents stages_;
     JobOf<Real> job_;
     std::unique_ptr<Integrator> integrator_;

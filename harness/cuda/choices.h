@@ -1,4 +1,4 @@
-// What the choices of a variant bring on this backend, and its tunables.
+// Hooks and tunables of a variant's choices on the CUDA backend.
 #pragma once
 
 #include "variants/registry.h"
@@ -9,7 +9,7 @@ inline const Hooks& hooks(std::string_view axis, const Variant& variant) {
     return Registry::instance().at(axis, variant, Backend::cuda).hook.cuda;
 }
 
-// The value of a tunable in the variant; `otherwise` where its choices lack the tunable.
+// The value of a tunable in the variant, or `otherwise` if none of its choices has the tunable.
 inline std::uint32_t tuned(const Variant& variant, std::string_view name, std::uint32_t otherwise) {
     for (const Tunable& known : tunables_of(variant, Backend::cuda)) {
         if (known.name == name) {
@@ -19,7 +19,7 @@ inline std::uint32_t tuned(const Variant& variant, std::string_view name, std::u
     return otherwise;
 }
 
-// Camera rays of a pixel that the first-bounce cache keeps; 0: there is none.
+// Camera rays per pixel that the first-bounce cache keeps; 0 if there is no cache.
 inline std::uint32_t kept_rays(const Variant& variant) {
     return Registry::instance()
         .at(axes::first_bounce, variant, Backend::cuda)

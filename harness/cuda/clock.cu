@@ -1,4 +1,4 @@
-// The clock of the multiprocessors, measured: cycles against the GPU's nanosecond timer over a chain of additions.
+// Measures the clock of the GPU's multiprocessors: cycles of a chain of additions against a nanosecond timer.
 #include "harness/cuda/clock.h"
 #include "variants/cuda/runtime/check.h"
 

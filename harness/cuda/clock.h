@@ -1,4 +1,4 @@
-// The clock of the multiprocessors, in MHz; takes a fraction of a millisecond.
+// Measures the clock of the GPU's multiprocessors in MHz; takes a fraction of a millisecond.
 #pragma once
 
 namespace pt::cuda {

@@ -1,4 +1,4 @@
-// Arrays of the host in one piece of device memory.
+// Copies arrays of the host into one allocation of device memory.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace pt::cuda {
 
-// A pointer of the host, and how many bytes there are at it.
+// A pointer to an array of the host, and the array's size in bytes.
 template <class T>
 struct HostArray {
     const T*& pointer;
@@ -19,10 +19,10 @@ HostArray<T> host_array(const T*& pointer, std::size_t bytes) {
     return {pointer, bytes};
 }
 
-// Arrays in device memory, which are freed with this object.
+// Copies of arrays in one allocation of device memory, which the destructor frees.
 class DeviceArrays {
 public:
-    // Copies each array, and sets its pointer to the copy: null where there are no bytes.
+    // Copies each array to the device and sets its pointer to the copy, or to null if the array is empty.
     template <class... T>
     explicit DeviceArrays(HostArray<T>... arrays) : bytes_((on_border(arrays.bytes) + ...)) {
         void* memory = nullptr;

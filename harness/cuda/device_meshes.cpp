@@ -28,7 +28,7 @@ DeviceMesh::DeviceMesh(const MeshGeometry& host)
               host_array(view_.tree.nodes, std::size_t{view_.tree.node_count} * view_.tree.node_bytes)) {}
 
 std::shared_ptr<const DeviceMesh> device_mesh(const MeshGeometry& host) {
-    // The copies are never destroyed: the driver may be gone when the process ends.
+    // The copies of meshes are never destroyed, since the driver may be gone when the process exits.
     static auto& kept_by_device = *new std::map<int, KeptCopies<DeviceMesh>>;
     KeptCopies<DeviceMesh>& kept = kept_by_device[current_device()];
     if (const auto known = kept.find(host)) {
@@ -51,7 +51,7 @@ DeviceTree::DeviceTree(const std::shared_ptr<const SceneTree>& host)
               host_array(flat_.slots, host->slot_bytes())) {}
 
 std::shared_ptr<const DeviceTree> device_tree(const std::shared_ptr<const SceneTree>& host) {
-    // The copies are never destroyed: the driver may be gone when the process ends.
+    // The copies of trees are never destroyed, since the driver may be gone when the process exits.
     static auto& kept_by_device = *new std::map<int, KeptCopies<DeviceTree>>;
     KeptCopies<DeviceTree>& kept = kept_by_device[current_device()];
     if (host == nullptr) {

@@ -12,7 +12,7 @@ namespace pt::cuda {
 
 namespace {
 
-// The bytes of the scene's arrays as kernels find them in constant memory (scene_in_constant.cuh).
+// The bytes of the scene's arrays as they are laid out in constant memory (scene_in_constant.cuh).
 template <class Real>
 std::vector<unsigned char> constant_scene(const SceneView<Real>& scene, FeatureSet features) {
     std::vector<unsigned char> bytes;
@@ -34,7 +34,7 @@ public:
         static_assert(std::is_trivially_copyable_v<T> && sizeof(T) % 4 == 0);
         std::vector<T> cleared(values, values + count);
         for (T& value : cleared) {
-            __builtin_clear_padding(&value);  // the text is part of the cache's key
+            __builtin_clear_padding(&value);  // padding must not vary, since the text is part of the kernel cache's key
         }
         std::vector<std::uint32_t> words(std::max<std::size_t>(1, count * sizeof(T) / 4));
         if (count != 0) {
@@ -64,7 +64,7 @@ void copy_to_device(const View<T>& device, const View<T>& host, cudaStream_t str
     }
 }
 
-// A kernel's text cannot hold the addresses of a mesh.
+// Whether an array can be compiled into a kernel's source; instances of meshes cannot, since they contain addresses.
 template <class T>
 inline constexpr bool is_baked = true;
 template <class Real>
@@ -87,7 +87,7 @@ std::string scene_place(const SceneView<Real>& scene, FeatureSet features, bool 
 
 template <class Real>
 void fix_counts(const SceneView<Real>& scene, KernelConfig& config) {
-    // A kernel with everything is compiled once, for any scene.
+    // A kernel with all features is compiled once for all scenes.
     if (has_everything(config.features)) {
         return;
     }
@@ -118,7 +118,7 @@ std::string baked_text(const SceneView<Real>& scene) {
     });
     text.add("environment", &scene.environment, 1);
     text.add("enclosure", &scene.enclosure, 1);
-    Camera<Real> camera = scene.camera;  // what a render sets is no part of the text, nor of the cache's key
+    Camera<Real> camera = scene.camera;  // image and pixel size may change without recompilation
     camera.width = camera.height = 0;
     camera.pixel_size = 0;
     text.add("camera", &camera, 1);
@@ -226,7 +226,7 @@ void DeviceScene<Real>::upload(const Module& module, cudaStream_t stream) const 
         PT_CUDA_CHECK(cudaMemcpyAsync(module.global("pt_scene"), constant.data(), constant.size(),
                                       cudaMemcpyHostToDevice, stream));
     }
-    PT_CUDA_CHECK(cudaStreamSynchronize(stream));  // the host's copy ends with this function
+    PT_CUDA_CHECK(cudaStreamSynchronize(stream));  // waits for the copy, since `constant` goes out of scope
 }
 
 template std::string scene_place(const SceneView<float>& scene, FeatureSet features, bool is_baked);

@@ -1,5 +1,5 @@
-// A scene on the device: its arrays in global memory, those that every ray reads once more in constant memory, and what
-// the text of its kernels holds of it.
+// A scene on the device: its arrays in global memory, arrays that every ray reads also in constant memory, and the
+// parts compiled into the kernels' source.
 #pragma once
 
 #include "harness/cuda/device_meshes.h"
@@ -11,35 +11,34 @@
 
 namespace pt::cuda {
 
-// Most bytes of a scene in constant memory, of the 64 KiB that a module may have; larger scenes stay in global memory.
+// Limit on the bytes of a scene in constant memory, of which a module has 64 KiB; larger scenes stay in global memory.
 inline constexpr std::uint32_t constant_bytes = 32768;
 inline constexpr const char* scene_in_constant = "in_constant";
 
-// The name of the file variants/cuda/scene_*.cuh by which a kernel with these features finds the scene's arrays.
+// Selects the file variants/cuda/scene_*.cuh through which a kernel with these features accesses the scene's arrays:
+// the result is the part of the name after "scene_".
 template <class Real>
 std::string scene_place(const SceneView<Real>& scene, FeatureSet features, bool is_baked);
-// The scene's numbers of objects and which of them are a room's walls, as constants where the kernel has the scene's
-// features only.
+// Makes object counts and the walls of a room compile-time constants, if the kernel has only the scene's features.
 template <class Real>
 void fix_counts(const SceneView<Real>& scene, KernelConfig& config);
-// The text of the arrays of words under which scene_baked.cuh finds the scene's numbers: constants that the compiler
-// sees through.
+// The source text of constant arrays with the scene's data for scene_baked.cuh, which the compiler can fold.
 template <class Real>
 std::string baked_text(const SceneView<Real>& scene);
 
 template <class Real>
 class DeviceScene {
 public:
-    // `host` lives as long as this; `meshes`: of its objects, by number of the objects that show one; `features`: of
-    // the kernels; `tree`: of all meshes together, or null.
+    // `host` must outlive this object. `meshes`: the mesh of each object that shows one, by object number. `features`:
+    // those compiled into the kernels. `tree`: the top-level tree over the meshes, or null.
     DeviceScene(const SceneView<Real>& host, const std::vector<MeshGeometry>& meshes,
                 const std::shared_ptr<const SceneTree>& tree, FeatureSet features, bool is_baked);
     void reserve(Arena& arena);
-    // Copies the scene to the device, and waits for it.
+    // Copies the scene to the device and waits for the copy.
     void upload(const Module& module, cudaStream_t stream) const;
-    // The scene with pointers to the device's memory.
+    // The scene with pointers to device memory.
     const SceneView<Real>& view() const { return view_; }
-    // Bytes of meshes and of the trees over them, which are outside of the arena.
+    // Bytes of meshes and of the trees over them, which are outside the arena.
     std::size_t mesh_bytes() const;
 
 private:
@@ -51,10 +50,10 @@ private:
     SceneView<Real> view_ = {};
     std::vector<std::shared_ptr<const DeviceMesh>> device_meshes_;
     std::shared_ptr<const DeviceTree> tree_;
-    MeshSearch<Real> search_;                    // with pointers of the device
-    EnvironmentMap<Real> environment_map_ = {};  // likewise
-    AdjointCache<Real> adjoint_ = {};            // likewise
-    std::vector<MeshInstance<Real>> instances_;  // with pointers of the device
+    MeshSearch<Real> search_;                    // search structures of meshes, with device pointers
+    EnvironmentMap<Real> environment_map_ = {};  // environment map with device pointers
+    AdjointCache<Real> adjoint_ = {};            // radiance estimates with device pointers
+    std::vector<MeshInstance<Real>> instances_;  // instances of meshes with device pointers
 };
 
 }  // namespace pt::cuda

@@ -22,19 +22,19 @@ namespace {
 
 struct Limits {
     const char* architecture;
-    int warps, blocks, shared_kib;  // a multiprocessor
-    int reserved_shared;            // bytes a block that the system takes
-    int shared_unit;                // bytes; shared memory is given to blocks in steps of this
+    int warps, blocks, shared_kib;  // limits per multiprocessor; shared memory in KiB
+    int reserved_shared;            // bytes of shared memory that the system reserves per thread block
+    int shared_unit;                // granularity of shared memory per thread block, bytes
 };
 
-// CUDA C++ Programming Guide 13.0, "Technical Specifications per Compute Capability". 65536 registers everywhere.
+// CUDA C++ Programming Guide 13.0, "Technical Specifications per Compute Capability"; all GPUs have 65536 registers.
 constexpr Limits all_limits[] = {
     {"sm_75", 32, 16, 64, 0, 256},      {"sm_80", 64, 32, 164, 1024, 128},  {"sm_86", 48, 16, 100, 1024, 128},
     {"sm_87", 48, 16, 164, 1024, 128},  {"sm_89", 48, 24, 100, 1024, 128},  {"sm_90", 64, 32, 228, 1024, 128},
     {"sm_100", 64, 32, 228, 1024, 128}, {"sm_103", 64, 32, 228, 1024, 128}, {"sm_120", 48, 24, 100, 1024, 128},
 };
 constexpr int registers_per_multiprocessor = 65536;
-constexpr int register_unit = 256;  // registers are given to warps in steps of this
+constexpr int register_unit = 256;  // granularity of registers allocated to a warp
 
 const Limits& limits_of(const std::string& architecture) {
     for (const Limits& limits : all_limits) {
@@ -64,13 +64,13 @@ Json pipes_json(const PipeCounts& counts) {
 struct Program {
     std::string of;  // "compaction=atomic_append"
     ModuleRequest request;
-    std::uint32_t threads;  // of a block
+    std::uint32_t threads;  // number of threads per thread block
     bool is_launched = true;
 };
 
 std::string of_choice(const Descriptor& choice) { return fmt::format("{}={}", choice.axis, choice.name); }
 
-// The integrator's kernel may do a compaction's work, whose own are loaded all the same.
+// Whether the integrator's kernel does the compaction's work itself; the compaction's own kernels are loaded even so.
 bool is_done_by_integrator(const Choice& stage, const VariantTraits& traits) {
     return stage.descriptor.axis == axes::compaction && traits.integrator.appends_in_kernel &&
            traits.compaction.can_append_in_kernel();
@@ -89,8 +89,7 @@ std::vector<Program> programs_of(const Scene& scene, const Variant& variant, con
     return programs;
 }
 
-// The library calls of a variant besides: nvcc compiled them with ptbench, for other GPUs than the one that is asked
-// about.
+// The stages of a variant that are library calls, compiled by nvcc with ptbench, possibly for other GPUs than this one.
 Json library_calls(const Variant& variant) {
     Json calls = Json::array();
     for (const Choice* const stage : stages_of(variant)) {
@@ -166,7 +165,7 @@ Occupancy occupancy(const std::string& architecture, int registers, int shared_b
     const Limits& limits = limits_of(architecture);
     const int warps_per_block = (threads_per_block + 31) / 32;
     const int registers_per_warp = rounded_up(std::max(1, registers) * 32, register_unit);
-    // Registers belong to the four partitions of a multiprocessor, a warp to one of them.
+    // Registers are divided among the four partitions of a multiprocessor, and each warp resides in one partition.
     const int by_registers = registers_per_multiprocessor / 4 / registers_per_warp * 4 / warps_per_block;
     const int shared_per_block = rounded_up(shared_bytes + limits.reserved_shared, limits.shared_unit);
     const int by_shared = shared_per_block == 0 ? limits.blocks : limits.shared_kib * 1024 / shared_per_block;

@@ -1,4 +1,4 @@
-// Whether there is a program at a path: what looks for NVIDIA's tools asks it of each place.
+// Tells whether a path is an executable program; used in the search for NVIDIA's tools.
 #pragma once
 
 #include <filesystem>

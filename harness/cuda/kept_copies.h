@@ -1,5 +1,5 @@
-// Copies of the last things that a study has used, found in logarithmic time: a scene of 10^4 lamps has as many meshes,
-// each asked for in each render.
+// A cache of the most recently used device copies of a study, with lookup in logarithmic time: a scene of 10^4 lamps
+// has as many meshes, and each is looked up in each render.
 #pragma once
 
 #include <cstddef>
@@ -9,11 +9,11 @@
 
 namespace pt::cuda {
 
-// An LRU cache of copies on a device. Copy::key_of(host) tells what a copy is of, copy.bytes() what it takes.
+// An LRU cache of copies on a device. Copy::key_of(host) is the key of a host object, copy.bytes() its copy's size.
 template <class Copy>
 class KeptCopies {
 public:
-    // Finds the copy of a host's object; null: there is none.
+    // Finds the copy of a host object; null if there is none.
     template <class Host>
     std::shared_ptr<const Copy> find(const Host& host) {
         const auto known = by_key_.find(Copy::key_of(host));
@@ -23,7 +23,7 @@ public:
         entries_.splice(entries_.begin(), entries_, known->second);
         return entries_.front().copy;
     }
-    // Copies a host's object. Precondition: find() has none.
+    // Copies a host object to the device. Precondition: the cache has no copy of the object.
     template <class Host>
     std::shared_ptr<const Copy> make(const Host& host) {
         const auto copy = std::make_shared<const Copy>(host);

@@ -106,7 +106,7 @@ ModuleRequest module_request(const Scene& scene, const Variant& variant, const s
         }
     }
     if (!traits.integrator.has_queue) {
-        request.layout = "aos";  // not used: one compilation serves
+        request.layout = "aos";  // the layout is unused without a queue; a fixed one saves compilations
     }
     if (!integrator.stores_hits) {
         request.sort_key = "material";
@@ -114,7 +114,7 @@ ModuleRequest module_request(const Scene& scene, const Variant& variant, const s
     return request;
 }
 
-// Stages move paths and count them; they do no arithmetic on them, so neither features nor arithmetic matter.
+// Stages move and count paths without arithmetic on them, so a single compilation serves all features and arithmetics.
 ModuleRequest stage_request(const Variant& variant, const Choice& stage, const std::string& architecture) {
     const std::string source = fmt::format("variants/{}/{}.cuh", stage.descriptor.axis, stage.descriptor.name);
     ModuleRequest request = request_for(variant, source, architecture);

@@ -1,5 +1,4 @@
-// What is compiled for a variant of a scene on a GPU ("sm_90"): for its integrator, and of the sources that its choices
-// ask for.
+// Determines the programs, sources and options, needed to render a scene with a variant on a GPU ("sm_90").
 #pragma once
 
 #include "harness/scene/scene.h"
@@ -10,13 +9,13 @@
 namespace pt::cuda {
 
 ModuleRequest module_request(const Scene& scene, const Variant& variant, const std::string& architecture);
-// The requests of all programs that a render of the variant loads: the integrator's, and those of its stages.
+// The requests for all programs that a render with the variant loads: the integrator's and those of its stages.
 std::vector<ModuleRequest> module_requests(const Scene& scene, const Variant& variant, const std::string& architecture);
-// The request of a compaction or sorting whose kernels NVRTC compiles, whatever the variant's own is.
+// The request for a compaction or sorting stage whose kernels NVRTC compiles; the stage need not be the variant's own.
 ModuleRequest stage_request(const Variant& variant, const Choice& stage, const std::string& architecture);
-// The compaction and the sorting that the variant's queue is given; none where it has no queue, or needs none.
+// The compaction and sorting stages of the variant's queue; none if the variant has no queue or does not need them.
 std::vector<const Choice*> stages_of(const Variant& variant);
-// The embedded source of the variant's integrator.
+// The embedded source file of the variant's integrator.
 std::string integrator_source(const Variant& variant);
 
 }  // namespace pt::cuda

@@ -1,4 +1,4 @@
-// Modules stay loaded: a variant's kernels are compiled, or read from the cache on disk, once a process.
+// Keeps modules loaded, so that a process compiles a variant's kernels, or reads them from the disk cache, only once.
 #pragma once
 
 #include "harness/render/renderer.h"
@@ -6,7 +6,7 @@
 
 namespace pt::cuda {
 
-// The loaded module of a request, valid until the process ends. The time that it took is added to `facts`.
+// Returns the loaded module of a request, valid until the process ends, and adds the loading time to `facts`.
 const Module& loaded_module(const ModuleRequest& request, CudaFacts& facts);
 
 }  // namespace pt::cuda

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// ncu's metrics in percent, which are weighted by time.
+// Metrics of ncu in percent, averaged over launches with their times as weights.
 constexpr std::pair<const char*, double KernelCounters::*> shares[] = {
     {"sm__warps_active.avg.pct_of_peak_sustained_active", &KernelCounters::occupancy},
     {"l1tex__throughput.avg.pct_of_peak_sustained_elapsed", &KernelCounters::l1},
@@ -29,7 +29,7 @@ constexpr std::pair<const char*, double KernelCounters::*> shares[] = {
     {"l1tex__t_sector_hit_rate.pct", &KernelCounters::l1_hit_rate},
     {"lts__t_sector_hit_rate.pct", &KernelCounters::l2_hit_rate},
     {"smsp__warp_issue_stalled_long_scoreboard_per_warp_active.pct", &KernelCounters::memory_stalls}};
-// ncu's metrics that are summed over launches.
+// Metrics of ncu that are summed over launches.
 constexpr std::pair<const char*, double KernelCounters::*> sums[] = {
     {"gpu__time_duration.sum", &KernelCounters::seconds},
     {"smsp__inst_executed.sum", &KernelCounters::instructions},
@@ -52,7 +52,7 @@ std::string metric_names() {
     return names;
 }
 
-// Splits a line of CSV into fields; a quoted field may hold commas, and two quotes for one.
+// Splits a line of CSV into fields; a quoted field may contain commas, and quotes as pairs of quotes.
 std::vector<std::string> csv_fields(const std::string& line) {
     std::vector<std::string> fields(1);
     bool quoted = false;
@@ -72,7 +72,7 @@ std::vector<std::string> csv_fields(const std::string& line) {
     return fields;
 }
 
-// A number such as "1,234.5" in the unit's base: ncu scales as it likes and says so in the second line.
+// Parses a number such as "1,234.5" in the base unit; ncu chooses units freely and states them in the second line.
 double number(std::string text, const std::string& unit) {
     text.erase(std::remove(text.begin(), text.end(), ','), text.end());
     static const std::map<std::string, double> factors{
@@ -109,7 +109,7 @@ Finished run(const std::vector<std::string>& command) {
     return finished;
 }
 
-// The table that ncu writes of a call of this program.
+// Runs this program with the arguments `call` under ncu and returns the table that ncu writes.
 std::string csv_under_ncu(const std::string& ncu, const std::vector<std::string>& options,
                           const std::vector<std::string>& call) {
     const fs::path log = fs::temp_directory_path() / fmt::format("ptbench-{}.ncu.csv", ::getpid());
@@ -154,7 +154,7 @@ std::vector<KernelCounters> parse_ncu_launches(const std::string& csv) {
     std::vector<KernelCounters> launches;
     for (std::string line; std::getline(lines, line);) {
         if (line.rfind('"', 0) != 0) {
-            continue;  // ncu's own words
+            continue;  // lines without a leading quote are messages of ncu
         }
         const std::vector<std::string> fields = csv_fields(line);
         if (names.empty() || units.empty()) {
@@ -231,7 +231,7 @@ std::vector<KernelCounters> count_launches_under_ncu(const std::string& ncu,
                                                      const std::vector<std::string>& arguments) {
     std::vector<std::string> call{"rays", "--counted"};
     call.insert(call.end(), arguments.begin(), arguments.end());
-    // Caches are left as the launch before left them, as they are where batches are timed.
+    // Caches keep the content from the previous launch, as in timed batches.
     return parse_ncu_launches(csv_under_ncu(
         ncu, {"--profile-from-start", "off", "--cache-control", "none", "--print-kernel-base", "function"}, call));
 }

@@ -1,5 +1,5 @@
-// What a variant's kernels did while they ran, from the GPU's own counters by way of NVIDIA's Nsight Compute (ncu), and
-// the bound that each runs at: the pipe, or the memory, that is nearest to what this GPU was measured to do at most.
+// Measures a variant's kernels with the GPU's hardware counters through NVIDIA's Nsight Compute (ncu), and names the
+// bound of each: the pipe or the memory whose rate is nearest to the measured ceiling of this GPU.
 #pragma once
 
 #include <cstdint>
@@ -12,51 +12,51 @@
 
 namespace pt::cuda {
 
-// Counters of one kernel, over all its launches.
+// Hardware counters of one kernel, over all its launches.
 struct KernelCounters {
     std::string name;
     std::uint64_t launches = 0;
     double seconds = 0;
-    double instructions = 0;                             // a warp each
-    double thread_instructions = 0;                      // instructions times the lanes that were active
-    double fma = 0, alu = 0, xu = 0, lsu = 0, fp64 = 0;  // of the instructions, by pipe
-    double memory_bytes = 0;                             // to and from device memory
-    // Averages from 0 to 1, weighted by time. For a cache: the busiest part of the unit, of its peak as ncu knows it.
-    double occupancy = 0;   // achieved, of the most warps
-    double l1 = 0, l2 = 0;  // throughput
+    double instructions = 0;                             // number of executed warp instructions
+    double thread_instructions = 0;                      // warp instructions, each times its active lanes
+    double fma = 0, alu = 0, xu = 0, lsu = 0, fp64 = 0;  // warp instructions by pipe
+    double memory_bytes = 0;                             // bytes to and from device memory
+    // Averages from 0 to 1, weighted by time; a cache's throughput is that of its busiest part, relative to ncu's peak.
+    double occupancy = 0;   // resident warps over the most that a multiprocessor holds
+    double l1 = 0, l2 = 0;  // throughput of the L1 and L2 caches
     double l1_hit_rate = 0, l2_hit_rate = 0;
-    double memory_stalls = 0;  // of the time of warps that are there: waiting for what they loaded
+    double memory_stalls = 0;  // share of resident warps' time spent waiting for memory loads
 };
 
 // One launch of a batch of rays, as `ptbench rays --counted` makes it.
 struct CountedBatch {
-    std::string function;  // of the kernel, without its templates' arguments
+    std::string function;  // the kernel function's name without template arguments
     double rays = 0;
 };
 
-// The path of ncu, from $PTBENCH_NCU, the PATH or the toolkit; empty: it is in none of them.
+// The path of ncu, from $PTBENCH_NCU, the PATH or the CUDA toolkit; empty if none has it.
 std::string find_ncu();
 
-// Renders `spp` samples a pixel once more, under ncu, in a process of its own: `arguments` are those of `ptbench
-// render`. Throws MachineError if ncu fails (it needs the right to read counters).
+// Runs `ptbench render` with these arguments under ncu in a process of its own, and returns the counters of `kernels`.
+// Throws MachineError if ncu fails (it needs permission to read counters).
 std::vector<KernelCounters> count_under_ncu(const std::string& ncu, const std::vector<std::string>& arguments,
                                             const std::vector<std::string>& kernels);
 
-// Runs `ptbench rays --counted` with these arguments under ncu: every launch between calls of switch_counting, in
-// order.
+// Runs `ptbench rays --counted` with these arguments under ncu, and returns the counters of every launch between calls
+// of switch_counting, in order.
 std::vector<KernelCounters> count_launches_under_ncu(const std::string& ncu, const std::vector<std::string>& arguments);
 
-// Reads `ncu --csv --page raw`: an entry a launch, in their order.
+// Parses the output of `ncu --csv --page raw`: one entry for each launch, in order.
 std::vector<KernelCounters> parse_ncu_launches(const std::string& csv);
-// Reads `ncu --csv --page raw` and sums the launches of each kernel; one entry for each kernel, by name.
+// Parses the output of `ncu --csv --page raw` and sums the launches of each kernel: one entry for each kernel, by name.
 std::vector<KernelCounters> parse_ncu_csv(const std::string& csv);
 
 nlohmann::ordered_json ceilings_json(const Ceilings& ceilings);
-// The counters in figures that compare: a ray, and as fractions of the ceilings. `rays`: that the kernels traced.
+// Converts hardware counters to comparable figures: per ray and as fractions of the ceilings. `rays`: number of rays
+// traced.
 nlohmann::ordered_json counters_json(const KernelCounters& counters, const Ceilings& ceilings, double rays);
 
-// The figures of each batch, as counters_json gives them. Throws MachineError unless the launches are those of the
-// batches, one each.
+// The figures of each batch, as made by counters_json. Throws MachineError unless each batch has exactly one launch.
 std::vector<nlohmann::ordered_json> batch_counters_json(const std::vector<KernelCounters>& launches,
                                                         const std::vector<CountedBatch>& batches,
                                                         const Ceilings& ceilings);

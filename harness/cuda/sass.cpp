@@ -24,8 +24,8 @@ namespace {
 
 struct Instruction {
     std::string mnemonic;
-    std::string label;   // set: no instruction but a place to branch to
-    std::string target;  // of a branch
+    std::string label;   // label of a branch target; empty for an instruction
+    std::string target;  // target label of a branch instruction
 };
 
 bool starts_with_any(const std::string& text, std::initializer_list<const char*> starts) {
@@ -67,7 +67,7 @@ KernelCode counted(const std::string& name, const std::vector<Instruction>& code
     return kernel;
 }
 
-// A file that is gone when this object is.
+// A temporary file that the destructor removes.
 class TemporaryFile {
 public:
     explicit TemporaryFile(const std::string& contents) {

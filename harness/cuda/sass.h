@@ -1,5 +1,5 @@
-// The machine code of compiled kernels, counted by the pipe that executes it. Needs NVIDIA's disassembler, nvdisasm (of
-// the CUDA toolkit, or the Python package nvidia-cuda-nvdisasm).
+// Counts the machine instructions of compiled kernels by the pipe that executes them. Needs NVIDIA's disassembler
+// nvdisasm (of the CUDA toolkit, or the Python package nvidia-cuda-nvdisasm).
 #pragma once
 
 #include <map>
@@ -16,18 +16,18 @@ using PipeCounts = std::map<std::string, std::size_t>;
 struct KernelCode {
     std::string name;
     PipeCounts all;
-    // The longest stretch that a branch leads back over: the loop over a path's segments, where the kernel has one.
+    // The longest range of code that a backward branch repeats: the loop over a path's segments, if the kernel has one.
     PipeCounts loop;
 };
 
-// The pipe of an instruction by its mnemonic ("FFMA.FTZ").
+// The pipe that executes an instruction with this mnemonic ("FFMA.FTZ").
 std::string pipe_of(const std::string& mnemonic);
 
-// Counts the instructions in nvdisasm's text (`nvdisasm -c`).
+// Counts the instructions in the output of `nvdisasm -c`.
 std::vector<KernelCode> count_instructions(const std::string& disassembly);
 
-// The path of nvdisasm, from $PTBENCH_NVDISASM, the PATH, the toolkit, or the Python environment beside the program's
-// home; empty: it is in none of them.
+// The path of nvdisasm, from $PTBENCH_NVDISASM, the PATH, the CUDA toolkit, or the Python environment beside the
+// program's home; empty if none has it.
 std::string find_nvdisasm();
 
 // Disassembles a cubin. Throws MachineError if nvdisasm fails.

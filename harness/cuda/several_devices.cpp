@@ -23,13 +23,12 @@ double milliseconds_between(SteadyClock::time_point begin, SteadyClock::time_poi
     return std::chrono::duration<double, std::milli>(end - begin).count();
 }
 
-// A thread a device, the caller's for the first one. They are there before the clock starts, start together, and have
-// all ended their work when `run` returns the time at which they started. Waits turn in loops, for a wake-up takes as
-// long as a short render.
+// Threads that drive the devices; the caller's thread drives the first one. The threads exist before the clock starts,
+// start together, and all end before `run` returns their start time. Waits are busy loops: waking threads is slow.
 class DeviceThreads {
 public:
-    // Runs `work(device)` on a thread for each device. It makes its device current, and may throw: what the first of
-    // them threw is thrown here, after all have ended.
+    // Runs `work(device)` on a thread for each device. `work` makes the device current and may throw; the exception of
+    // the first device that failed is thrown here after all threads have ended.
     template <class Work>
     static SteadyClock::time_point run(std::uint32_t devices, const Work& work) {
         std::atomic<std::uint32_t> ready{0}, done{0};
@@ -45,7 +44,7 @@ public:
         std::vector<std::jthread> threads;
         for (std::uint32_t device = 1; device < devices; ++device) {
             threads.emplace_back([&, device] {
-                (void)cudaSetDevice(static_cast<int>(device));  // takes its time before the clock starts
+                (void)cudaSetDevice(static_cast<int>(device));  // a slow call, so before the clock starts
                 ready += 1;
                 while (!is_started) {
                     std::this_thread::yield();
@@ -73,7 +72,7 @@ public:
     }
 };
 
-// A gate that opens when all threads have come or have given up.
+// A gate that opens when every thread has arrived or given up.
 class Gate {
 public:
     explicit Gate(std::uint32_t threads) : missing_(threads) {}
@@ -83,7 +82,7 @@ public:
         missing_ -= 1;
     }
     bool is_open() const { return missing_ == 0; }
-    // Whether all threads have come, once the gate is open.
+    // Whether all threads have arrived at the gate, rather than given up; to be called once it is open.
     bool have_all_come() const { return !is_given_up_; }
 
 private:
@@ -126,9 +125,9 @@ public:
     DeviceGroup(const DeviceGroup&) = delete;
     DeviceGroup& operator=(const DeviceGroup&) = delete;
 
-    // Adds the learning of the first device alone, which learns for all of them.
+    // Adds the learning time of the first device only, since that device learns for all of them.
     void add_learning(RenderResult& result) const { cells_[0]->add_learning(result); }
-    // Adds to the times of `result`.
+    // Renders the samples on all devices and adds the times to `result`.
     void run(const SampleRange& samples, RenderResult& result) {
         const auto devices = static_cast<std::uint32_t>(cells_.size());
         SampleSource source(traits_.partition, devices, samples);
@@ -162,7 +161,7 @@ public:
         film.set(std::move(summed), faults);
     }
 
-    // Counters are sums, and so are stages' times: what all devices spent.
+    // Collects counters and stage times, summed over all devices.
     void collect(RenderResult& result) {
         cells_[0]->collect_counts(result);
         for (std::size_t device = 1; device < cells_.size(); ++device) {
@@ -179,10 +178,10 @@ public:
 private:
     cudaStream_t stream_of(std::size_t device) const { return cells_[device]->job().stream; }
 
-    // Returns when the first device has the sum; the time at which the threads started. Launched when all have ended,
-    // the sum would wait longer for its launch than it takes, so each device has its part behind its last piece. But
-    // not before all have asked for their last piece: a device whose part has begun waits for the others, and what they
-    // ask for may wait for all devices.
+    // Returns when the first device has the sum of the films; the result is the time at which the threads started. Each
+    // device's part of the sum is enqueued behind its last piece, since launching it after the render would take longer
+    // than the sum itself. It is enqueued only after all devices have asked for their last piece: a device whose part
+    // has begun waits for the others, and what those still ask for may wait for all devices.
     SteadyClock::time_point render_and_sum(SampleSource& source, std::vector<double>& device_ms,
                                            std::vector<SteadyClock::time_point>& ends) {
         const auto devices = static_cast<std::uint32_t>(cells_.size());
@@ -219,13 +218,13 @@ private:
             wait_for_sum();
             return start;
         } catch (...) {
-            disconnect_devices();  // others may wait for the part of a device that failed
+            disconnect_devices();  // otherwise devices wait for ever for one that failed
             throw;
         }
     }
 
-    // Waits until the first device is done, and throws if any has failed; cudaStreamSynchronize of the first device
-    // would not see that another one failed.
+    // Waits until the first device has the sum, and throws if any device has failed; cudaStreamSynchronize on the first
+    // device would not notice failures of others.
     void wait_for_sum() {
         while (!is_done(0)) {
             for (std::size_t device = 1; device < cells_.size(); ++device) {
@@ -237,7 +236,7 @@ private:
 
     bool is_done(std::size_t device) const { return is_ready(cudaStreamQuery(stream_of(device))); }
 
-    // Connects the devices and takes the reduction's memory; the films are still nought, and so is their sum.
+    // Connects the devices for the reduction and allocates its memory; the films and their sum are still zero.
     void connect() {
         memory_ = std::make_unique<Arena>(film_words_ * sizeof(std::int64_t));
         sum_ = memory_->take<std::int64_t>(film_words_);
@@ -271,12 +270,12 @@ private:
         }
     }
 
-    RenderRequest request_;  // as each cell has it; they keep a reference
+    RenderRequest request_;  // the request for each device's cell; cells keep a reference to it
     VariantTraits traits_;
     std::size_t film_words_;
-    OnDevice first_;  // what is not said to be on another device is on this one
+    OnDevice first_;  // makes the first device current by default
     std::unique_ptr<Arena> memory_;
-    std::int64_t* sum_ = nullptr;  // on the first device
+    std::int64_t* sum_ = nullptr;  // the sum of the films, on the first device
     std::vector<std::unique_ptr<RenderCell<Real>>> cells_;
 };
 

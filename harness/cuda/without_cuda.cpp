@@ -1,4 +1,4 @@
-// The CUDA backend of a build that found no CUDA toolkit.
+// Stands in for the CUDA backend in a build that found no CUDA toolkit.
 #include <nlohmann/json.hpp>
 
 #include "harness/cuda/backend.h"

@@ -18,20 +18,21 @@ namespace pt {
 namespace {
 
 constexpr double multiplication_latency = 3;
-// Relative difference that chains may show: those that run one after the other see the clock move; a chain that the
-// compiler has folded is wrong by a factor of 2 or more.
+// Relative difference allowed between instruction chains: the clock may change between two passes, while a chain folded
+// by the processor is wrong by a factor of 2 or more.
 constexpr double chain_tolerance = 0.1;
-// Turbo is up to 4.3 times the time stamp counter's rate (1.1 GHz parts that boost to 4.7), and cores idle at a tenth.
+// Bounds for the core clock over the time stamp counter's rate: turbo reaches 4.3 times (1.1 GHz parts that boost to
+// 4.7), and idle cores run at a tenth.
 constexpr double most_over_time_stamps = 5;
 constexpr double least_over_time_stamps = 0.05;
-// acpi-cpufreq names the clock without boost, which is up to twice as high.
+// acpi-cpufreq reports the clock without boost, which can be up to twice as high.
 constexpr double most_over_cpufreq = 2.5;
 
 constexpr std::uint64_t steps_per_pass = 100000;
-constexpr std::uint64_t steps_per_turn = 8;  // as the assembler's .rept below has it
+constexpr std::uint64_t steps_per_turn = 8;  // must match the count of the assembler's .rept below
 
-// Calls `turn`, which makes steps_per_turn of them, as often as it takes. Each step waits for the one before it: that
-// of the turn before is in a register.
+// Calls `turn`, which makes steps_per_turn steps of an instruction chain, until `steps` are made. Every step depends on
+// the one before, which a register carries from turn to turn.
 template <class Turn>
 [[maybe_unused]] void chain(std::uint64_t steps, const Turn& turn) {
     for (std::uint64_t i = 0; i < steps / steps_per_turn; ++i) {
@@ -39,7 +40,7 @@ template <class Turn>
     }
 }
 
-// The instructions of a turn are opaque to the optimiser, which would fold them.
+// The instructions of a chain are inline assembly, since the optimiser would fold them.
 #if defined(__x86_64__)
 
 void additions(std::uint64_t steps) {
@@ -64,8 +65,8 @@ void additions(std::uint64_t steps) {
     chain(steps, [&] { asm volatile(".rept 8\n\tadd %0, %0, %1\n\t.endr" : "+r"(sum) : "r"(one)); });
 }
 
-// Other processors have no such measurement: latencies of multiplications differ between Arm's cores, and the counter's
-// rate says nothing of the clock.
+// Other processors lack this measurement: the latency of multiplications differs between Arm's cores, and the rate of
+// the counter is unrelated to the clock.
 void multiplications(std::uint64_t) {}
 double time_stamp() { return 0; }
 
@@ -134,7 +135,7 @@ ClockEvidence measure_once() {
     for (int attempt = 0; attempt < 4; ++attempt) {
         const Pass added = timed(additions);
         const Pass multiplied = timed(multiplications);
-        // A pass that was interrupted, or too short for the clock to see, is no evidence of a high rate.
+        // A pass that is interrupted has too low a rate, and one too short to be timed is no evidence.
         const auto rate = [](double steps, const Pass& pass) {
             return pass.microseconds > 1 ? steps / pass.microseconds : 0;
         };
@@ -147,8 +148,8 @@ ClockEvidence measure_once() {
 
 }  // namespace
 
-// Measures the clock, several times if need be: on a busy machine every pass of a chain may have been interrupted, a
-// contradiction that goes; that of a folded chain stays.
+// On a busy machine every pass of a chain may be interrupted, so a contradiction is measured again; the contradiction
+// of a folded chain persists.
 ClockEvidence measure_clock_evidence() {
     constexpr int most_tries = 5;
     ClockEvidence evidence = measure_once();

@@ -15,7 +15,7 @@ namespace pt {
 
 namespace {
 
-// A line of proc/self/mountinfo: the folder within the groups' tree that is seen at `point`.
+// A control group mount of proc/self/mountinfo: the folder `root` of the group tree is visible at `point`.
 struct GroupMount {
     std::string root, point;
     bool is_version_2 = false;
@@ -25,7 +25,7 @@ bool has_word(const std::string& list, const std::string& word) {
     return ("," + list + ",").find("," + word + ",") != std::string::npos;
 }
 
-// The mount points of the control groups that limit CPU time.
+// Finds the mount points of the control groups that limit CPU time.
 std::vector<GroupMount> group_mounts(const std::string& root) {
     std::vector<GroupMount> mounts;
     std::ifstream lines(root + "proc/self/mountinfo");
@@ -45,7 +45,7 @@ std::vector<GroupMount> group_mounts(const std::string& root) {
     return mounts;
 }
 
-// The process's group in each tree: "0::/path" of version 2, "4:cpu,cpuacct:/path" of version 1.
+// The path of the process's control group: from "0::/path" in version 2, from "4:cpu,cpuacct:/path" in version 1.
 std::string group_of(const std::string& root, bool is_version_2) {
     std::ifstream lines(root + "proc/self/cgroup");
     for (std::string line; std::getline(lines, line);) {
@@ -61,8 +61,8 @@ std::string group_of(const std::string& root, bool is_version_2) {
     return "";
 }
 
-// A group's folder and those above it up to the mount point. Within a container the path may be the host's, of which
-// nothing but the mount point is seen.
+// Adds the folder of a control group and its parents up to the mount point. Within a container the group's path may be
+// the host's; then only the mount point is visible.
 void add_folders(std::vector<std::string>& folders, const std::string& root, const GroupMount& mount) {
     const std::string group = group_of(root, mount.is_version_2);
     const std::string above = mount.root == "/" ? "" : mount.root;
@@ -75,13 +75,13 @@ void add_folders(std::vector<std::string>& folders, const std::string& root, con
     folders.push_back(point);
 }
 
-// The number of CPUs that a group's own quota allows; nothing where it has none.
+// The number of CPUs that a control group's own quota allows; nothing if it has none.
 std::optional<double> quota_of(const std::string& folder) {
     double quota = 0, period = 0;
     if (std::ifstream file(folder + "/cpu.max"); file) {
-        file >> quota >> period;  // "max 100000" where there is none
+        file >> quota >> period;  // the file has "max 100000" if there is no quota
     } else {
-        std::ifstream(folder + "/cpu.cfs_quota_us") >> quota;  // -1 where there is none
+        std::ifstream(folder + "/cpu.cfs_quota_us") >> quota;  // the file has -1 if there is no quota
         std::ifstream(folder + "/cpu.cfs_period_us") >> period;
     }
     return quota > 0 && period > 0 ? std::optional(quota / period) : std::nullopt;
@@ -94,9 +94,9 @@ Throttling throttling_of(const std::string& folder) {
     for (double value = 0; lines >> name >> value;) {
         if (name == "nr_throttled") {
             found.periods = static_cast<std::uint64_t>(value);
-        } else if (name == "throttled_usec") {  // version 2
+        } else if (name == "throttled_usec") {  // key of control group version 2, in us
             found.ms = 1e-3 * value;
-        } else if (name == "throttled_time") {  // version 1, ns
+        } else if (name == "throttled_time") {  // key of control group version 1, in ns
             found.ms = 1e-6 * value;
         }
     }

@@ -1,4 +1,4 @@
-// What a result needs to say about the machine and the build that it came from.
+// Facts for results about the machine and the build that produced them.
 #pragma once
 
 #include <string>
@@ -7,14 +7,14 @@
 
 namespace pt {
 
-// A name for folders: the CPU model and the number of threads, e.g. "amd-epyc-9654-2-threads".
+// A machine name for folders: CPU model and number of threads, e.g. "amd-epyc-9654-2-threads".
 std::string machine_name();
 
-// What the context of a file says of this machine and build.
+// The facts about this machine and build for the context of a result file.
 MachineContext machine_context();
 
-// The time now, as ISO 8601 in local time, and in seconds since 1970. The clock may be set: it is for dates, never for
-// durations.
+// The current time, as ISO 8601 local time and in seconds since 1970, for dates only: the clock may be set at any time,
+// so it must not measure durations.
 std::string iso_date();
 double seconds_since_1970();
 
@@ -22,20 +22,18 @@ double seconds_since_1970();
 std::string version_text();
 std::string git_sha();
 bool git_dirty();
-// The hash of the sources that decide what an image is (kernels, integrators, samplers, the reading of scenes): 16 hex
-// digits.
+// A hash (16 hex digits) of the sources that determine an image: kernels, integrators, samplers, the scene reader.
 std::string image_sources_hash();
 
-// The hash (FNV-1a) of the running program's file, which tells two builds of one commit apart.
+// FNV-1a hash of the running program's file, which distinguishes two builds of one commit.
 std::string program_hash();
-// The OMP_* and GOMP_* variables of the environment that are set, as "NAME=value" with spaces between.
+// The OMP_* and GOMP_* environment variables that are set, as "NAME=value" separated by spaces.
 std::string openmp_environment();
 
-// What else the machine did: CPU time of other processes (and time stolen by a hypervisor's), and how often this
-// process had to give up a core. Sampled before and after a render, the difference says whether its time can be
-// trusted.
+// Load on the machine besides this process: CPU time of other processes (and time stolen by a hypervisor), and how
+// often this process had to give up a core. The difference over a render tells whether its time can be trusted.
 struct ForeignLoad {
-    double cpu_ms = 0;  // resolution 10 ms
+    double cpu_ms = 0;  // CPU time of other processes in ms, to 10 ms
     long involuntary_switches = 0;
 
     static ForeignLoad now();

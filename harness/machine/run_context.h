@@ -1,5 +1,4 @@
-// The context of the files that ptbench writes: the machine, the program and the call. Their keys stand here and
-// nowhere else.
+// The context of result files, with all of its keys: facts about the machine, the program and the call.
 #pragma once
 
 #include <optional>
@@ -10,12 +9,12 @@
 
 namespace pt {
 
-// The GPU and what its kernels are made with; all texts.
+// Context keys for the GPU and the compiler of its kernels; all values are texts.
 struct GpuContext {
     std::string device = {}, compute_capability = {}, multiprocessors = {}, clock_mhz = {}, memory_clock_mhz = {};
     std::string memory_bus_bits = {}, memory_mib = {}, l2_bytes = {}, ecc = {}, mps = {}, driver = {}, runtime = {};
     std::string nvrtc = {}, cccl = {}, kernel_source_hash = {};
-    std::optional<std::string> devices = {}, nccl = {};  // of a host with several equal ones
+    std::optional<std::string> devices = {}, nccl = {};  // only on hosts with several equal GPUs
 
     template <class Self, class Visit>
     static void fields(Self& self, const Visit& visit) {
@@ -39,16 +38,16 @@ struct GpuContext {
     }
 };
 
-// The machine and the build; all texts.
+// Context keys for the machine and the build; all values are texts.
 struct MachineContext {
     std::string schema_version = "1";
     std::string version = {}, git_sha = {}, git_dirty = {}, machine = {}, cpu_model = {}, os = {};
     std::string compiler = {}, compiler_flags = {}, build_type = {}, program_hash = {}, openmp_environment = {};
-    std::string clock = {};  // how it is measured
+    std::string clock = {};  // method of measuring the CPU clock
     std::string threads = {}, cpu_quota = {}, thrust_version = {}, thrust_system = {};
     std::string google_benchmark_version = {};
-    std::optional<GpuContext> gpu = {};     // of a run on one
-    std::optional<std::string> ranks = {};  // of MPI, where there are several
+    std::optional<GpuContext> gpu = {};     // only for runs on a GPU
+    std::optional<std::string> ranks = {};  // number of MPI ranks, only if there are several
 
     template <class Self, class Visit>
     static void fields(Self& self, const Visit& visit) {
@@ -77,9 +76,9 @@ struct MachineContext {
     }
 };
 
-// What was called, and how it ended. Each kind of file has some of these.
+// The command that wrote the file, and how it ended. Each kind of file has some of these keys.
 struct CallContext {
-    std::optional<std::vector<std::string>> rank_hosts = {};  // of several ranks
+    std::optional<std::vector<std::string>> rank_hosts = {};  // host names of several MPI ranks
     std::optional<std::string> command_line = {}, suite = {}, backend = {}, status = {}, date = {};
 
     static constexpr const char* rank_hosts_key = "ptbench.rank_hosts";
@@ -98,7 +97,7 @@ struct CallContext {
     }
 };
 
-// Google Benchmark's own keys, which its tools read.
+// Context keys of Google Benchmark, which its tools read.
 struct BenchmarkContext {
     struct Cache {
         std::string type = {};
@@ -112,7 +111,7 @@ struct BenchmarkContext {
             visit("num_sharing", self.num_sharing);
         }
     };
-    std::string date = {};  // ISO 8601, of the run's end
+    std::string date = {};  // time at the end of the run, ISO 8601
     std::string host_name = {};
     std::string executable = "ptbench";
     int num_cpus = 0;
@@ -125,7 +124,7 @@ struct BenchmarkContext {
     static constexpr const char* mhz_per_cpu_key = "mhz_per_cpu";
     static constexpr const char* load_avg_key = "load_avg";
 
-    // This machine's; `date` is left empty.
+    // The context values for this machine at this moment; `date` is left empty.
     static BenchmarkContext now();
 
     template <class Self, class Visit>
@@ -141,7 +140,7 @@ struct BenchmarkContext {
     }
 };
 
-// Whether a key of a result's context is a process's or a moment's own, and may differ between the shards of a run.
+// Whether a key of a result's context belongs to a process or a moment, so that it may differ between shards of a run.
 bool is_own_of_a_shard(const std::string& context_key);
 
 }  // namespace pt

@@ -13,22 +13,22 @@ namespace pt {
 
 namespace {
 
-// The kernel that learns the estimates: it has whatever a scene and its estimator may have, but roulette.
+// The kernel configuration for learning paths: all features of scenes and estimators except the roulette itself.
 using LearningConfig =
     Config<float, (all_features | traversals) & ~set_of(Feature::adjoint_roulette), RunTimeAccelerator>;
 
 constexpr std::size_t paths_per_chunk = 128;
-// Number of records of average throughput that bring the average and are added to each estimate: it is wrong for few.
+// Weight, in records, of the average that is mixed into each estimate, since estimates from few records are noisy.
 constexpr double records_of_the_mean = 32;
-constexpr std::uint32_t most_tiles = 16;  // a side, of the image's estimate
-constexpr std::uint32_t most_steps = 64;  // segments with an estimate of their own
-// The share of the vertices that may lie beyond either side of the grid, along each axis.
+constexpr std::uint32_t most_tiles = 16;  // image tiles with an estimate each, along each side of the image
+constexpr std::uint32_t most_steps = 64;  // path segments with an estimate each; later ones share the last
+// The share of vertices that may lie outside the grid on either side of each axis.
 constexpr double left_out = 0.005;
 constexpr double least_estimate = 0x1p-20, most_estimate = 0x1p20;
 
 float sum_of(const Vec3<float>& colour) { return sum_of_channels(colour); }
 
-// Notes the path at each vertex: `brought` is at first what it had collected until then, with a minus.
+// Records a path at each vertex. At first `brought` is minus the radiance gathered up to the vertex.
 struct Notes {
     template <class Config>
     static constexpr bool acts_in = true;
@@ -44,7 +44,7 @@ struct Notes {
     }
 };
 
-// Puts one path's vertices into `records`.
+// Traces one learning path and puts its vertices into `records`.
 void note_path(const SceneView<float>& scene, std::uint32_t pixel, std::uint32_t sample,
                std::vector<AdjointRecord>& records) {
     records.clear();
@@ -68,14 +68,14 @@ void note_path(const SceneView<float>& scene, std::uint32_t pixel, std::uint32_t
     });
 }
 
-// The pixel of a path; paths are spread over the image evenly, by a hash within each path's part of it.
+// The pixel of a learning path: one random pixel in each of the equal parts into which the paths divide the image.
 std::uint32_t pixel_of(std::uint64_t path, const RenderSettings& settings, const RandomSeed& seed) {
     const std::uint64_t pixels = std::uint64_t{settings.width} * settings.height;
     const auto hash = pcg4d_words(seed.words, {static_cast<std::uint32_t>(path), 0, 0, 0xadd017u}).x;
     return static_cast<std::uint32_t>((path * pixels + ((hash * pixels) >> 32)) / settings.adjoint.paths);
 }
 
-// A mean over records of which some are added that have the mean of all.
+// A ratio estimate, radiance gathered over throughput, into which a prior is mixed with a weight.
 class Estimate {
 public:
     void add(double brought, double carried) {
@@ -92,7 +92,7 @@ private:
 
 float bounded(double estimate) { return static_cast<float>(std::clamp(estimate, least_estimate, most_estimate)); }
 
-// The grid round the vertices: low corner, and cells a unit along each axis.
+// Fits the grid of estimates around the vertices: low corner and cells per scene unit along each axis.
 template <class Real>
 void set_grid(AdjointCache<Real>& cache, const std::vector<AdjointRecord>& vertices) {
     const std::size_t stride = vertices.size() / 4096 + 1;
@@ -117,7 +117,7 @@ std::uint32_t place_of(const AdjointCache<Real>& cache, const AdjointRecord& ver
     return adjoint_place(cache, Vec3<Real>(vertex.position), normal);
 }
 
-// 1 over what each pixel is in units of the image's mean: that of the tile of the image that it is in.
+// For each pixel, the image's mean radiance over that of the tile that contains the pixel.
 std::vector<float> by_pixel(const std::vector<AdjointStart>& starts, const RenderSettings& settings, double mean) {
     const std::uint32_t columns = std::min(most_tiles, settings.width), rows = std::min(most_tiles, settings.height);
     const auto tile_of = [&](std::uint32_t x, std::uint32_t y) {
@@ -218,13 +218,13 @@ std::unique_ptr<const AdjointTable<Real>> adjoint_table(const AdjointRecords& re
         all.add(start.brought, 1);
     }
     const double mean = all.value(0, 0);
-    if (!(mean > 0)) {  // nor where there is no vertex
+    if (!(mean > 0)) {  // no radiance, or no vertices at all
         return nullptr;
     }
     auto table = std::make_unique<AdjointTable<Real>>();
     AdjointCache<Real>& cache = table->cache;
     cache.cells = settings.adjoint.cells;
-    // The window's bounds are `window` apart, with 1 in their middle.
+    // The bounds of the weight window have the ratio `window` and the arithmetic mean 1.
     cache.lowest = Real(2) / Real(1 + settings.adjoint.window);
     cache.highest = cache.lowest * Real(settings.adjoint.window);
     cache.most_branches = settings.adjoint.branches;
@@ -243,7 +243,7 @@ LearnedAdjoint<Real> learned_adjoint(const Scene& scene, const RenderSettings& s
     if (settings.adjoint.paths == 0) {
         return learned;
     }
-    const SceneBuffers<float> trees(scene, settings, quick_acceleration(scene));  // kept from here on
+    const SceneBuffers<float> trees(scene, settings, quick_acceleration(scene));  // builds the trees, for later too
     const double cpu_start = process_cpu_ms();
     const auto start = std::chrono::steady_clock::now();
     learned.table = adjoint_table<Real>(learn_adjoint(scene, settings), settings);

@@ -1,6 +1,7 @@
-// The estimates by which kernels/adjoint.h ends and splits paths. They are learned before a render from paths of its
-// own estimator, without roulette, whose random numbers are none of the render's: so they are independent of its
-// samples. The same table on any number of threads and for every backend, and of a scene scaled by a power of two.
+// Estimates of the radiance that paths still gather, by which kernels/adjoint.h ends and splits paths. They are learned
+// before a render from paths of the same estimator without roulette, with random numbers of their own, so that they are
+// independent of the render's samples. The table is the same for any number of threads, for every backend, and for a
+// scene scaled by a power of two.
 #pragma once
 
 #include <memory>
@@ -11,33 +12,33 @@
 
 namespace pt {
 
-// A path of the learning at a vertex, before it scatters; colours as sums of their channels.
+// A vertex of a learning path, before the path scatters; colours are sums of their channels.
 struct AdjointRecord {
-    Vec3<float> position;  // relative to the eye
-    std::uint32_t side;    // nearest_side of the normal
+    Vec3<float> position;  // vertex position relative to the eye
+    std::uint32_t side;    // nearest_side of the surface normal
     std::uint32_t segment;
-    float carried;  // throughput
-    float brought;  // from there to the path's end
+    float carried;  // throughput of the path at this vertex
+    float brought;  // radiance gathered from this vertex to the path's end
 };
 
-// The light that a path brought from its first vertex on: what the camera sees at once is no matter of chance.
+// The radiance that a path gathered from its first vertex on, without light that the camera sees directly.
 struct AdjointStart {
     std::uint32_t pixel;
     float brought;
 };
 
-// The records of paths, one path after the other.
+// Records of learning paths, one path after the other.
 struct AdjointRecords {
     std::vector<AdjointRecord> vertices;
     std::vector<AdjointStart> starts;
 };
 
-// Traces paths of the scene as the settings have it, and records what they bring. What is not finite is left out.
+// Traces learning paths through the scene with these settings and records what they gather, if it is finite.
 AdjointRecords learn_adjoint(const Scene& scene, const RenderSettings& settings);
 
 template <class Real>
 struct AdjointTable {
-    AdjointCache<Real> cache{};  // with pointers into the vectors
+    AdjointCache<Real> cache{};  // kernels' view, with pointers into the vectors below
     std::vector<float> by_place, by_segment, by_pixel;
 
     AdjointTable() = default;
@@ -45,15 +46,15 @@ struct AdjointTable {
     AdjointTable& operator=(const AdjointTable&) = delete;
 };
 
-// Makes the estimates from records of paths; null where the paths brought nothing.
+// Computes the table of estimates from the records of learning paths; null if the paths gathered no radiance.
 template <class Real>
 std::unique_ptr<const AdjointTable<Real>> adjoint_table(const AdjointRecords& records, const RenderSettings& settings);
 
-// The estimates with the time that both steps took: a render pays for them. Its scene's trees are made before the clock
-// starts, as a render's own are.
+// The table of estimates with the time spent on learning it, which counts as time of the render. Building the
+// acceleration structures is not counted, as in a render.
 template <class Real>
 struct LearnedAdjoint {
-    std::unique_ptr<const AdjointTable<Real>> table;  // null also where the settings ask for none
+    std::unique_ptr<const AdjointTable<Real>> table;  // null if roulette needs no estimates or paths gathered nothing
     double wall_ms = 0, cpu_ms = 0;
 
     const AdjointCache<Real>* cache() const { return table != nullptr ? &table->cache : nullptr; }

@@ -1,4 +1,4 @@
-// What of a render each of several devices takes: arithmetic of samples and rows, without a device.
+// How the samples or image rows of a render are divided among several devices; needs no device.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace pt {
 
-// Rows of an image: first, first + step, first + 2 step, ...
+// Every step-th row of an image: first, first + step, first + 2 step, ...
 struct Rows {
     std::uint32_t first = 0, step = 1;
 
@@ -18,33 +18,32 @@ struct Rows {
     bool operator==(const Rows&) const = default;
 };
 
-// A range of samples of every pixel, from `first` on.
+// A range of samples of every pixel: `count` samples from `first` on.
 struct SampleRange {
     std::uint32_t first = 0, count = 0;
     bool operator==(const SampleRange&) const = default;
 };
 
-// The part that number `taker` of `takers` has of the samples: as many as any other's or one more, which the first
-// have.
+// Part number `taker` of `takers` equal parts of the samples; the first parts have one sample more where needed.
 SampleRange equal_share(const SampleRange& samples, std::uint32_t taker, std::uint32_t takers);
 
-// The devices that have anything to do: no more than there are samples, or rows.
+// The number of devices that get work: at most the number of samples, or of rows.
 std::uint32_t devices_at_work(const PartitionTraits& partition, std::uint32_t devices, std::uint32_t samples,
                               std::uint32_t height);
 
-// The rows of device `device` of `devices`.
+// The image rows of one device: all rows, or where the partition is by rows every devices-th row.
 Rows rows_of(const PartitionTraits& partition, std::uint32_t device, std::uint32_t devices);
 
-// Hands out the samples of one part of a render, by partition: to a device its contiguous share, once; to one that has
-// rows of its own all of them, once; or, of a counter that all devices share, chunk after chunk, each a part of what is
-// left. Devices ask at the same time.
+// Hands out the samples of one part of a render to devices. By partition a device gets its contiguous share once, or
+// all samples once for its own rows, or, chunk by chunk, a fraction of what is left of a shared counter. May be called
+// by all devices at the same time.
 class SampleSource {
 public:
     SampleSource(const PartitionTraits& partition, std::uint32_t devices, const SampleRange& samples);
 
-    // The samples that a device is to take next; nothing: it is done.
+    // The next range of samples that a device shall render; nothing if it has no work left.
     std::optional<SampleRange> next(std::uint32_t device);
-    // The most samples that `next` may hand out at once.
+    // The most samples per pixel that `next` may hand out at once.
     std::uint32_t most_at_once() const;
 
 private:
@@ -55,8 +54,8 @@ private:
     std::uint32_t devices_;
     SampleRange samples_;
     std::mutex mutex_;
-    std::uint32_t taken_ = 0;    // of a shared counter
-    std::vector<bool> has_had_;  // its share, by device
+    std::uint32_t taken_ = 0;    // samples handed out from the shared counter
+    std::vector<bool> has_had_;  // by device: whether the device has had its share of samples
 };
 
 }  // namespace pt

@@ -1,4 +1,4 @@
-// The host's film: fixed-point sums, their scale, and what can be read off them.
+// The host's film: fixed-point sums of radiance per pixel, their scale, and values computed from them.
 #pragma once
 
 #include <string>
@@ -11,31 +11,29 @@ namespace pt {
 
 class Film {
 public:
-    // `bound`: radiance that one sample can carry (radiance_bound); `samples`: samples a pixel that will be added in
-    // all, which the scale and the limit are for.
+    // `bound`: largest radiance of one sample (radiance_bound). `samples`: samples per pixel that will be added in all,
+    // from which the film's scale and limit follow.
     Film(std::uint32_t width, std::uint32_t height, double bound, std::uint64_t samples);
 
     FilmView view();
     std::uint32_t width() const { return width_; }
     std::uint32_t height() const { return height_; }
-    // Samples a pixel that pixel() and radiance() divide the sums by.
+    // Samples per pixel by which pixel() and radiance() divide the sums.
     std::uint64_t samples() const { return samples_; }
-    // Sets the number of samples that have been added so far, if they are only a part; scale and limit stay those of
-    // the whole.
+    // Sets the number of samples per pixel added so far, if more will follow; scale and limit stay unchanged.
     void set_samples(std::uint64_t samples) { samples_ = samples; }
     const std::vector<std::int64_t>& sums() const { return sums_; }
-    // Takes over what was summed elsewhere at this film's scale. Throws std::logic_error if the sizes differ.
+    // Replaces the sums by sums of the same scale, such as a device's. Throws std::logic_error if the sizes differ.
     void set(std::vector<std::int64_t> sums, const FilmFaults& faults);
     const FilmFaults& faults() const { return faults_; }
     double scale() const { return scale_; }
 
-    // Mean radiance of a pixel over the samples.
+    // Mean radiance of a pixel over the film's samples.
     Vec3d pixel(std::uint32_t index) const;
     Vec3d mean() const;
-    // FNV-1a over the sums, a word at a time, with the high bits folded in: 16 hex digits. Equal hashes mean equal
-    // bits, whatever the variant.
+    // Hash of the sums as 16 hex digits: FNV-1a over words, with the high bits folded in. Equal hashes mean equal bits.
     std::string hash() const;
-    // The image as linear RGB, row-major.
+    // The film's mean radiance as linear RGB, row-major from the top.
     std::vector<float> radiance() const;
 
 private:
@@ -46,11 +44,11 @@ private:
     FilmFaults faults_;
 };
 
-// The faults in words, as "1 non-finite, 0 negative and 2 saturated samples".
+// Describes the faults of a film, as "1 non-finite, 0 negative and 2 saturated samples".
 std::string faults_text(const FilmFaults& faults);
 
-// The scale of a film in quanta a unit of radiance: a power of two such that 2^16 samples (or `samples`, if more) of 64
-// times the bound fit.
+// The scale of a film in quanta per unit of radiance: a power of two such that the sums have room for 2^16 samples (or
+// `samples`, if more) of 64 times the bound.
 double film_scale(double bound, std::uint64_t samples);
 
 }  // namespace pt

@@ -9,12 +9,11 @@ namespace pt {
 
 namespace {
 
-// The kernel of first hits, which has whatever a scene may have; the sampler and the accelerator are chosen at run
-// time.
+// The kernel configuration for first hits: all features of scenes; sampler and accelerator are chosen at run time.
 template <class Real>
 using FirstHitConfig = Config<Real, all_features | samplers | traversals, RunTimeAccelerator>;
 
-// The mean of a pixel's first hits, in double: equal values have exactly that mean.
+// Averages the first hits of a pixel in double, so that equal values have exactly that mean.
 class FirstHitMean {
 public:
     void add(const Vec3d& albedo, const Vec3d& normal, double depth, double coverage) {
@@ -46,8 +45,8 @@ void fill_first_hits(FirstHits& hits, const Scene& scene, const RenderRequest& r
     using Config = FirstHitConfig<Real>;
     const SceneBuffers<Real> buffers(scene, settings, quick_acceleration(scene));
     const SceneView<Real>& view = buffers.view();
-    std::vector<const SceneMaterial*> materials;  // by object number
-    std::vector<Vec3d> albedo;                    // likewise
+    std::vector<const SceneMaterial*> materials;  // material of each object, by object number
+    std::vector<Vec3d> albedo;                    // albedo of each object, by object number
     for (const std::uint32_t index : buffers.file_index()) {
         materials.push_back(&scene.materials[scene.objects[index].material]);
         albedo.push_back(first_hit_albedo(*materials.back()));

@@ -1,5 +1,5 @@
-// What the camera rays of a film's own samples meet first, averaged over each pixel: albedo, normal, distance, and how
-// many meet anything. A pass of its own on the CPU, outside every clock, that no kernel or film knows of.
+// First hits (AOVs) of a film's camera rays, averaged over each pixel: albedo, normal, distance and coverage. They are
+// computed by a separate pass on the CPU, which is not timed and does not affect kernels or films.
 #pragma once
 
 #include <vector>
@@ -8,28 +8,28 @@
 
 namespace pt {
 
-// A ray that meets nothing counts with zeros, as in Mitsuba 3's integrator `aov`; divided by the coverage, they are
-// means over the rays that do.
+// Means over all camera rays of a pixel, where a ray without a hit counts as zeros, as in Mitsuba 3's integrator `aov`.
+// Divided by the coverage, they are means over the rays that hit a surface.
 struct FirstHits {
-    std::uint32_t rays = 0;       // a pixel
-    std::vector<float> albedo;    // linear RGB; of what it is of a material, first_hit_albedo
-    std::vector<float> normal;    // that it is shaded with, in the world, on the side that the ray came from
-    std::vector<float> depth;     // along the ray from its origin, on the lens if there is one; scene units
-    std::vector<float> coverage;  // the share of the rays that meet something
+    std::uint32_t rays = 0;       // number of camera rays per pixel
+    std::vector<float> albedo;    // linear RGB of the surface, by first_hit_albedo
+    std::vector<float> normal;    // shading normal in world space, on the side of the ray origin
+    std::vector<float> depth;     // distance from the ray origin (on the lens, if any), in scene units
+    std::vector<float> coverage;  // share of a pixel's camera rays that hit a surface
 };
 
-// A longer render's first samples stand for all of them.
+// Limit on the camera rays per pixel; the first samples of longer renders stand for all.
 inline constexpr std::uint32_t most_first_hit_rays = 256;
 
-// The rays of the request's first samples, most_first_hit_rays at most, in the variant's precision and with its
-// sampler; a first-bounce cache's own. Surfaces are met by the plain formulas whatever the variant. Precondition: not
-// depends_on_order(variant).
+// Traces the camera rays of the request's first samples (at most most_first_hit_rays) in the variant's precision and
+// with its sampler, or the rays of a first-bounce cache. Surfaces are intersected by the robust formulas whatever the
+// variant. Precondition: not depends_on_order(variant).
 FirstHits first_hits(const Scene& scene, const RenderRequest& request);
 
-// The number that the scene gives: a diffuse surface's albedo, the reflectance of mirrors and rough conductors, of a
-// mix both by its probability, the tint of dielectrics, sigma_s / sigma_t of a subsurface body, 0 of emitters.
+// The albedo of a material without texture: diffuse albedo, reflectance of mirrors and rough conductors, mean of both
+// for a mix, tint of dielectrics, sigma_s / sigma_t of subsurface bodies, 0 for emitters.
 Vec3d first_hit_albedo(const SceneMaterial& material);
-// The albedo of a material whose texture has this colour at the hit.
+// The albedo of a material whose texture has `colour` at the hit point.
 Vec3d first_hit_albedo(const SceneMaterial& material, const Vec3d& colour);
 
 }  // namespace pt

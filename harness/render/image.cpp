@@ -18,7 +18,7 @@ namespace pt {
 
 namespace {
 
-// A linear value as a byte of sRGB (IEC 61966-2-1).
+// Converts a linear value to a byte of sRGB (IEC 61966-2-1).
 unsigned char to_srgb8(double linear) {
     const double clipped = std::min(1.0, std::max(0.0, linear));
     const double encoded = clipped <= 0.0031308 ? 12.92 * clipped : 1.055 * std::pow(clipped, 1.0 / 2.4) - 0.055;
@@ -42,7 +42,7 @@ std::string encode_png(const Film& film) {
     return encoded;
 }
 
-// The content of a .pfm file: rows from bottom to top; the negative scale says little-endian.
+// Encodes a .pfm file: rows from bottom to top; the negative scale means little-endian.
 std::string encode_pfm(const std::vector<float>& values, std::uint32_t width, std::uint32_t height) {
     static_assert(std::endian::native == std::endian::little);
     std::string encoded = fmt::format("PF\n{} {}\n-1.0\n", width, height);

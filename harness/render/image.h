@@ -1,4 +1,4 @@
-// Writes an image as PNG (sRGB, 8 bit, clipped at 1), PFM or EXR (linear float), by the file's ending.
+// Writes images by the file's extension: PNG (sRGB, 8 bits, clipped at 1), PFM or EXR (linear floats).
 #pragma once
 
 #include <string>
@@ -7,13 +7,12 @@
 
 namespace pt {
 
-// Throws InputError for another ending, MachineError if the file cannot be written. The file appears whole or not at
-// all.
+// Writes the film as an image, atomically. Throws InputError for an unknown extension, MachineError if writing fails.
 void write_image(const Film& film, const std::string& file);
-// Throws InputError unless it ends in .png, .pfm or, where there is OpenEXR, .exr.
+// Throws InputError unless the file name ends in .png, .pfm or, in a build with OpenEXR, .exr.
 void check_image_name(const std::string& file);
 
-// Writes linear RGB, row-major from the top, as .pfm.
+// Writes linear RGB, row-major from the top, as a .pfm file.
 void write_pfm(const std::vector<float>& radiance, std::uint32_t width, std::uint32_t height, const std::string& file);
 
 }  // namespace pt

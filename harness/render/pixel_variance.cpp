@@ -14,7 +14,7 @@ std::vector<std::uint32_t> variance_stops(std::uint32_t samples, std::uint32_t m
     return stops;
 }
 
-// West's update of a weighted mean and its sum of squares: where all batches are equal, the squares are 0 exactly.
+// West's update of a weighted mean and its sum of squares, which gives exactly 0 squares where all batches are equal.
 void PixelVariance::add(const Film& film) {
     const std::vector<std::int64_t>& sums = film.sums();
     if (sums_.empty()) {
@@ -43,7 +43,7 @@ std::vector<float> PixelVariance::of_mean() const {
     if (batches_ < 2) {
         throw std::logic_error("the variance of a single batch");
     }
-    // A batch of n samples has n times less variance than one: squares_ / (batches - 1) is a sample's.
+    // A batch of n samples has n times less variance than a sample, so a sample's variance is squares_ / (batches - 1).
     const double factor = 1 / (static_cast<double>(batches_ - 1) * static_cast<double>(samples_));
     std::vector<float> values(squares_.size());
     std::transform(squares_.begin(), squares_.end(), values.begin(),

@@ -1,11 +1,11 @@
-// How long all threads of this process have computed: what a render's cpu_ms is a difference of.
+// The CPU time of this process, from which a render's cpu_ms is computed.
 #pragma once
 
 #include <ctime>
 
 namespace pt {
 
-// CPU time of this process in milliseconds, since it began.
+// CPU time of all threads of this process since its start, in milliseconds.
 inline double process_cpu_ms() {
     timespec time{};
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);

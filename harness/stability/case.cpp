@@ -115,7 +115,7 @@ std::function<double(const RenderResult&)> farthest_from(double exact) {
         for (std::uint32_t i = 0; i < result.film.width() * result.film.height(); ++i) {
             const Vec3d pixel = result.film.pixel(i);
             for (int k = 0; k < 3; ++k) {
-                // The comparison is such that a NaN wins, with which every comparison is false.
+                // The comparison is written such that a NaN, which compares false, counts as the farthest value.
                 farthest = std::abs(pixel[k] - exact) <= std::abs(farthest - exact) ? farthest : pixel[k];
             }
         }

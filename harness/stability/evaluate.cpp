@@ -10,7 +10,7 @@ namespace pt::stability {
 
 namespace {
 
-// Mean of a quantity over batches, with its standard error.
+// Values of a quantity in each batch, with their mean and standard error.
 struct Estimate {
     std::vector<double> values;
 
@@ -46,7 +46,7 @@ Row without_measurement(Status status, std::string reason) {
     return row;
 }
 
-// Adds the work of a render to that of a row's renders.
+// Adds the paths, rays, faults and time of a render to the totals of a row.
 void count_work(Row& row, const RenderResult& result) {
     row.paths += result.work.paths;
     row.rays += result.work.rays;
@@ -94,8 +94,8 @@ RenderRequest request_of(const Task& task, const Scene& scene, std::uint64_t see
     return request;
 }
 
-// A case's image has few pixels and many samples: as many of them at once as the integrator can take, so that a GPU is
-// not left to a few threads.
+// Sets as many samples per pixel in flight as the integrator takes, since a case's image has few pixels and many
+// samples, and a GPU would otherwise run few threads.
 Variant with_samples_in_flight(const Task& task, Variant variant, std::uint64_t pixels, std::uint64_t samples) {
     for (const Tunable& tunable : tunables_of(variant, task.backend)) {
         if (tunable.name == "spp_in_flight" && !variant.tuning.contains("spp_in_flight")) {
@@ -107,7 +107,8 @@ Variant with_samples_in_flight(const Task& task, Variant variant, std::uint64_t 
     return variant;
 }
 
-// An integrator with a queue goes once through it for every pixel's samples in flight, however few paths these are.
+// Limits the samples for integrators with a queue, which take a pass through the queue for each group of samples in
+// flight, however few paths that is.
 std::uint64_t affordable_samples(const Task& task, const Variant& variant, std::uint32_t depth, std::uint64_t samples) {
     const std::uint64_t most_rounds = std::max(1u, 512 / depth);
     const auto in_flight = variant.tuning.find("spp_in_flight");
@@ -124,14 +125,15 @@ double differing_pixels(const std::vector<std::int64_t>& a, const std::vector<st
     return static_cast<double>(count);
 }
 
-// The reference, with every feature: cases have hundreds of scenes that need different ones, and such a kernel is
-// compiled once for all.
+// The variant's bitwise reference with every feature compiled in: cases have hundreds of scenes with different
+// features, and a kernel with all features is compiled only once.
 Variant bitwise_reference(const Task& task) {
     return with_every_feature(Registry::instance().reference(task.variant, task.backend), task.backend);
 }
 
-// Compares with the reference integrator's film. Where an integrator with a queue could take but a part of the samples
-// that a case needs, its claim of the same bits says more than an estimate from that part.
+// Compares the film with the reference integrator's bit for bit, where an integrator with a queue can afford only a
+// part of the samples of a case: equal bits say more than an estimate from so few samples. Returns nothing where all
+// samples are affordable or the arithmetic is relaxed.
 std::optional<Row> compared_with_reference(const Task& task, const Scene& scene, std::uint64_t paths) {
     const std::uint64_t pixels = std::uint64_t{scene.camera.width} * scene.camera.height;
     const std::uint64_t wanted = std::max<std::uint64_t>(1, paths / pixels);
@@ -156,7 +158,7 @@ std::optional<Row> compared_with_reference(const Task& task, const Scene& scene,
     return row;
 }
 
-// Measures every quantity of a rendering once.
+// Measures every quantity of a stability rendering once, with about `paths` paths.
 std::vector<Row> look(const Task& task, const Rendering& rendering, const Scene& scene, std::uint64_t seed,
                       std::uint64_t paths) {
     const bool estimates = std::any_of(rendering.quantities.begin(), rendering.quantities.end(),
@@ -217,7 +219,7 @@ std::vector<Row> evaluate_renderings(const Task& task) {
         const bool again = std::any_of(first.begin(), first.end(),
                                        [](const Row& row) { return row.status == Status::failed && row.is_estimate; });
         if (again) {
-            // The second look has four times the samples, none of them the first look's.
+            // The second measurement takes four times the samples, with other seeds than the first.
             std::vector<Row> second =
                 look(task, rendering, scene, task.seed + 1000003, std::min<std::uint64_t>(4 * paths, 1u << 28));
             for (std::size_t i = 0; i < first.size(); ++i) {
@@ -233,7 +235,7 @@ std::vector<Row> evaluate_renderings(const Task& task) {
     return rows;
 }
 
-// The sums of a render in so many parts.
+// Renders a scene in parts of the given numbers of samples and adds up the films' sums.
 std::vector<std::int64_t> sums_in_parts(const Task& task, const Scene& scene, std::vector<std::uint32_t> parts,
                                         std::uint32_t all_samples, Row& row) {
     if (parts.empty()) {
@@ -256,8 +258,7 @@ std::vector<std::int64_t> sums_in_parts(const Task& task, const Scene& scene, st
     return sums;
 }
 
-// Whether both scenes are rendered by one program: the general kernel, or one for the same features and numbers of
-// objects.
+// Whether the same program renders both scenes: the generic kernel, or one for the same features and object counts.
 bool have_one_program(const Task& task, const Scene& a, const Scene& b) {
     return traits_of(task.variant, task.backend).specialisation.is_generic ||
            (choose_kernel(a, task.variant, task.backend).compiled ==
@@ -265,8 +266,8 @@ bool have_one_program(const Task& task, const Scene& a, const Scene& b) {
             a.objects.size() == b.objects.size());
 }
 
-// The ratio of the means of two films whose roundings may differ, and of which a path that grazes an edge may have gone
-// elsewhere. The error is that of as many independent differences as there are pixels and channels.
+// The ratio of the means of two films whose roundings may differ, and with them a few paths that graze an edge. The
+// standard error takes the differences of all pixels and channels for independent.
 Measurement ratio_of_means(const std::vector<std::int64_t>& expected, const std::vector<std::int64_t>& found) {
     double sum = 0, difference = 0, squares = 0;
     for (std::size_t i = 0; i < expected.size(); ++i) {
@@ -350,7 +351,7 @@ std::vector<Row> evaluate_unguarded(const Task& task) {
     return rows;
 }
 
-// A check of functions has nothing to do with how paths are scheduled, and is run on the host whatever the backend.
+// Direct checks call kernel functions on the host; they do not depend on the integrator or the backend and run once.
 std::string direct_not_applicable(const Task& task) {
     const VariantTraits traits = traits_of(task.variant, task.backend);
     const bool is_plainest = task.variant[axes::integrator] == plainest_variant(task.backend)[axes::integrator];

@@ -1,5 +1,5 @@
-// Evaluates a case at a point with a variant: what came out, what should have, how far off it may be, and whether it
-// is. A failure is looked at twice: only one that independent samples confirm counts.
+// Evaluates a stability case at a point with a variant: the measured value, the exact value, the allowed error and the
+// verdict. A failed estimate is measured again with independent samples, and only a second failure counts.
 #pragma once
 
 #include "harness/stability/case.h"
@@ -13,49 +13,50 @@ struct Task {
     Variant variant;
     std::uint64_t seed = 1;
     bool is_quick = false;
-    std::uint64_t paths = 0;  // of a rendering; 0: as many as the case asks for
+    std::uint64_t paths = 0;  // paths per rendering; 0: as many as the case asks for
 };
 
-// passed, failed: as they say. known_limit: failed, as the case says that it does. not_applicable: could not be asked.
-// broken: no number came out (an exception, or samples that were no numbers).
+// The verdict on a row. known_limit: failed where the case predicts it. not_applicable: cannot be evaluated. broken: no
+// valid number resulted (an exception, or faulty samples in the film).
 enum class Status { passed, failed, known_limit, not_applicable, broken };
 std::string_view to_string(Status status);
 
 struct Row {
     Status status = Status::not_applicable;
-    std::string reason;  // of every status but passed: why
+    std::string reason;  // why the status of the row is not `passed`
     Measurement measurement;
-    double error = 0;          // by which `measured` misses what the relation asks for, 0 if it does not
-    double allowed = 0;        // tolerance, and four standard errors
-    bool is_estimate = false;  // of samples that differ
-    int looks = 1;             // independent renders that it took to say so
+    double error = 0;          // by how much `measured` violates the relation, or 0
+    double allowed = 0;        // largest error allowed: tolerance plus four standard errors
+    bool is_estimate = false;  // whether the quantity is estimated from batches
+    int looks = 1;             // number of independent measurements until the verdict
     std::uint64_t paths = 0;
     std::uint64_t rays = 0;
     std::uint64_t unfinished_walks = 0;
     FilmFaults faults;
-    HealthCounters health;  // of an integrator that inspects; else no paths
-    std::string film_hash;  // of a single batch; empty: there are several, or none
-    double seconds = 0;     // of rendering, or of the direct check
+    HealthCounters health;  // counters of an inspecting integrator; else zero paths
+    std::string film_hash;  // hash of a single batch's film; else empty
+    double seconds = 0;     // time spent rendering or in the direct check
 
-    // The error as a share of what is allowed; not finite where nothing is allowed but something missed.
+    // The error as a share of the allowed error; infinite if nothing is allowed and there is an error.
     double error_over_allowed() const { return error == 0 ? 0 : error / allowed; }
 };
 
-// Why the task cannot be evaluated; empty: it can.
+// Says why a stability task cannot be evaluated; empty if it can.
 std::string not_applicable(const Task& task);
 
-// One row a quantity, or a single one that says why there is none. Throws nothing that a render throws.
+// Evaluates a task: one row for each quantity, or a single row with the reason why there is none. Exceptions of a
+// render become rows with status `broken`.
 std::vector<Row> evaluate(const Task& task);
 
-// The text of every scene that evaluating the task renders, with the variant, as far as its kernels depend on it: what
-// is to be compiled beforehand. None of a direct check.
+// The scene texts and variants of all renders of a task, as far as kernels depend on them, so that the kernels can be
+// compiled beforehand. Empty for a direct check.
 std::vector<std::pair<std::string, Variant>> renders_of(const Task& task);
 
-// The reference integrator with the generic kernel in exact arithmetic, every other axis at its plainest.
+// The reference integrator with the generic kernel in exact arithmetic; every other axis at its plainest.
 Variant plainest_variant(Backend backend);
 
-// Whether ptbench claims that this passes: robust kernels in arithmetic that the rounding bounds hold in, with our own
-// test of triangles.
+// Whether ptbench claims that stability cases pass with this variant: robust kernels, arithmetic with rounding bounds,
+// and ptbench's own ray-triangle test.
 bool must_pass(const Variant& variant, Backend backend);
 
 Json to_json(const Task& task, const Row& row);

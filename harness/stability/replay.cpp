@@ -62,7 +62,7 @@ std::vector<Step> replay(const Scene& scene, const RenderSettings& settings, std
     return steps;
 }
 
-// Traces a path and folds what it met into one number a segment; returns the radiance that it collected.
+// Traces a path, records in `met` a code of the object hit by each segment, and returns the path's radiance.
 template <class Config>
 Vec3<typename Config::Real> walk(const SceneView<typename Config::Real>& view, std::uint32_t pixel,
                                  std::uint32_t sample, std::vector<std::uint32_t>& met) {
@@ -111,7 +111,7 @@ Divergence diverge(const Scene& scene, const RenderSettings& settings, std::uint
     total.paths = std::uint64_t{samples} * of_pixel.size();
     double sum = 0;
     double squares = 0;
-    for (const OfPixel& pixel : of_pixel) {  // in their order: the same number on any number of threads
+    for (const OfPixel& pixel : of_pixel) {  // pixels in order, so that the sum does not depend on the threads
         sum += pixel.sum;
         squares += pixel.squares;
         total.parted_at.resize(std::max(total.parted_at.size(), pixel.parted_at.size()));

@@ -21,7 +21,7 @@ namespace {
 
 constexpr const char* schema = "ptbench-stability-1";
 
-// The facts that rows must share to stand in one file.
+// The facts of a run that must agree for rows to be added to an existing result file.
 Json identity(const RunDescription& description) {
     Json json(machine_context(description.backend));
     add_fields(json, CallContext{.backend = std::string(pt::to_string(description.backend))});

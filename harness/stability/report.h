@@ -1,5 +1,5 @@
-// The result file of a stability run: written after every case to a temporary name and renamed, so that a killed run
-// loses the case in flight at most, and can go on.
+// The result file of a stability run. The file is written after every case to a temporary name and renamed, so that a
+// killed run loses at most the case in flight and can be resumed.
 #pragma once
 
 #include <set>
@@ -14,22 +14,21 @@ struct RunDescription {
     Backend backend = Backend::cpu;
     bool is_quick = false;
     std::uint64_t seed = 1;
-    std::uint64_t paths = 0;  // of a rendering; 0: as many as the cases ask for
+    std::uint64_t paths = 0;  // paths per rendering; 0: as many as the cases ask for
 };
 
 class Report {
 public:
-    // What becomes of a file that is there. With `resume_or_overwrite` what is unfinished is resumed, what is complete
-    // overwritten.
+    // What happens to an existing file. `resume_or_overwrite` resumes an unfinished file and overwrites a complete one.
     enum class IfThere { refuse, resume, overwrite, resume_or_overwrite };
 
-    // `file` empty: nothing is written. A file that is there: with `resume` its rows are kept; with `overwrite` it
-    // stays until this report is finished, which grows beside it, in `file`.unfinished, and can be resumed. Throws
-    // InputError if it is refused, or another machine's, build's, backend's or run's.
+    // Opens a report; if `file` is empty, nothing is written. If the file exists, `resume` keeps its rows, and
+    // `overwrite` leaves it in place until this report is finished: meanwhile rows go to `file`.unfinished, which can
+    // be resumed. Throws InputError if an existing file is refused or is of another machine, build, backend or run.
     Report(std::string file, RunDescription description, IfThere if_there);
 
     bool has(const Task& task) const;
-    // Adds a task's rows, which are what to_json makes of them.
+    // Adds the rows of a task, as made by to_json.
     void add(const Task& task, const Json& rows);
     void save() const { write("interrupted"); }
     void finish() const;
@@ -44,22 +43,21 @@ private:
     std::size_t count(std::string_view status, bool must_pass_only) const;
 
     std::string file_;
-    std::string growing_;      // written after every case: file_, or beside it
-    mutable FileStamp stamp_;  // of file_, as this report knows it
-    bool is_changed_ = true;   // since it was read; a complete one that nothing is added to stays as it is
+    std::string growing_;      // the file written after every case: file_, or file_ + ".unfinished"
+    mutable FileStamp stamp_;  // stamp of file_ when this report last read or wrote it
+    bool is_changed_ = true;   // whether rows were added, so that the file must be written
     RunDescription description_;
-    Json variants_ = Json::object();  // by identity: the name and the choices of every variant that a row is of
+    Json variants_ = Json::object();  // name and choices of each variant with a row, by identity
     Json rows_ = Json::array();
-    std::set<std::string> done_;  // keys of tasks
+    std::set<std::string> done_;  // keys of the tasks whose rows the report has
 };
 
-// A task in words, as "lamp a=0.1 albedo=0.5 depth=9 [nee, double]": the case, its point and what differs from the
-// plainest variant.
+// Describes a task, as "lamp a=0.1 albedo=0.5 depth=9 [nee, double]": case, point, choices that are not the plainest.
 std::string label(const Task& task, const Variant& plainest);
-// A row in words, as "mean radiance 0.0099010 (exact 0.0099010): off by 1.2e-8 of 5.3e-8 allowed".
+// Describes a row, as "mean radiance 0.0099010 (exact 0.0099010): off by 1.2e-8, allowed 5.3e-8".
 std::string in_words(const Row& row);
 
-// Name and text of the scene files that show a case, at its first point; none for a direct check.
+// Names and contents of the scene files of a case at its first point; none for a direct check.
 std::vector<std::pair<std::string, std::string>> scene_files(const Case& stiff_case);
 
 }  // namespace pt::stability

@@ -1,4 +1,4 @@
-// Rows and cases as the result file holds them.
+// Writes rows and cases of stability runs as JSON for the result file.
 #include <cmath>
 #include <iterator>
 
@@ -9,7 +9,7 @@ namespace pt::stability {
 
 namespace {
 
-// JSON has no infinity and no NaN: their names stand for them.
+// Infinities and NaN, which JSON lacks, are written as strings.
 Json number(double value) {
     if (std::isfinite(value)) {
         return value;
@@ -21,7 +21,7 @@ std::string_view to_string(Relation relation) {
     return relation == Relation::equal ? "equal" : relation == Relation::at_most ? "at most" : "at least";
 }
 
-// The place of a counter's first path, for `ptbench replay`.
+// The pixel, sample and segment at which a health counter first counted, for `ptbench replay`.
 Json place_of(std::uint64_t key) {
     return {{"pixel", key >> 42}, {"sample", (key >> 20) & 0x3fffffu}, {"segment", key & 0xfffffu}};
 }

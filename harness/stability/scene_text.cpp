@@ -91,8 +91,8 @@ SceneText& SceneText::shutter(double open, double close, bool late) {
 std::string SceneText::add_material(Json material) {
     auto& materials = json_["materials"].get_ref<Json::object_t&>();
     std::string name = material["type"].get<std::string>() + "_" + std::to_string(materials.size());
-    // The material is appended to the vector that the object is made of: the name is new, and to look for it among 10^5
-    // others takes seconds in all.
+    // The new material is appended to the vector that underlies the JSON object: its name is unique, and looking it up
+    // among 10^5 materials would take seconds in all.
     static_cast<Json::object_t::Container&>(materials).emplace_back(name, std::move(material));
     return name;
 }

@@ -1,5 +1,5 @@
-// Writes the text of a scene file, so that a case is read by the parser that users' files are read by, and can be kept
-// as a file (`ptbench stability --write-scenes`).
+// Builds the content of scene files for stability cases, so that cases go through the parser of users' scene files and
+// can be written to disk (`ptbench stability --write-scenes`).
 #pragma once
 
 #include <string>
@@ -15,7 +15,8 @@ using Json = nlohmann::ordered_json;
 
 inline Json list(const Vec3d& v) { return {v.x, v.y, v.z}; }
 
-// A scene with one pixel of 90 degrees at the origin that looks along +z, no jitter, depth 1, black surroundings.
+// A scene builder. The initial scene has one pixel of 90 degrees at the origin that looks along +z without jitter,
+// depth 1 and a black environment.
 class SceneText {
 public:
     explicit SceneText(const std::string& name, const std::string& description = "");
@@ -24,11 +25,11 @@ public:
     SceneText& image(std::uint32_t width, std::uint32_t height, double vertical_fov_degrees, bool jitter);
     SceneText& depth(std::uint32_t segments);
     SceneText& environment(double radiance);
-    SceneText& drawn_environment(double radiance);  // connections are made to it, as to lights
+    SceneText& drawn_environment(double radiance);  // an environment that next-event estimation samples
     SceneText& lens(double aperture_radius, double focus_distance);
     SceneText& shutter(double open, double close, bool late);
 
-    // These add a material each and return its name.
+    // The functions for materials add a material and return its name.
     std::string diffuse(const Vec3d& albedo, const Vec3d& emission = Vec3d(0.0));
     std::string mirror(const Vec3d& reflectance, const Vec3d& emission = Vec3d(0.0));
     std::string mix(const Vec3d& albedo, const Vec3d& reflectance, double mirror_probability,
@@ -40,7 +41,7 @@ public:
     std::string rough_conductor(const Vec3d& reflectance, double roughness, bool multiple_scattering);
     std::string principled_metal(const Vec3d& base_colour, double roughness);
 
-    // These add an object each.
+    // The functions for shapes add an object.
     SceneText& sphere(const std::string& material, const Vec3d& centre, double diameter);
     SceneText& ellipsoid(const std::string& material, const Vec3d& centre, const Vec3d& scale,
                          const Vec3d& rotate_degrees = Vec3d(0.0));
@@ -48,11 +49,11 @@ public:
                    const Vec3d& rotate_degrees = Vec3d(0.0));
     SceneText& quad(const std::string& material, const Vec3d& centre, double scale_x, double scale_z,
                     const Vec3d& rotate_degrees = Vec3d(0.0));
-    // The six walls of the box [centre - half, centre + half], as quads that face inwards.
+    // Adds the six walls of the box [centre - half, centre + half], as quads that face inwards.
     SceneText& room(const std::string& material, const Vec3d& centre, const Vec3d& half);
     SceneText& mesh(const std::string& material, const Mesh& mesh, const Vec3d& translate = Vec3d(0.0),
                     const Vec3d& scale = Vec3d(1.0), const Vec3d& rotate_degrees = Vec3d(0.0));
-    // Sets the velocity of the object that was added last, in scene units a second.
+    // Sets the velocity, in scene units per second, of the object added last.
     SceneText& velocity(const Vec3d& velocity);
 
     const Json& json() const { return json_; }
@@ -65,11 +66,11 @@ private:
     Json json_;
 };
 
-// The scene with every length times `factor`, and every coefficient per length divided by it.
+// Returns the scene with all lengths multiplied by `factor` and all coefficients per length divided by it.
 Json scaled(Json scene, double factor);
-// The scene with every radiance times `factor`.
+// Returns the scene with all radiances multiplied by `factor`.
 Json brightened(Json scene, double factor);
-// The scene with everything moved by `offset`, the camera too.
+// Returns the scene with camera and objects moved by `offset`.
 Json moved(Json scene, const Vec3d& offset);
 
 }  // namespace pt::stability

@@ -47,7 +47,7 @@ std::vector<Variant> timed_variants(Backend backend, std::size_t turn, bool quic
             Variant variant = of_scene;
             variant.set(axes::integrator, integrators[i]);
             variant.set(axes::arithmetic, arithmetics[a]);
-            // Two integrators after another have one arithmetic with and without: the room turns half as fast.
+            // `room` alternates half as fast as `turn`, so that consecutive integrators give an arithmetic both values.
             if ((i + a + turn / 2) % 2 != 0) {
                 variant.tuning["room"] = 0;
             }

@@ -1,6 +1,6 @@
-// The kernels that findings time on a GPU: compiled for their scene, by the schedulers of paths that are timed, in each
-// arithmetic that rounding bounds hold in, with and without a room's planes. That they are sound has to be shown of
-// them, not of the general kernel alone.
+// The variants that findings time on a GPU: kernels compiled for their scene, with each scheduler of paths, in each
+// arithmetic with rounding bounds, with and without the planes of a room. Stability must be shown for these kernels
+// themselves, not for the generic kernel alone.
 #pragma once
 
 #include <vector>
@@ -9,9 +9,10 @@
 
 namespace pt::stability {
 
-// The variants that are timed with one case. Every scheduler meets every arithmetic in each case (of a quick run: in
-// every two), and both of them both values of the room; one of the integrators with a queue at a time, which changes
-// with `turn`, the case's number. There are none on a CPU, whose kernels for a scene are among those of the plain runs.
+// The timed variants to be checked with one case: every scheduler with every arithmetic (in a quick run every second
+// pair, alternating with `turn`), with and without the room in turn. Of the integrators with a queue one is taken,
+// which changes with `turn`, the number of the case. Empty on a CPU, where the plain runs cover the kernels for a
+// scene.
 std::vector<Variant> timed_variants(Backend backend, std::size_t turn, bool quick);
 
 }  // namespace pt::stability

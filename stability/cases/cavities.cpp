@@ -1,4 +1,4 @@
-// S1 to S5: closed spaces in which every path returns the same number, and a lamp at the centre of a sphere.
+// Cases S1 to S5: closed spaces in which every path returns the same number, and a lamp at the centre of a sphere.
 #include <cmath>
 
 #include "stability/oracles/furnace.h"
@@ -7,7 +7,7 @@
 namespace pt::stability::cavities {
 namespace {
 
-// A camera anywhere but at the centre.
+// A scene with a camera away from the centre.
 SceneText inside(const std::string& name, std::uint32_t depth) {
     SceneText scene(name);
     scene.camera({0.25, 0.5, -0.125}, {0.5, -0.25, 1}).image(8, 8, 90, true).depth(depth);
@@ -44,7 +44,7 @@ std::vector<Rendering> mix_furnace(const Values& v) {
     return {furnace_rendering(scene, emission, albedo, v.whole("depth"))};
 }
 
-// A ball in a lit room: of a mix that is all one lobe, or of that lobe's own material.
+// A ball in a lit room, of a mix material with a single lobe or of the material of that lobe itself.
 Json room_with_ball(bool as_mix, bool mirror) {
     const Vec3d colour(0.875, 0.75, 0.5);
     SceneText scene("mix_pure");
@@ -67,8 +67,8 @@ std::vector<Twins> pure_mixes(const Values&) {
              .changed = room_with_ball(true, true)}};
 }
 
-// pbrt's test scenes: radiance 1 everywhere. A lamp of power pi times 4 pi in the place of a point light; a = 0: walls
-// that glow.
+// The sphere of pbrt's test scenes, with radiance 1 everywhere: a lamp of power pi times 4 pi replaces the point light,
+// and for a = 0 the walls emit.
 std::vector<Rendering> pbrt_sphere(const Values& v) {
     const double a = v["a"];
     SceneText scene("pbrt_sphere");
@@ -89,7 +89,7 @@ std::vector<Rendering> pbrt_sphere(const Values& v) {
 std::vector<Rendering> lamp(const Values& v) {
     SceneText scene("lamp");
     const double a = v["a"];
-    // The view is along a chord that passes the lamp.
+    // The camera looks along a chord that misses the lamp.
     scene.camera({0, 0, -0.5}, {1, 0, -0.5}).image(1, 1, 1, false).depth(v.whole("depth"));
     scene.sphere(scene.diffuse(Vec3d(v["albedo"])), {0, 0, 0}, 2);
     scene.sphere(scene.emitter(Vec3d(1.0)), {0, 0, 0}, 2 * a);

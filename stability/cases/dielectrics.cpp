@@ -1,4 +1,4 @@
-// S24 to S27: plates and balls of glass, rendered.
+// Cases S24 to S27: plates and balls of glass, rendered.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -11,12 +11,12 @@ namespace {
 
 struct Pile {
     int plates = 1;
-    double excess = 0.5;  // index - 1
+    double excess = 0.5;  // refractive index - 1
     double thickness = 0.125, gap = 0.125, cosine = 1;
-    double tau = 0;  // absorption along the normal, a plate
+    double tau = 0;  // optical depth of absorption of a plate along its normal
 };
 
-// A depth so large that e^-50 of the paths, or less, would have more segments.
+// A path depth that at most a share e^-50 of the paths would exceed.
 std::uint32_t enough_segments(int plates, long double reflected) {
     const double kept = static_cast<double>(1 - reflected);
     return static_cast<std::uint32_t>(std::min(64.0 * plates * plates * (1 + 1 / std::max(kept, 1e-9)), 1e6));
@@ -33,13 +33,13 @@ Rendering pile_of_plates(const Pile& pile, std::uint64_t paths) {
     }
     scene.quad(scene.emitter(lamp_behind), {0, 0, end + 1}, 1e10, 1e10, {90, 0, 0});
     scene.quad(scene.emitter(lamp_before), {0, 0, -1}, 1e10, 1e10, {90, 0, 0});
-    const long double excess = (1.0 + pile.excess) - 1.0;  // as the file has it
+    const long double excess = (1.0 + pile.excess) - 1.0;  // refractive index - 1, rounded as in the scene file
     const long double reflected = reflectance(excess, pile.cosine);
     scene.depth(enough_segments(pile.plates, reflected));
     const long double within =
         reflected < 1 && pile.tau > 0 ? std::exp(-pile.tau / cosine_beyond(excess, pile.cosine)) : 1;
     const Shares exact = stack_of(pile.plates, plate(reflected, within));
-    // The thickness of each plate is off by the rounding of both its faces to single precision.
+    // Both faces of a plate are rounded to single precision, which changes the thickness of the plate.
     const double thickness_rounding = pile.tau * pile.plates * end * 0x1p-23 / pile.thickness;
     Rendering rendering{.scene = scene.json(),
                         .quick_paths = paths,
@@ -65,7 +65,7 @@ std::vector<Rendering> nearly_no_plate(const Values& v) {
     return {pile_of_plates({.excess = v["excess"], .cosine = v["cosine"]}, 1u << 16)};
 }
 
-// A unit ball that a single ray meets at the distance b from its axis, in surroundings of radiance 1.
+// A scene with one camera ray towards the unit ball, at distance `impact` from its axis, under radiance 1.
 SceneText ball(double impact, std::uint32_t depth) {
     SceneText scene("ball");
     scene.camera({impact, 0, -4}, {impact, 0, 0}).depth(depth).environment(1);
@@ -93,7 +93,7 @@ std::vector<Rendering> cut_off(const Values& v) {
     const long double r = reflectance(static_cast<long double>(v["ior"]) - 1, cosine_at(v["impact"]));
     const long double lost = (1 - r) * std::pow(r, static_cast<long double>(hits));
     const std::uint64_t paths = 1u << 16;
-    // The reflectance's slope times the rounding of the impact.
+    // Tolerance for the rounding of the impact parameter, times the slope of the reflectance.
     const double slope = static_cast<double>(v["impact"] / cosine_at(v["impact"])) * 4 * 0x1p-22;
     return {{.scene = scene.json(),
              .quick_paths = paths,
@@ -120,15 +120,15 @@ std::vector<Rendering> absorbing_ball(const Values& v) {
              .quantities = {mean_is("radiance", static_cast<double>(exact), chance_tolerance(exact, paths, slope))}}};
 }
 
-// The mean of a path's segments is 3 whatever the index: 2 for the share R that is reflected, and for the share 1 - R
-// that enters, 1 before, 1 / (1 - R) inside and 1 after. Under total reflection, 2.
+// The mean number of segments of a path is 3 for any index: 2 for the share R that is reflected, and for the share 1 -
+// R that enters 1 before, 1 / (1 - R) inside and 1 after the ball. Under total reflection it is 2.
 std::vector<Rendering> extreme_index(const Values& v) {
     SceneText scene = ball(v["impact"], without_end);
     scene.sphere(scene.dielectric(v["ior"]), {0, 0, 0}, 2);
     const long double excess = static_cast<long double>(v["ior"]) - 1;
     const long double r = reflectance(excess, cosine_at(v["impact"]));
     const double mean = r < 1 ? 3 : 2;
-    // A 24-bit number is below R in the share R to 2^-24: the 1 / (1 - R) inside is off by that over 1 - R.
+    // A random number of 24 bits realises the probability R to 2^-24, so 1 / (1 - R) is off by 2^-24 / (1 - R).
     const double step = r < 1 ? static_cast<double>(1 / (1 - r)) : 0;
     Rendering round{.scene = scene.json(),
                     .quick_paths = 1u << 16,

@@ -1,4 +1,4 @@
-// S26, S28, S29 and S31: the kernels' Fresnel reflectance against long double, and what many total reflections keep.
+// Cases S26, S28, S29, S31: the kernels' Fresnel reflectance against long double, and drift over total reflections.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,7 +11,7 @@ namespace {
 
 constexpr double not_found = std::numeric_limits<double>::infinity();
 
-// The boundary that the loader makes of an index, entering or leaving.
+// The boundary that the scene loader makes of a refractive index, for entering or leaving rays.
 template <class Real>
 Boundary<Real> boundary_of(double ior, bool leaving) {
     SceneText text("boundary");
@@ -26,7 +26,7 @@ long double excess_of(double ior, bool leaving) {
     return leaving ? -excess / (1 + excess) : excess;
 }
 
-// By how much the reflectance moves when the index does by some roundings: near the critical angle, without bound.
+// How much the reflectance changes if index and cosine change by `rounding`; unbounded near the critical angle.
 long double spread(long double excess, long double cosine, long double rounding) {
     const long double moved = (std::abs(excess) + excess * excess) * rounding;
     return std::abs(reflectance(excess + moved, cosine) - reflectance(excess - moved, cosine)) +
@@ -41,7 +41,7 @@ double worst_reflectance(double ior, bool leaving, bool is_quick) {
     const int steps = is_quick ? 20000 : 1000000;
     double worst = 0;
     for (int i = 0; i <= steps; ++i) {
-        // Half of the cosines lie evenly from 0 to 1, half by decades from 1e-8.
+        // Half of the cosines are uniform in [0, 1], half logarithmic from 1e-8.
         const double share = static_cast<double>(i) / steps;
         const auto cosine = static_cast<Real>(i % 2 == 0 ? share : std::pow(10.0, -8 * share));
         const long double exact = reflectance(excess, cosine);
@@ -67,13 +67,13 @@ std::vector<Measurement> index_near_one(const Values& v, const DirectSetting& se
     });
 }
 
-// The diffuse average of the reflectance, the integral of 2 R mu dmu, with the kernel's R.
+// The diffuse average of the reflectance, the integral of 2 R mu dmu, with the R of the kernel.
 template <class Kernel>
 double diffuse_average(double ior, bool leaving) {
     using Real = typename Kernel::Real;
     const Boundary<Real> boundary = boundary_of<Real>(ior, leaving);
     const long double n = ior;
-    // The integrand has a root at the critical angle, seen from within.
+    // From within, the integrand has a root at the critical angle.
     const long double critical = leaving ? std::sqrt((n - 1) * (n + 1)) / n : 0;
     long double sum = critical * critical;
     for (const Node& node : graded_nodes(critical, 1, 40)) {
@@ -98,7 +98,7 @@ std::vector<Measurement> diffuse_fresnel(const Values& v, const DirectSetting& s
     });
 }
 
-// A ray that is reflected off the inside of the scene's only body, again and again.
+// A ray that is reflected again and again inside the only body of a scene.
 template <class Kernel>
 class Billiard {
 public:
@@ -109,7 +109,7 @@ public:
     }
     const Ray<Real>& ray() const { return ray_; }
     const SceneView<Real>& view() const { return scene_.view(); }
-    // Takes the ray to its next reflection; false: it left the body.
+    // Follows the ray to its next reflection inside the body; returns false if the ray has left the body.
     bool reflect_once() {
         const Hit<Real> hit = closest_hit<Kernel>(view(), ray_);
         if (!hit.side.exists() || !hit.side.inside()) {
@@ -158,9 +158,9 @@ std::vector<Measurement> whispering_gallery(const Values& v, const DirectSetting
     return with_kernel(setting, [&]<class Kernel>() {
         const double b = v["impact"], radius = v["radius"];
         SceneText text("gallery");
-        // The eye, which is the kernels' origin, is at the centre.
+        // The eye, which is the origin of the kernels' coordinates, is at the centre of the sphere.
         text.sphere(text.dielectric(1.5), {0, 0, 0}, 2 * radius);
-        // The path starts from the middle of a chord that does not lie in a plane of the axes.
+        // The path starts at the middle of a chord that lies in no coordinate plane.
         const Frame<double> frame(normalize(Vec3d(1, 2, 3)));
         Billiard<Kernel> billiard(text, frame.to_world({b * radius, 0, 0}), frame.to_world({0, 0.8, 0.6}));
         double worst = 0;

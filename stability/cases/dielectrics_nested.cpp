@@ -1,4 +1,4 @@
-// S28 and S30: a rod that conducts light, and bodies within bodies.
+// Cases S28 and S30: a rod that guides light, and bodies within bodies.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -13,13 +13,13 @@ std::vector<Rendering> light_pipe(const Values& v) {
     const Vec3d direction(std::sin(theta) * std::cos(azimuth), std::sin(theta) * std::sin(azimuth), std::cos(theta));
     SceneText scene("light_pipe");
     scene.camera({0, 0, 0}, direction, {0, 1, 0}).depth(without_end);
-    const Vec3d aim = direction * (1 / direction.z) - Vec3d(0.125, -0.25, 0);  // of the face's centre
+    const Vec3d aim = direction * (1 / direction.z) - Vec3d(0.125, -0.25, 0);  // centre of the rod's front face
     scene.box(scene.dielectric(v["ior"]), {aim.x, aim.y, 1 + length / 2}, {1, 1, length});
     scene.quad(scene.emitter(lamp_behind), {0, 0, length + 2}, 1e6, 1e6, {90, 0, 0});
     scene.quad(scene.emitter(lamp_before), {0, 0, -1}, 1e6, 1e6, {90, 0, 0});
     const Shares exact =
         plate(reflectance(static_cast<long double>(v["ior"]) - 1, std::cos(static_cast<long double>(theta))), 1);
-    // A power of two, so that a mean over paths that all return 1 is 1.
+    // The number of paths is a power of two, so that the mean of paths that all return 1 is exactly 1.
     const std::uint64_t paths =
         std::bit_floor(static_cast<std::uint64_t>(std::clamp(1e6 / (length * std::tan(theta) + 4), 1024.0, 65536.0)));
     Rendering rendering{
@@ -28,7 +28,7 @@ std::vector<Rendering> light_pipe(const Values& v) {
     return {rendering};
 }
 
-// A ball with a ball in it. The inner material's index is that against the outer one, or against air.
+// The index of the inner of two nested balls in the scene file: relative to the outer ball's index or to air.
 double inner_index(const Values& v) { return v.is_set("against_air") ? v["inner"] : v["inner"] / v["outer"]; }
 
 std::vector<Rendering> nested_balls(const Values& v) {

@@ -1,4 +1,4 @@
-// S43 and S45 to S48: the film's sums, and the camera's pixel, lens and shutter.
+// Cases S43 and S45 to S48: the film's sums, and the camera's pixel, lens and shutter.
 #include <cmath>
 
 #include "harness/render/film.h"
@@ -9,7 +9,7 @@
 namespace pt::stability::film {
 namespace {
 
-// The value of a path's sample in the sum, by the parameter `content` of film_sum.
+// The value of sample i that is added to the film, by the parameter `content` of the case film_sum.
 double sample_value(std::uint32_t content, std::uint32_t i) {
     const double u = unit_interval<double>(pcg4d({i, 43, 0, 0}).x);
     switch (content) {
@@ -20,7 +20,7 @@ double sample_value(std::uint32_t content, std::uint32_t i) {
         case 2:
             return u;
         case 3:
-            return pcg4d({i, 43, 1, 0}).x < 42950u ? 1e5 : 0.18 * u;  // one in 1e5
+            return pcg4d({i, 43, 1, 0}).x < 42950u ? 1e5 : 0.18 * u;  // one value in 1e5 is bright
         default:
             return i == 0 ? 1e6 : 1e-3 * u;
     }
@@ -58,14 +58,14 @@ std::vector<Measurement> film_sum(const Values& v, const DirectSetting& setting)
              .tolerance = {1e-7, 1e-7, "numerics.md S43: the result is stored in single precision"}}};
 }
 
-// S45: how far a sample lies outside its pixel, and where samples lie on average.
+// Case S45: how far samples lie outside their pixel, and their mean position.
 template <class Real>
 std::vector<Measurement> jitter(std::uint32_t width, std::uint32_t x, std::uint32_t samples) {
     Camera<Real> camera{};
     camera.right = {Real(1), Real(0), Real(0)};
     camera.up = {Real(0), Real(1), Real(0)};
     camera.forward = {Real(0), Real(0), Real(1)};
-    camera.pixel_size = Real(2) / static_cast<Real>(width);  // 90 degrees across
+    camera.pixel_size = Real(2) / static_cast<Real>(width);  // makes the field of view 90 degrees
     camera.width = width;
     camera.height = 1;
     camera.jitter = 1;
@@ -134,12 +134,12 @@ Rendering one_segment(const SceneText& scene, const Quantity& quantity) {
     return {.scene = scene.json(), .quick_paths = 1u << 20, .full_paths = 1u << 25, .quantities = {quantity}};
 }
 
-// The share of a disc of radius 1 that lies to the left of x.
+// The share of a unit disc that lies to the left of x.
 double disc_share(double x) {
     return x <= -1 ? 0 : x >= 1 ? 1 : 1 - (std::acos(x) - x * std::sqrt(1 - x * x)) / pi<double>;
 }
 
-// A wall of light at depth z that ends x blur radii from the axis.
+// An emitting wall at depth z whose edge lies x blur radii from the axis, seen through a lens.
 std::vector<Rendering> lens_edge(const Values& v) {
     const double blur = v["aperture"] * std::abs(v["z"] - v["focus"]) / v["focus"];
     const double side = 8 * blur;
@@ -152,7 +152,7 @@ std::vector<Rendering> lens_edge(const Values& v) {
                                                 "a quad's edge reaches out by 16 roundings, and its place has 16"}))};
 }
 
-// A box of light from 0 to w at time 0 that moves at v, seen at x through a shutter of 1 second.
+// An emitting box that covers [0, width] at time 0 and moves at speed v, seen at x through a shutter of 1 second.
 SceneText moving_box(const Values& v) {
     SceneText scene("motion");
     scene.camera({v["x"], 0, 0}, {v["x"], 0, 1}).shutter(0, 1, v.is_set("late"));
@@ -165,7 +165,7 @@ double moving_box_coverage(const Values& v) {
     return v.is_set("late") ? (to - from) * (to + from) : to - from;
 }
 
-// The error by which both ends of the box pass: at times that are rounded, as is the way they have come.
+// The rounding error of the times at which both ends of the moving box pass, in roundings.
 double moving_box_rounding(const Values& v) {
     const double at = std::min(1.0, v["x"] / v["v"]);
     return 4 * at * (1 + at);
@@ -214,18 +214,18 @@ std::vector<Measurement> motion_grid(const Values& v, const DirectSetting& setti
                            "a moment at both ends, and the roundings of time and way"}}};
 }
 
-// Every pixel of a column is crossed by the same edge, or the only pixel by a level one.
+// An edge that crosses every pixel of a column at the same place; and a single pixel with a horizontal edge.
 std::vector<Rendering> pixel_edge(const Values& v) {
     constexpr std::uint32_t rows = 64;
     const double share = v["share"];
-    const double pixel = 2.0 / rows;  // 90 degrees, at distance 1
+    const double pixel = 2.0 / rows;  // pixel height for 90 degrees, at distance 1
     const Tolerance tolerance{0x1p-24 + 0x1p-18 * rows, 0x1p-32 + 0x1p-47 * rows,
                               "the steps of the random numbers, and a quad's edge that reaches out by 16 roundings"};
     SceneText column("pixel_edge");
     column.image(1, rows, 90, true);
     column.quad(column.emitter(Vec3d(1.0)), {(share - 0.5) * pixel - 2, 0, 1}, 4, 4, {90, 0, 0});
     Rendering upright = one_segment(column, coverage(share, tolerance));
-    // The variance is about the pixels' own mean: where the edge reaches out, that is off for all of them alike.
+    // The variance is taken about the pixels' own mean, since the widened edge of a quad shifts all pixels alike.
     const auto variance = [](const RenderResult& result) {
         const double mean = mean_radiance(result);
         double squares = 0;

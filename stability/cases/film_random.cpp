@@ -1,4 +1,4 @@
-// S44: random numbers, their range, and what the samplers make of the ends of it.
+// Case S44: random numbers, their range, and the samplers' results at the ends of the range.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,7 +12,7 @@
 namespace pt::stability::film_random {
 namespace {
 
-// Arguments at and near the ends of [0, 1]; 1 itself is none of the kernels', but a sampler must bear it.
+// Random numbers at and near the ends of [0, 1]; kernels never draw 1, but a sampler must tolerate it.
 template <class Real>
 constexpr std::array<Real, 8> ends{Real(0),   Real(0x1p-24),           Real(0.125), Real(0.25),
                                    Real(0.5), Real(1) - Real(0x1p-24), Real(0.75),  Real(1)};
@@ -39,7 +39,7 @@ std::uint64_t map_faults(Real u, Real v) {
         const Real c = henyey_greenstein_cosine(g, u);
         faults += c >= Real(-1) && c <= Real(1) ? 0 : 1;
     }
-    // A number of positive_unit_interval is never 0, so it has a logarithm.
+    // A number of positive_unit_interval is never 0, so its logarithm is finite.
     faults += u == Real(0) || (std::isfinite(logarithm(u)) && logarithm(u) <= Real(0)) ? 0 : 1;
     return faults;
 }
@@ -52,7 +52,7 @@ std::uint64_t light_faults(const Body& body, Real u, Real v, Real w) {
                       std::isfinite(point.inverse_density)
                   ? 0
                   : 1;
-    // The observers are afar, near by, and within.
+    // Observers of the light: far away, near by, and inside.
     for (const Vec3<Real>& observer : {Vec3<Real>(0, -1000, 0), Vec3<Real>(0.25, Real(-1.0009765625), 0.125),
                                        Vec3<Real>(3, 2, 1), Vec3<Real>(0.125, 0, 0.25)}) {
         const DirectionSample<Real> direction = sample_direction(body, observer, u, v, w);
@@ -87,7 +87,7 @@ std::uint64_t sampler_faults() {
     return faults;
 }
 
-// A light's number is formed from the whole word: never as many as there are lights.
+// Choosing a light by the high word of the product with the number of lights must never give an index out of range.
 std::uint64_t index_faults() {
     std::uint64_t faults = 0;
     for (const std::uint32_t lights : {1u, 2u, 3u, 7u, 1000003u, 0x7ffffffu}) {
@@ -157,7 +157,7 @@ double dispersion(Source source, const RandomSeed& seed, std::uint32_t bounce, s
     return squares / pixels;
 }
 
-// Keys of a grid whose four words are those of another one.
+// Counts keys of a grid whose four random words equal those of another key.
 std::uint64_t repeated_words(Source source, const RandomSeed& seed, std::uint32_t samples) {
     std::vector<std::array<std::uint32_t, 4>> all;
     for (std::uint32_t pixel = 0; pixel < 64; ++pixel) {

@@ -1,4 +1,4 @@
-// S13 to S15: spheres that are huge or far away, and rays that start on a body.
+// Cases S13 to S15: spheres that are huge or far away, and rays that start on a body.
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
@@ -10,7 +10,7 @@ namespace {
 
 constexpr double round_off(bool is_double) { return is_double ? 0x1p-53 : 0x1p-24; }
 
-// ---- S13: a sphere of radius R below an eye at height h.
+// ---- Case S13: a sphere of radius R below an eye at height h.
 
 SceneText ground_text(const Values& v) {
     SceneText text("huge_sphere");
@@ -19,8 +19,8 @@ SceneText ground_text(const Values& v) {
     return text;
 }
 
-// The point where the ray from the origin meets a sphere below it, and the cosine there. The centre lies on the y axis,
-// so the distance from the sphere is a difference of two numbers.
+// Where a ray from the origin hits the sphere below: distance t and cosine to the normal. With the centre on the y axis
+// the distance to the sphere is a difference of two numbers.
 struct GroundHit {
     long double t, cosine;
 };
@@ -36,12 +36,12 @@ GroundHit exact_ground_hit(const Values& v, const Vec3l& direction) {
 template <class Real, FeatureSet formula>
 std::vector<Measurement> huge_sphere_in(const Values& v, const DirectSetting& setting) {
     const RayScene<Real, formula> scene(ground_text(v));
-    const long double dip = sqrtl(v["height"] * (2 * v["radius"] + v["height"])) / v["radius"];  // tangent
+    const long double dip = sqrtl(v["height"] * (2 * v["radius"] + v["height"])) / v["radius"];  // horizon's tangent
     RayRandom random(13);
     double off_tangent = 0, near_tangent = 0;
     for (int i = 0; i < (setting.is_quick ? 20000 : 1000000); ++i) {
         const bool is_near = i % 2 != 0;
-        // Far rays meet the ground at a cosine of 0.1 and more; near ones start just below the horizon.
+        // Far rays hit the ground at cosines above 0.1; near ones start just below the horizon.
         const double lowest = is_near ? 1.001 * std::atan(static_cast<double>(dip)) : std::asin(0.1);
         const double highest = is_near ? std::max(0.1, 1.1 * lowest) : 0.5 * pi<double>;
         const double angle = lowest * std::pow(highest / lowest, random.uniform(0, 1));
@@ -75,7 +75,7 @@ std::vector<Measurement> huge_sphere(const Values& v, const DirectSetting& setti
                       [&]<class Real, FeatureSet formula>() { return huge_sphere_in<Real, formula>(v, setting); });
 }
 
-// ---- S13 as a scene: the ground's distance seen through an absorbing medium of index 1, and the horizon.
+// ---- Case S13 as a scene: the ground's distance, seen through an absorbing medium of index 1, and the horizon.
 
 std::vector<Rendering> ground_view(const Values& v) {
     const double h = v["height"], radius = v["radius"];
@@ -90,7 +90,7 @@ std::vector<Rendering> ground_view(const Values& v) {
 
     // The horizon is a hyperbola in the image plane.
     const double dip = std::sqrt(h * (2 * radius + h)) / radius;
-    const double half = 3.5 * dip;  // the horizon between two pixel rows' borders
+    const double half = 3.5 * dip;  // half the image's height; the horizon lies between two rows of pixels
     SceneText horizon = ground_text(v);
     horizon.image(16, 16, 2 * std::atan(half) * 180 / pi<double>, true);
     const double covered = 0.5 - dip * (std::sqrt(1 + half * half) + std::asinh(half) / half) / (4 * half);
@@ -108,19 +108,19 @@ std::vector<Rendering> ground_view(const Values& v) {
                                  "4 roundings of where the sphere and a ray point to, over the image's height"})}}};
 }
 
-// ---- S14
+// ---- Case S14: a sphere far away.
 
 std::vector<Rendering> far_sphere(const Values& v) {
     const double distance = v["distance"];
     const Vec3d view = Vec3d(2, 3, 6) * (1 / 7.0);
-    const double radius = 1 / std::sqrt((distance - 1) * (distance + 1));  // of the disc, at distance 1
+    const double radius = 1 / std::sqrt((distance - 1) * (distance + 1));  // radius of the disc at distance 1
     const double half = 1.25 * radius;
     SceneText text("far_sphere");
     text.camera({0, 0, 0}, view).image(16, 16, 2 * std::atan(half) * 180 / pi<double>, true);
     text.sphere(text.emitter(Vec3d(1.0)), view * distance, 2);
     const double covered = pi<double> * radius * radius / (4 * half * half);
     const auto blur = [&](bool is_double) {
-        // A rim that is blurred by e radii, one way as much as the other, covers e^2 more.
+        // A rim blurred symmetrically by e radii adds e^2 to the area of the disc.
         const double rim = 8 * round_off(is_double) * distance;
         return covered * (rim * rim + 4 * round_off(is_double)) + 0x1p-40;
     };
@@ -131,15 +131,15 @@ std::vector<Rendering> far_sphere(const Values& v) {
                          {blur(false), blur(true), "the square of the rim's blur by 8 roundings of a direction"})}}};
 }
 
-// ---- S15
+// ---- Case S15: rays that start on a body.
 
 struct StartedRays {
     std::uint64_t self_hits = 0, inward = 0;
-    double worst_chord = 0;  // error, radii
+    double worst_chord = 0;  // error of a chord, in radii
 };
 
-// Rays from points of the only object, as a render finds them, to all sides. `body`: it, in the precision that rays are
-// met in.
+// Traces rays in all directions from hit points on the only object. `body`: that object in the precision of
+// intersection.
 template <class Rays, class Body>
 StartedRays start_rays(const Rays& scene, const Body& body, const Vec3d& centre, double radius, int count) {
     using Real = typename Rays::Real;
@@ -170,9 +170,9 @@ StartedRays start_rays(const Rays& scene, const Body& body, const Vec3d& centre,
     return result;
 }
 
-// Bounds on the error of a chord, radii in units of round-off: by the roundings on the way to it, and, a radius of
-// distance from the eye, by that of the start's place: sqrt(3) u off the surface, over the least half axis, times the
-// longest chord. A box's chord ends on a plane that does not move with the start.
+// Bounds on the error of a chord, in radii and units of round-off: `roundings` on the way to the chord, and `place` per
+// radius of distance from the eye, from the rounding of the start: sqrt(3) u off the surface, divided by the smallest
+// half axis, times the longest chord. Chords of a box end on a plane, which the start does not affect.
 struct ChordError {
     const char* shape;
     double roundings, place;
@@ -181,7 +181,7 @@ constexpr ChordError sphere_error{"sphere", 2 * 8, 2 * 1.7321};
 constexpr ChordError ellipsoid_error{"ellipsoid", 3 * 16, 3 * 1.7321 / 0.75};
 constexpr ChordError axis_box_error{"axis box", 4 * 4, 0};
 constexpr ChordError oriented_box_error{"oriented box", 4 * 8, 0};
-constexpr ChordError quad_error{"quad", 0, 0};  // has no chords
+constexpr ChordError quad_error{"quad", 0, 0};  // a quad has no chords
 
 void add_rows(std::vector<Measurement>& rows, const ChordError& bound, const StartedRays& found, double distance) {
     const std::string shape = bound.shape;

@@ -1,4 +1,4 @@
-// S16 to S19 and S22: surfaces that are grazed, touched by the eye, in contact, in the same place, or next to nothing.
+// Cases S16 to S19 and S22: surfaces that are grazed, touched by the eye, in contact, coincident, or nearly degenerate.
 #include <algorithm>
 #include <cmath>
 
@@ -10,7 +10,7 @@ namespace {
 
 using Vec3l = Vec3<long double>;
 
-// Counts the pixels of an image for whose radiance `counts` holds.
+// Returns a function that counts the pixels of an image whose index and radiance fulfil the condition.
 template <class Condition>
 std::function<double(const RenderResult&)> pixels_where(const Condition& counts) {
     return [counts](const RenderResult& result) {
@@ -22,19 +22,19 @@ std::function<double(const RenderResult&)> pixels_where(const Condition& counts)
     };
 }
 
-// ---- S16: a quad of length 1 below the eye, whose far edge is seen `angle` degrees off its normal.
+// ---- Case S16: a quad of length 1 below the eye, whose far edge is seen `angle` degrees off its normal.
 
 std::vector<Rendering> grazing(const Values& v) {
     constexpr std::uint32_t rows = 64;
     const long double slope = tanl((90 - static_cast<long double>(v["angle"])) * (pi<long double> / 180));
     const auto height = static_cast<double>(slope);
-    const auto half = static_cast<double>(4 * slope);  // of the image, at distance 1
+    const auto half = static_cast<double>(4 * slope);  // half the image's height, at distance 1
     const Rotation turn = rotation_of({v["tilt"], 0, 0});
     const auto turned = [&](double y, double z) { return turn.column[1] * y + turn.column[2] * z; };
     SceneText text("grazing");
     text.camera({0, 0, 0}, turned(0, 1), turned(1, 0)).image(4, rows, 2 * std::atan(half) * 180 / pi<double>, false);
     text.quad(text.emitter(Vec3d(0.5)), turned(-height, 0.5), 4, 1, {v["tilt"], 0, 0});
-    // These are the rows whose centres look below the far edge.
+    // Counts the rows of pixels whose centres look below the far edge.
     double covered = 0;
     for (std::uint32_t row = 0; row < rows; ++row) {
         const double y = half * (1 - (2 * row + 1.0) / rows);
@@ -51,10 +51,10 @@ std::vector<Rendering> grazing(const Values& v) {
                          covered, {1, 1, "numerics.md S16: one row"})}}};
 }
 
-// ---- S17
+// ---- Case S17: an eye on a surface.
 
-// The number of pixels on the wrong side of the plane through the eye with the normal `out`: those that look out must
-// be white, the others black. Pixels whose cosine is below 2^-20 may be either.
+// Counts the pixels on the wrong side of the plane through the eye with the normal `out`: pixels that look outwards
+// must be white, all others black. Pixels whose cosine is below 2^-20 may be either.
 std::function<double(const RenderResult&)> misjudged(const Vec3d& forward, const Vec3d& up, const Vec3d& out) {
     return [=](const RenderResult& result) {
         const std::uint32_t width = result.film.width(), height = result.film.height();
@@ -62,7 +62,7 @@ std::function<double(const RenderResult&)> misjudged(const Vec3d& forward, const
         const Vec3l right = normalize(cross(ahead, Vec3l(up)));
         const Vec3l above = cross(right, ahead);
         return pixels_where([&](std::uint32_t i, double radiance) {
-            const long double pixel = 2.0L / height;  // 90 degrees
+            const long double pixel = 2.0L / height;  // size of a pixel at 90 degrees
             const long double x = (i % width + 0.5L - width / 2.0L) * pixel;
             const long double y = (i / width + 0.5L - height / 2.0L) * pixel;
             const long double cosine = dot(normalize(right * x - above * y + ahead), normalize(Vec3l(out)));
@@ -73,7 +73,7 @@ std::function<double(const RenderResult&)> misjudged(const Vec3d& forward, const
 
 Rendering touched(const std::string& name, SceneText text, const Vec3d& out) {
     constexpr std::uint32_t side = 64;
-    // The view is along the surface, so that half of the image looks out.
+    // The camera looks along the surface, so that half of the image looks outwards.
     const Vec3d forward = std::abs(out.x) + std::abs(out.y) > 0 ? Vec3d(out.y, -out.x, 0) : Vec3d(1, 0, 0);
     text.camera({0, 0, 0}, forward, out).image(side, side, 90, false).environment(1);
     return {.scene = text.json(),
@@ -102,7 +102,7 @@ std::vector<Rendering> eye_touches(const Values& v) {
             touched("an ellipsoid", text.ellipsoid(text.diffuse(Vec3d(0.0)), {0, -size, 0}, {4 * size, 2 * size, size}),
                     {0, 1, 0}));
     }
-    // The eye is inside of a lamp.
+    // Adds a view from an eye inside a lamp.
     SceneText text("eye_touches");
     text.image(16, 16, 120, true).sphere(text.emitter(Vec3d(0.75)), {size / 4, size / 2, -size / 8}, 2 * size);
     renderings.push_back(
@@ -113,7 +113,7 @@ std::vector<Rendering> eye_touches(const Values& v) {
     return renderings;
 }
 
-// An eye on a sphere whose radius has no exact inverse: (2, 3, 6) / 7 is a unit vector.
+// An eye on a sphere whose radius has no exact inverse, in the direction of the unit vector (2, 3, 6) / 7.
 std::vector<Rendering> eye_touches_at_slant(const Values& v) {
     const double size = v["size"];
     SceneText text("eye_at_slant");
@@ -121,7 +121,7 @@ std::vector<Rendering> eye_touches_at_slant(const Values& v) {
     return {touched("a sphere", text.sphere(text.diffuse(Vec3d(0.0)), out * -size, 14 * size), out)};
 }
 
-// The known limit of an eye on an ellipsoid, which is exact where the size is a power of two.
+// The known limit of an eye on an ellipsoid; the position is exact where the size is a power of two.
 std::string eye_on_ellipsoid(const Values& v, const VariantTraits& variant) {
     int exponent = 0;
     if (variant.precision.is_single() || std::frexp(v["size"], &exponent) == 0.5) {
@@ -131,21 +131,21 @@ std::string eye_on_ellipsoid(const Values& v, const VariantTraits& variant) {
            "eye's power formed at load, as spheres have it";
 }
 
-// ---- S18
+// ---- Case S18: surfaces in contact.
 
-// A view of so many pixels that an integrator with a queue has paths enough at once, and all of the same point.
+// A view with enough pixels to fill an integrator's queue, all of which see the same point.
 SceneText& narrow_view(SceneText& text) { return text.image(16, 16, 1e-6, false); }
 
 constexpr const char* contact_origin = "roundings of 1 - |p|^2 move the tangent by 4 u / 2 x: 16 u of the light";
 
-// A point of a plane at `x` radii from where a black unit sphere rests on it, under a white sky.
+// A point of a plane at distance x from the contact with a black unit sphere, under a white sky.
 Rendering sphere_on_plane(double x, double albedo) {
     SceneText text("contact");
     text.camera({x + x * std::cos(x), x * std::sin(x), 0}, {x, 0, 0}).depth(2).environment(1);
     narrow_view(text);
     text.quad(text.diffuse(Vec3d(albedo)), {0, 0, 0}, 64, 64);
     text.sphere(text.diffuse(Vec3d(0.0)), {0, 1, 0}, 2);
-    // The quad ends, but no point of it sees what lies below its plane.
+    // The quad has an edge, but no point of the quad sees what lies below its plane.
     const double exact = -albedo * std::expm1(-1.5 * std::log1p(x * x));
     return {.scene = text.json(),
             .quick_paths = 1u << 17,
@@ -153,8 +153,8 @@ Rendering sphere_on_plane(double x, double albedo) {
                                    {16 * 0x1p-24 * albedo, 16 * 0x1p-53 * albedo + 0x1p-40, contact_origin})}};
 }
 
-// numerics.md S8: the part of the hemisphere's cosine that a unit sphere at distance d covers, its centre at the cosine
-// w from the normal, when it reaches below the horizon.
+// The cosine-weighted part of the hemisphere covered by a unit sphere that reaches below the horizon (numerics.md S8):
+// centre at distance d, with the cosine w to the normal.
 double covered_over_horizon(long double d, long double w) {
     const long double h2 = d * d;
     const long double k = sqrtl(1 - h2 * w * w);
@@ -163,7 +163,7 @@ double covered_over_horizon(long double d, long double w) {
                                pi<long double>);
 }
 
-// A point of a unit sphere at the angle x from where a black one touches it.
+// A point of a unit sphere at the angle x from the contact with a black unit sphere.
 Rendering sphere_on_sphere(double x, double albedo) {
     SceneText text("contact");
     const Vec3d point(std::sin(x), std::cos(x), 0), tangent(std::cos(x), -std::sin(x), 0);
@@ -180,7 +180,7 @@ Rendering sphere_on_sphere(double x, double albedo) {
                                    {16 * 0x1p-24 * albedo, 16 * 0x1p-53 * albedo + 0x1p-40, contact_origin})}};
 }
 
-// The image of the whole ball from afar: it is darker than under the open sky everywhere.
+// The image of the sphere and the plane from afar, everywhere darker than under the open sky.
 Rendering contact_image(double albedo) {
     SceneText text("contact");
     text.camera({0, 1, -4}, {0, 0.5, 0}).image(32, 32, 50, true).depth(2).environment(1);
@@ -205,7 +205,7 @@ Rendering contact_image(double albedo) {
                             .is_estimate = false}}};
 }
 
-// ---- S19: two quads in one place. The one whose material comes first in the file is the lower object.
+// ---- Case S19: two coincident quads. The quad whose material comes first in the file has the lower object number.
 
 std::vector<Rendering> coincident(const Values& v) {
     std::vector<Rendering> renderings;
@@ -235,7 +235,7 @@ std::string coincident_limit(const Values& v, const VariantTraits&) {
            "no cure without knowing that they are one: put surfaces apart, or make them one object";
 }
 
-// ---- S22: bodies of next to no size in a furnace of the same material.
+// ---- Case S22: bodies of almost no size in a furnace of the same material.
 
 std::vector<Rendering> degenerate(const Values& v) {
     constexpr std::uint32_t depth = 32;
@@ -245,7 +245,7 @@ std::vector<Rendering> degenerate(const Values& v) {
     const std::string wall = text.diffuse(Vec3d(0.5), Vec3d(0.5));
     text.sphere(wall, {0, 0, 0}, 4);
     text.sphere(wall, {0.5, 0.25, 0.5}, thin);
-    const double thinnest = std::max(thin, 1e-12);  // the axes of an ellipsoid differ by no more
+    const double thinnest = std::max(thin, 1e-12);  // limits the ratio of the ellipsoid's axes
     text.ellipsoid(wall, {0, 0, 0.5}, {thinnest, 1, 1}, {10, 20, 30});
     text.ellipsoid(wall, {0.5, 0, 0}, {thinnest, 1, thinnest});
     text.box(wall, {0, -0.5, 0}, {1, thin, 1}).box(wall, {-0.5, 0, 0}, {thin, thin, 1});

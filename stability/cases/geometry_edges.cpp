@@ -1,4 +1,4 @@
-// S20 and S21: boxes and tiled walls met at their edges and vertices.
+// Cases S20 and S21: rays at edges and vertices of boxes and tiled walls.
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
@@ -8,10 +8,10 @@
 namespace pt::stability::geometry_edges {
 namespace {
 
-// ---- S21
+// ---- Case S21: boxes hit at their edges.
 
-// A ray to a point of an edge. All its numbers are multiples of 2^-11 below 16, so that its line passes through the
-// point exactly.
+// A ray to a point on an edge. Its numbers are multiples of 2^-11 below 16, so its line passes through the point
+// exactly.
 template <class Real>
 struct EdgeRay {
     Vec3<Real> origin, direction;
@@ -23,7 +23,7 @@ Vec3<Real> grid_point(RayRandom& random, double half, double step) {
     return {on_grid(), on_grid(), on_grid()};
 }
 
-// A ray to a point of an edge of the box around 0, from outside. in_plane: along a face that the edge bounds.
+// A ray from outside to a point on an edge of the box around 0. in_plane: the ray runs along a face at that edge.
 template <class Real>
 EdgeRay<Real> ray_through_edge(RayRandom& random, const Vec3d& half, bool in_plane) {
     const int axis = static_cast<int>(random.below(3));
@@ -82,9 +82,9 @@ std::vector<Measurement> box_edges(const Values& v, const DirectSetting& setting
                       [&]<class Real, FeatureSet formula>() { return box_edges_in<Real, formula>(v, setting); });
 }
 
-// ---- S21 as a scene
+// ---- Case S21 as a scene: an eye in the plane of a box's face.
 
-// An eye in the plane of a box's face, or of a box without thickness, with one row of pixels in that plane.
+// An eye in the plane of a box's face, or of a box without thickness, so that one row of pixels lies in the plane.
 std::vector<Rendering> face_row(const Values& v) {
     constexpr std::uint32_t width = 32, height = 33;
     std::vector<Rendering> renderings;
@@ -98,17 +98,17 @@ std::vector<Rendering> face_row(const Values& v) {
                               .full_paths = 16 * width * height,
                               .quantities = {exactly(name, mean_radiance, exact, {1e-7, 1e-12, "one row is 0.03"})}});
     };
-    // The lower half of the image, and the row that runs along the top face.
+    // The box covers the lower half of the image and the row along its top face.
     add("part of the image that a box seen along its top face covers", -64, 128, 17);
     add("part of the image that a box without thickness covers", 0, v["thickness"], 1);
     return renderings;
 }
 
-// ---- S20: a closed room of tiles
+// ---- Case S20: a closed room of tiles.
 
 enum class Tile { quad, box };
 
-// Six walls of tiles around [-1, 1]^3 at `centre`.
+// A scene with six walls of tiles around `centre` + [-1, 1]^3.
 SceneText tiled_room(Tile tile, int tiles, const Vec3d& centre) {
     SceneText text("tiled_room");
     const std::string material = text.diffuse(Vec3d(0.5));
@@ -122,7 +122,7 @@ SceneText tiled_room(Tile tile, int tiles, const Vec3d& centre) {
                 place[(axis + 1) % 3] = (i % tiles + 0.5) * size - 1;
                 place[(axis + 2) % 3] = (i / tiles + 0.5) * size - 1;
                 if (tile == Tile::quad) {
-                    // Tiles are squares: any quarter turn that puts the normal on the axis will do.
+                    // Tiles are squares, so any quarter turn that puts the normal on the axis will do.
                     text.quad(material, centre + place, size, size,
                               axis == 0   ? Vec3d(0, 0, 90)
                               : axis == 1 ? Vec3d(0.0)
@@ -145,7 +145,7 @@ double leaks(const SceneText& text, const Vec3d& centre, int tiles, int count) {
     double missed = 0;
     for (int i = 0; i < count; ++i) {
         const Vec3<Real> origin = rounded<Real>(centre + random.in_cube(0.9));
-        // A vertex of the grid on a wall, or a point of one of its lines.
+        // The ray is aimed at a vertex of the wall's grid, or at a point on a grid line.
         const int axis = static_cast<int>(random.below(3));
         const auto line = [&] { return -1 + 2.0 * random.below(static_cast<std::uint32_t>(tiles) + 1) / tiles; };
         Vec3d target(0.0);
@@ -176,7 +176,8 @@ std::vector<Measurement> tiles(const Values& v, const DirectSetting& setting) {
     return in_setting(setting, [&]<class Real, FeatureSet formula>() { return tiles_in<Real, formula>(v, setting); });
 }
 
-// Each tile's place is rounded on its own: where a precision does not hold the edges, neighbours' are not the same.
+// The known limit of a room of tiles: the place of each tile is rounded separately, so that edges of neighbours differ
+// where the precision cannot represent them.
 std::string tiles_part(const Values& v, const VariantTraits& variant) {
     const double edge = v["offset"] + 1 / v["tiles"];
     const bool held_in_float = static_cast<double>(static_cast<float>(edge)) == edge;
@@ -189,8 +190,8 @@ std::string tiles_part(const Values& v, const VariantTraits& variant) {
                       "themselves, so that neighbours' edges differ by a rounding, and of 1e8 rays along edges one or "
                       "two slip through; cure: vertices that tiles share";
     }
-    // The gap near the eye is closed in single precision by the interval's own rounding, which reaches over it; in
-    // double it does not.
+    // Near the eye the rounding of the ray interval in single precision covers the gap between tiles; in double it does
+    // not.
     if (held_in_float || (variant.precision.is_single() && v["offset"] < 4)) {
         return "";
     }

@@ -1,5 +1,6 @@
-// What the cases with glass read off a film. Lamps before and behind a body have a colour each, so that one film tells
-// what came back, what went through and, by the channel that both have, whether anything was lost.
+// Quantities that the cases with glass read from a film. The lamps before and behind a body have different colours, so
+// one film shows what was reflected, what was transmitted and, in the channel that both lamps share, whether light was
+// lost.
 #pragma once
 
 #include <algorithm>
@@ -13,15 +14,15 @@ namespace pt::stability {
 inline constexpr std::uint32_t without_end = 1000000;
 inline const Vec3d lamp_behind(1, 0, 1), lamp_before(0, 1, 1);
 
-// Four standard errors of a share from the binomial law, of the quick run: where fewer than some dozens of paths
-// decide, batches do not tell their own spread. Else 0.
+// Four standard errors, by the binomial law, of a share measured with the paths of a quick run if fewer than some
+// dozens of paths decide it, since batches then do not show their spread; otherwise 0.
 inline double few_events(long double share, std::uint64_t paths) {
     const long double odd = std::min(std::abs(share), std::abs(1 - share));
     const bool is_few = odd * static_cast<long double>(paths) < 40;
     return is_few ? static_cast<double>(4 * std::sqrt(std::max(odd, 1e-18L) / static_cast<long double>(paths))) : 0;
 }
 
-// The tolerance of an estimate whose paths take one of two ways at boundaries.
+// The tolerance of an estimate whose paths are reflected or transmitted at random at boundaries.
 inline Tolerance chance_tolerance(long double share, std::uint64_t paths, double more_single = 0) {
     const double few = few_events(share, paths);
     return {1e-6 + more_single + few, 1e-8 + few,
@@ -49,7 +50,7 @@ inline Quantity all_one(const std::string& name) {
     return every_pixel_is(name, 1, {0, 0, "every path leaves in the end, with weight 1"});
 }
 
-// The bodies of the parameter `shape`: 0 sphere, 1 ellipsoid, 2 box, 3 turned box.
+// Adds the body that the parameter `shape` selects: 0 sphere, 1 ellipsoid, 2 box, 3 rotated box.
 inline void add_body(SceneText& scene, std::uint32_t shape, const std::string& material) {
     if (shape == 0) {
         scene.sphere(material, {0, 0, 0}, 2);

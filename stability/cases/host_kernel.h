@@ -1,5 +1,5 @@
-// The stage functions of kernels/ on the host, for direct checks: a scene's text as the kernels read it, with the
-// number type and formulas that a DirectSetting names.
+// Runs the stage functions of kernels/ on the host for direct checks: the scene of a SceneText as kernels see it, with
+// the number type and formulas of a DirectSetting.
 #pragma once
 
 #include <memory>
@@ -27,7 +27,7 @@ private:
     std::unique_ptr<SceneBuffers<Real>> buffers_;
 };
 
-// Calls check.operator()<Kernel>() for the kernel with every feature that the setting asks for.
+// Calls check.operator()<Kernel>() with the kernel configuration that has every feature and the setting's precision.
 template <class Check>
 auto with_kernel(const DirectSetting& setting, const Check& check) {
     constexpr FeatureSet naive = all_features | Feature::naive;

@@ -1,4 +1,4 @@
-// S11, S12 and the metamorphic list of numerics.md 4.1: what must not change an image, bit for bit.
+// Cases S11, S12 and the metamorphic list of numerics.md 4.1: changes that must not change an image, bit for bit.
 #include <algorithm>
 #include <cmath>
 
@@ -9,8 +9,8 @@
 namespace pt::stability::identity {
 namespace {
 
-// Every shape, every material, several lights, lens, shutter and jitter. Places are multiples of 2^-6, so that a shift
-// by a multiple of that leaves them exact.
+// A scene with every shape, every material, several lights, lens, shutter and jitter. Positions are multiples of 2^-6,
+// so that shifts by multiples of 2^-6 are exact.
 Json menagerie(std::uint32_t depth = 6) {
     SceneText text("menagerie");
     text.camera({0.25, 1.25, -4}, {0, 0.5, 0}).image(24, 16, 60, true).depth(depth).environment(0.125);
@@ -29,7 +29,7 @@ Json menagerie(std::uint32_t depth = 6) {
     return text.json();
 }
 
-// A sphere in contact with a plane: its penumbra ends where numbers do.
+// A sphere in contact with a plane, whose penumbra ends at the limits of precision.
 Json contact() {
     SceneText text("contact");
     text.camera({0, 0.125, -2}, {0, 0, -0.25}).image(24, 16, 10, true).depth(3).environment(1);
@@ -73,7 +73,7 @@ std::vector<Twins> in_order(const Values&) {
             {.change = "objects rotated by four", .reference = scene, .changed = rotated}};
 }
 
-// Two quads in one place: whichever wins must not depend on which comes first.
+// Two coincident quads: which one is hit must not depend on their order in the file.
 std::vector<Twins> coincident_in_order(const Values& v) {
     SceneText text("coincident");
     text.image(24, 16, 40, true).depth(3).environment(1);
@@ -85,8 +85,7 @@ std::vector<Twins> coincident_in_order(const Values& v) {
     return {{.change = "coincident quads swapped", .reference = text.json(), .changed = swapped}};
 }
 
-// What no path meets: one speck that is too far away for its solid angle of 1e-18 to be met, and all kinds of objects
-// around a closed room.
+// Adds objects that no path hits: a speck of solid angle 1e-18, and objects of all kinds around a closed room.
 std::vector<Twins> with_unseen(const Values& v) {
     SceneText room("room");
     room.camera({0, 1, -1.5}, {0, 0.75, 0}).image(24, 16, 80, true).depth(5);
@@ -109,7 +108,7 @@ std::vector<Twins> with_unseen(const Values& v) {
             {.change = "a speck far away", .reference = menagerie(), .changed = far}};
 }
 
-// Bodies of 1e-18 units, which no path meets.
+// Adds bodies of 1e-18 units, which no path hits.
 std::vector<Twins> with_specks(const Values&) {
     Json more = menagerie();
     const auto add = [&](const char* shape, const Vec3d& place, const Vec3d& scale, const Vec3d& turn) {
@@ -134,8 +133,8 @@ std::vector<Twins> in_parts(const Values&) {
             {.change = "eight runs", .reference = scene, .changed = scene, .parts = {1, 1, 1, 1, 1, 1, 1, 1}}};
 }
 
-// A zero velocity is none, an aperture of 0 is a pinhole, and a shutter that is open for no time moves nothing: the
-// kernels of either side need not be the same.
+// Adds features without effect: zero velocities, an aperture of 0, and a shutter that opens for no time. The two scenes
+// may be rendered by different kernels.
 std::vector<Twins> with_idle_features(const Values&) {
     Json still = menagerie();
     for (Json& object : still["objects"]) {

@@ -1,4 +1,4 @@
-// S6 to S10: a diffuse receiver and lights whose irradiance is known.
+// Cases S6 to S10: a diffuse receiver under lights of known irradiance.
 #include <cmath>
 
 #include "kernels/naive.h"
@@ -21,13 +21,13 @@ std::vector<Rendering> disk(const Values& v) {
     const double r = v["r"], h = v["h"], offset = v["offset"], flatness = v["flatness"];
     SceneText scene = receiver("disk", 0.25 * h);
     scene.ellipsoid(scene.emitter(Vec3d(1.0)), {offset, h, 0}, {2 * r, 2 * h * flatness, 2 * r});
-    // The point is h / (half thickness) away in the ellipsoid's frame: so much more a rounding counts there.
+    // In the ellipsoid's frame the point is h / (half thickness) away, which magnifies rounding errors by as much.
     return lit(scene, flat_ellipsoid_irradiance(r, h * flatness, h, offset),
                {1e-5 + 0x1p-22 / flatness, 1e-12 + 0x1p-51 / flatness,
                 "numerics.md S7, and four roundings of the distance in half thicknesses"});
 }
 
-// Half of the way along the normal to the sphere's surface or, where that is far, half of the way to its centre.
+// A camera height half way along the normal to the sphere's surface or, if far, half way to the sphere's centre.
 double height_within_gap(double distance, double angle) {
     const double b = distance * std::cos(angle), discriminant = b * b - (distance * distance - 1);
     double gap = std::max(distance, 1.0);
@@ -44,7 +44,7 @@ std::vector<Rendering> sphere(const Values& v) {
     SceneText scene = receiver("sphere_light", height_within_gap(distance, angle));
     scene.sphere(scene.emitter(Vec3d(1.0)), {distance * std::sin(angle), distance * std::cos(angle), 0}, 2);
     const double irradiance = sphere_irradiance(distance, angle);
-    // A rounding of the centre's coordinates moves the distance by so much.
+    // How much the irradiance changes by a rounding of the centre's coordinates, which changes the distance.
     const double step = 0x1p-20 * distance;
     const double slope =
         std::abs(sphere_irradiance(distance + step, angle) - sphere_irradiance(distance - step, angle)) / (2 * step);
@@ -54,7 +54,7 @@ std::vector<Rendering> sphere(const Values& v) {
                 "numerics.md S6 and S8, and a rounding of the sphere's distance"});
 }
 
-// S9: what sample_direction says of a small cone. Relative errors, so that a figure shows digits.
+// Case S9: sample_direction of a narrow cone. Errors are relative, so that a figure shows the number of correct digits.
 template <class Real>
 std::vector<Measurement> cone(double sine_squared, bool is_naive) {
     const auto radius = static_cast<Real>(std::sqrt(sine_squared));
@@ -78,7 +78,7 @@ std::vector<Measurement> cone(double sine_squared, bool is_naive) {
         widest = std::max(widest, std::sqrt((d.x * d.x + d.z * d.z) / dot(d, d) / static_cast<double>(s2)));
     }
     const auto ratio = [](long double a, long double b) { return static_cast<double>(a / b); };
-    const long double below = one_minus_cosine * (1 - 0.5L / steps);  // the widest u of the grid
+    const long double below = one_minus_cosine * (1 - 0.5L / steps);  // 1 - cosine at the largest u of the grid
     const Tolerance digits{1e-6, 1e-14, "numerics.md S9: 1e-6 in single precision; 64 roundings in double"};
     return {{.quantity = "solid angle over its exact value",
              .measured = ratio(measure, solid_angle),
@@ -107,7 +107,7 @@ std::vector<Rendering> far_light_image(const Values& v) {
     return lit(scene, sphere_irradiance(1 / sine, 0), {1e-5, 1e-12, "numerics.md S9 and S5"});
 }
 
-// Two spheres of the same irradiance: the far one is distance^2 times as bright.
+// Two spheres of the same irradiance; the far one is distance^2 times as bright.
 std::vector<Rendering> two_lights(const Values& v) {
     constexpr double radius = 0.25, angle = 0.5;
     const double far = v["distance"];
@@ -118,7 +118,7 @@ std::vector<Rendering> two_lights(const Values& v) {
     return lit(scene, 2 * sphere_irradiance(1 / radius, angle), {1e-5, 1e-12, "numerics.md S10"});
 }
 
-// The known limit of a corner straight above the point: light reaches by a rounding further than its edges.
+// The known limit of a receiver straight below a quad's corner: the quad is widened by some roundings at its edges.
 std::string wide_edges(const Values& v, const VariantTraits& variant) {
     const double reach = 0x1p-20 * (v["h"] + 0.5 * (v["a"] + v["b"]));
     const bool is_met = variant.direct_light.counts_light_met && variant.precision.is_single();

@@ -1,4 +1,4 @@
-// Lights that are many, that touch, and that are all round: what the ways to draw one of them must add up to.
+// Many lights, adjacent lights and environments: all ways to sample one of them must give the same sum.
 #include <algorithm>
 #include <cmath>
 
@@ -17,17 +17,17 @@ const std::vector<std::map<std::string, std::string>> every_choice_of_a_light = 
     {{axes::direct_light, "nee_mis"}, {axes::light_selection, "light_tree"}},
     {{axes::direct_light, "nee_one_sample"}, {axes::light_selection, "light_tree"}}};
 
-// Every ray is held against every lamp, so many lamps get fewer paths, up to sixteen times fewer: their errors are up
-// to four times as large.
+// The rendering of a receiver lit by many lamps. Every ray is tested against every lamp, so many lamps get up to
+// sixteen times fewer paths, with errors up to four times as large.
 std::vector<Rendering> lit_by(std::uint32_t lamps, const SceneText& scene, double irradiance,
                               const std::string& origin) {
     const double share = std::clamp(lamps / 256.0, 1.0, 16.0);
     return lit(scene, irradiance, {1e-5, 1e-12, origin}, 1e6 / share, 3e7 / share);
 }
 
-// Balls at distance 1, spread over the heights from 1/2 to 1 by the golden angle, so that none hides another: the least
-// distance of two is above 1 / sqrt(count), and their diameters are half of that. The brightest is 1, and powers go
-// down evenly in their logarithm, in an order that has nothing to do with places.
+// Balls at distance 1, at heights from 1/2 to 1 and spread by the golden angle so that none hides another: centres are
+// more than 1 / sqrt(count) apart, diameters half of that. The brightest is 1, and powers fall uniformly on a
+// logarithmic scale, in an order unrelated to position.
 struct ManyBalls {
     std::uint32_t count;
     double decades;
@@ -63,7 +63,7 @@ std::vector<Rendering> many_powers(const Values& v) {
                   "numerics.md S8: the sum of so many balls, each wholly above the horizon");
 }
 
-// A lamp of 2 x 2 at height 1, cut into squares that share their edges: one rectangle of S6.
+// A lamp of 2 x 2 at height 1 cut into squares that share edges; together they are a rectangle of case S6.
 std::vector<Rendering> touching_lamps(const Values& v) {
     const std::uint32_t side = v.whole("side");
     SceneText scene = receiver("touching_lamps", 0.25);
@@ -75,7 +75,7 @@ std::vector<Rendering> touching_lamps(const Values& v) {
     return lit_by(side * side, scene, 4 * rectangle_irradiance(1, 1, 1), "numerics.md S6");
 }
 
-// A sky of even grey with one bright texel.
+// An environment map of uniform grey with one bright texel.
 constexpr std::uint32_t sky_width = 64, sky_height = 32, bright_row = 9, bright_column = 21;
 
 SceneEnvironment sky(double contrast) {
@@ -87,7 +87,7 @@ SceneEnvironment sky(double contrast) {
     return environment;
 }
 
-// Every texel once, by the words in the middle of its shares.
+// Samples every texel of an environment map once, with the random words in the middle of the texel's share.
 std::vector<Measurement> bright_texel(const Values& v, const DirectSetting& setting) {
     const auto measured = [&]<class Real>(Real) {
         const auto contrast = static_cast<double>(static_cast<float>(v["contrast"]));
@@ -129,7 +129,7 @@ std::vector<Measurement> bright_texel(const Values& v, const DirectSetting& sett
     return setting.precision.is_double() ? measured(double{}) : measured(float{});
 }
 
-// One row of texels 0, 1, 0, 1 ..., looked up around their middles and edges: a blend is linear between two middles.
+// A row of texels 0, 1, 0, 1 ..., looked up around texel centres and edges; a lookup is linear between centres.
 std::vector<Measurement> texture_edge(const Values& v, const DirectSetting& setting) {
     struct Row {
         std::vector<Vec3<float>> texels;
@@ -142,12 +142,12 @@ std::vector<Measurement> texture_edge(const Values& v, const DirectSetting& sett
         }
         double worst = 0, least = 1, most = 0;
         for (std::uint32_t i = 0; i < 4096; ++i) {
-            // Numbers are in halves of a texel from the image's left edge, up to 1 beyond the right: half of them lie
-            // on an edge or middle.
+            // `halves` counts half texels from the image's left edge, up to one texel beyond the right edge: half of
+            // the lookups lie exactly on an edge or a centre.
             const std::uint32_t halves = (i * 2654435761u >> 8) % (2 * count + 4);
             const double beside = i % 2 == 0 ? 0 : static_cast<double>(i) / 4096;
             const auto at = static_cast<Real>((halves + beside) / (2.0 * count));
-            // The place is that of the rounded number, not the one that was meant.
+            // The exact value is computed at the rounded position.
             const long double place = static_cast<long double>(at) * count - 0.5L;
             const long double below = std::floor(place), share = place - below;
             const auto parity = static_cast<std::int64_t>(below) & 1;
@@ -178,7 +178,7 @@ std::vector<Measurement> texture_edge(const Values& v, const DirectSetting& sett
 
 std::string limit_of_many(const Values& v, const VariantTraits& variant) {
     const ManyBalls balls = balls_of(v);
-    // The brightest of each octave of powers: so few lamps carry half the light.
+    // The brightest lamps of one octave of power, which are few, give half of the light.
     const double share =
         balls.radius() * balls.radius() * std::max(1.0, balls.count * 0.3 / std::max(0.3, v["decades"]));
     return rare_or_dim(variant, share, 1, receiver_albedo * balls.irradiance() / pi<double>);

@@ -1,5 +1,5 @@
-// S32 to S37: absorbing and scattering bodies, rendered. A body of matched index in surroundings of radiance 1 shows
-// its albedo; a lamp behind a slab that one channel alone has tells transmission from reflection.
+// Cases S32 to S37: absorbing and scattering bodies, rendered. A body of matched index in an environment of radiance 1
+// shows its albedo; a lamp behind a slab with a colour channel of its own separates transmission from reflection.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -11,7 +11,7 @@
 namespace pt::stability::media {
 namespace {
 
-constexpr double half_quantum = 0x1p-40;  // of the film at radiance 1 and 2^16 samples
+constexpr double half_quantum = 0x1p-40;  // rounding of a film with radiance 1 and 2^16 samples
 
 std::vector<Rendering> absorbing_chord(const Values& v) {
     const double b = v["impact"], sigma = v["t"] / 2;
@@ -19,7 +19,7 @@ std::vector<Rendering> absorbing_chord(const Values& v) {
     scene.camera({b, 0, -5}, {b, 0, 0}).depth(3).environment(1);
     scene.sphere(scene.dielectric(1, Vec3d(sigma)), {0, 0, 0}, 2);
     const double cosine = std::sqrt((1 - b) * (1 + b)), exact = std::exp(-v["t"] * cosine);
-    // The chord is right to some roundings of the radius at the distance 5, magnified by 1 / cos towards the limb.
+    // The chord has an error of some roundings of its distance of 5 radii, magnified by 1 / cosine towards the limb.
     const double roundings = 32 * (1 + 5 * sigma / cosine) * exact;
     return {{.scene = scene.json(),
              .quick_paths = 16,
@@ -30,8 +30,8 @@ std::vector<Rendering> absorbing_chord(const Values& v) {
                                             "film's quantum"})}}};
 }
 
-// A wide slab under the eye, black below. `mu`: cosine of incidence; 0: the light falls on a white speck that faces the
-// slab, and from there diffusely.
+// A wide slab below the eye, above black. `mu`: cosine of incidence; with 0 the camera looks at a small white quad that
+// faces the slab and scatters diffuse light onto it.
 SceneText slab_scene(double depth, double albedo, double g, double mu, double sigma, std::uint32_t cap) {
     SceneText scene("slab");
     const double thickness = depth / sigma, above = 0.0625 / sigma, width = 1e5 * (1 + depth) / sigma;
@@ -46,13 +46,13 @@ SceneText slab_scene(double depth, double albedo, double g, double mu, double si
     return scene;
 }
 
-// Adds a quad under the slab, so close that nothing passes by.
+// Adds a wide quad so close below the slab that no light passes by.
 void add_below(SceneText& scene, const std::string& material, double depth, double sigma) {
     const double width = 4e5 * (1 + depth) / sigma;
     scene.quad(material, {0, -(depth * (1 + 0x1p-10) + 0.0625) / sigma, 0}, width, width);
 }
 
-// A power of two, so that a mean over paths that all return 1 is 1.
+// The number of paths is a power of two, so that the mean of paths that all return 1 is exactly 1.
 std::uint64_t paths_for(double segments_per_path) {
     return std::bit_floor(static_cast<std::uint64_t>(std::clamp(1e6 / segments_per_path, 256.0, 65536.0)));
 }
@@ -61,7 +61,7 @@ double albedo_of(const Values& v) { return 1 - std::exp2(-v["k"]); }
 
 std::vector<Rendering> half_space(const Values& v) {
     const double w = albedo_of(v), mu = v["mu"];
-    // The slab is so deep that e^-40 of the light comes back from below it.
+    // The slab stands in for a half space: only a share e^-40 of the light would return from below.
     const double depth = 20 / std::sqrt(3 * (1 - w));
     const auto cap = static_cast<std::uint32_t>(std::min(1e9, std::max(1e6, 64 / (1 - w))));
     SceneText scene = slab_scene(depth, w, 0, mu, 1, cap);
@@ -69,7 +69,7 @@ std::vector<Rendering> half_space(const Values& v) {
     scene.environment(1);
     const HFunction h(w);
     const double exact = mu > 0 ? h.plane_albedo(mu) : h.diffuse_albedo();
-    // Every collision rounds the throughput once.
+    // Rounding error of the throughput, which every collision rounds once.
     const double roundings = mean_collisions(w, mu) * exact;
     const std::uint64_t paths = paths_for(2 * depth);
     return {{.scene = scene.json(),
@@ -81,8 +81,8 @@ std::vector<Rendering> half_space(const Values& v) {
                                      "absorption's and the free path's of 2^-24 (2^-32 in double)"})}}};
 }
 
-// A white half space, in which what scatters more than `cap` times is lost: H(mu) / sqrt(pi n) of it for large n, from
-// the branch point of 1 - sqrt(1-w) H at w = 1; its next term is below 1 / n of that.
+// A white half space that loses light scattered more than `cap` times: H(mu) / sqrt(pi n) for large n, from the branch
+// point of 1 - sqrt(1-w) H at w = 1; the next term is smaller by a factor of n.
 std::vector<Rendering> capped_half_space(const Values& v) {
     const double cap = v["cap"], mu = v["mu"];
     const double depth = 16 * std::sqrt(cap) + 100;
@@ -152,8 +152,7 @@ std::vector<Rendering> white_body(const Values& v) {
                                            {0, 0, "every path leaves in the end, with weight 1"})}}};
 }
 
-// A body that only absorbs: without scattering a body of any index is clear or absorbing glass; what it absorbs is by
-// chance here.
+// A body that only absorbs, by random walks of a subsurface material; the exact answer is that of absorbing glass.
 std::vector<Rendering> absorbing_body(const Values& v) {
     const double b = v["impact"];
     SceneText scene("absorbing_body");
@@ -184,18 +183,18 @@ std::vector<Twins> clear_twins(const Values& v) {
     return {{.change = "a body without medium instead of glass", .reference = scene(false), .changed = scene(true)}};
 }
 
-// An opaque ball: where the free path is short against the radius, every point of it is a half space.
+// An opaque ball: if the free path is short against the radius, the surface reflects like a half space.
 std::vector<Rendering> opaque_ball(const Values& v) {
     const double w = albedo_of(v), sigma = v["sigma"];
     SceneText scene("opaque_ball");
     scene.camera({0, 0, -v["distance"]}, {0, 0, 0}).depth(2).environment(1);
-    // A walk that weighs e^-64 is as good as over; one that is frozen would go on for ever.
+    // The cap leaves a random walk a weight of e^-64; without it, a walk stuck by rounding would never end.
     const auto cap = static_cast<std::uint32_t>(64 / (1 - w));
     scene.sphere(scene.subsurface(Vec3d(w * sigma), Vec3d((1 - w) * sigma), 0, 1, cap), {0, 0, 0}, 2);
     const double exact = HFunction(w).plane_albedo(1);
     const double collisions = mean_collisions(w, 1);
     const std::uint64_t paths = paths_for(16 * collisions + 4);
-    // A curved surface lets out more, by the order of a diffusion length over the radius.
+    // A curved surface lets out more light, in the order of the diffusion length over the radius.
     const double curvature = 4 / (sigma * std::sqrt(3 * (1 - w))) * exact * (1 - exact);
     return {{.scene = scene.json(),
              .quick_paths = paths,

@@ -1,5 +1,5 @@
-// S32, S35 and S37: the sampler's longest free path, a disc's mean by parallel rays, mean path lengths in bodies, and
-// the phase function, by the kernels' own functions.
+// Cases S32, S35 and S37, by direct calls of kernel functions: the longest sampled free path, the mean transmittance
+// over a disc of parallel rays, mean path lengths in bodies, and the phase function.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -11,13 +11,13 @@
 namespace pt::stability::media_direct {
 namespace {
 
-// The mean over a disc, 2 [1 - (1 + t) e^-t] / t^2, by its series where that would cancel.
+// The mean transmittance over a disc, 2 [1 - (1 + t) e^-t] / t^2, by its power series where the formula would cancel.
 double disc_mean(double t) {
     if (t > 0.5) {
         const long double x = t;
         return static_cast<double>(2 * (1 - (1 + x) * std::exp(-x)) / (x * x));
     }
-    long double sum = 0, power = 1;  // 2 sum over k of (-t)^k / (k! (k + 2))
+    long double sum = 0, power = 1;  // the series is 2 times the sum over k of (-t)^k / (k! (k + 2))
     for (int k = 0; k < 30; ++k) {
         sum += 2 * power / (k + 2);
         power *= -static_cast<long double>(t) / (k + 1);
@@ -53,10 +53,10 @@ std::vector<Measurement> absorbing_disc(const Values& v, const DirectSetting& se
     });
 }
 
-// The share of the 2^32 words whose free path is longer than tau: they are in order.
+// The share of the 2^32 random words with a free path longer than tau, found by bisection since the path is monotonic.
 template <class Real>
 double share_beyond(double tau) {
-    std::uint64_t low = 0, high = std::uint64_t{1} << 32;  // words below `low` go beyond, from `high` on they do not
+    std::uint64_t low = 0, high = std::uint64_t{1} << 32;  // words below `low` exceed tau, from `high` on they do not
     while (low < high) {
         const std::uint64_t word = (low + high) / 2;
         const Real path = -logarithm(positive_unit_interval<Real>(static_cast<std::uint32_t>(word)));
@@ -99,7 +99,7 @@ struct Mean {
     double standard_error() const { return std::sqrt((squares / count - value() * value()) / count); }
 };
 
-// The way that the path makes inside the body on its walk.
+// The length of a path's random walk inside a body.
 template <class Kernel>
 double walk_length(const SceneView<typename Kernel::Real>& scene, Path<typename Kernel::Real>& path,
                    WalkOf<Kernel>& walk) {
@@ -117,7 +117,7 @@ double walk_length(const SceneView<typename Kernel::Real>& scene, Path<typename 
 SceneText body_scene(const Values& v, double* four_v_over_s) {
     SceneText text("body");
     text.camera({0, 0, 8}, {0, 0, 0}).depth(2);
-    // The cap is some hundred times the square of the optical depth, beyond which no walk is left that does not hang.
+    // The cap on scatterings, some hundred times the square of the optical depth, ends only walks that are stuck.
     const double crossing = v["sigma"] * v["ior"] + 10;
     const auto cap = static_cast<std::uint32_t>(std::min(1e9, 400 * crossing * crossing));
     const std::string material = text.subsurface(Vec3d(v["sigma"]), Vec3d(0.0), v["g"], v["ior"], cap);
@@ -132,14 +132,13 @@ SceneText body_scene(const Values& v, double* four_v_over_s) {
     return text;
 }
 
-// The mean path through a body. Parallel rays pass through a disc that covers the body, from every direction:
-// lambertian light on its surface.
+// The mean path length through a body under Lambertian light: parallel rays from all directions, over a covering disc.
 std::vector<Measurement> mean_path(const Values& v, const DirectSetting& setting) {
     return with_kernel(setting, [&]<class Kernel>() {
         using Real = typename Kernel::Real;
         double four_v_over_s = 0;
         const HostScene<Kernel> scene(body_scene(v, &four_v_over_s));
-        const Vec3d to_body(0, 0, -8);  // from the eye, where the kernels have their origin
+        const Vec3d to_body(0, 0, -8);  // position of the body relative to the eye, which is the kernels' origin
         std::mt19937_64 generator(9);
         const auto uniform = [&] { return static_cast<double>(generator() >> 11) * 0x1p-53; };
         const double work = 1 + v["sigma"] * v["ior"] * v["ior"] * four_v_over_s;
@@ -171,12 +170,12 @@ std::vector<Measurement> mean_path(const Values& v, const DirectSetting& setting
     });
 }
 
-// The probability P(cos < mu) of Henyey and Greenstein's phase function.
+// The cumulative probability P(cos < mu) of Henyey and Greenstein's phase function.
 long double phase_cdf(long double g, long double mu) {
     if (g == 0) {
         return (1 + mu) / 2;
     }
-    // This is (1-g^2)/2g [1/sqrt(1+g^2-2 g mu) - 1/(1+g)], with the difference of the roots freed of its cancellation.
+    // This is (1-g^2)/2g [1/sqrt(1+g^2-2 g mu) - 1/(1+g)], rearranged so that the roots do not cancel.
     const long double root = std::sqrt((1 - g) * (1 - g) + 2 * g * (1 - mu));
     return (1 - g) * (1 + mu) / (root * (1 + g + root));
 }
@@ -192,9 +191,9 @@ std::vector<Measurement> phase_function(const Values& v, const DirectSetting& se
             const Real u = (static_cast<Real>(i) + Real(0.5)) / static_cast<Real>(steps);
             const auto cosine = static_cast<long double>(henyey_greenstein_cosine(g, u));
             mean += cosine / steps;
-            // The nearest share of which the cosine is that of the exact inverse, but for the kernel's roundings: five
-            // of numbers up to 1, and that of 1 + g (1 - 2u), by which it divides. About the peak one rounding of the
-            // cosine holds a tenth of all directions.
+            // The sampled cosine must be the exact inverse of a share near u, within the kernel's roundings: five of
+            // numbers up to 1, and that of the divisor 1 + g (1 - 2u). Near the peak one rounding of the cosine spans a
+            // tenth of all directions.
             const long double divisor = 1 + static_cast<long double>(g) * (1 - 2 * static_cast<long double>(u));
             const long double rounding = (5 + 1 / divisor) * unit_round_off<Real>;
             const long double wide = static_cast<long double>(g);
@@ -205,7 +204,7 @@ std::vector<Measurement> phase_function(const Values& v, const DirectSetting& se
             const long double outside = std::max(moved(rounding) - exact, exact - moved(-rounding));
             worst = std::max(worst, static_cast<double>(outside));
         }
-        // The midpoint rule's own error, of the exact inverse.
+        // The error of the midpoint rule for the mean cosine.
         const double rule = 4.0 / steps / (1 - std::abs(v["g"])) / steps;
         return std::vector<Measurement>{
             {.quantity = "worst error of a cosine beyond its rounding, as a share",

@@ -1,5 +1,5 @@
-// S20: closed meshes seen from within, aimed at where their triangles meet. Whoever slips out finds a light: the walls
-// emit nothing, so that the film of a room without a gap is black, to the last bit.
+// Case S20: closed meshes seen from within, with rays aimed at edges and vertices of triangles. The walls emit nothing
+// and a light surrounds the mesh, so the film of a mesh without gaps is exactly 0.
 #include <cmath>
 
 #include "harness/stability/case.h"
@@ -11,7 +11,8 @@ namespace {
 constexpr std::uint32_t dark_depth = 9;
 constexpr double light_radiance = 16;
 
-// Half of what a wall returns goes on as from a mirror: to the next edge, where the first was aimed at one.
+// A scene under a bright environment. Half of the light that a wall reflects is mirrored, so that a ray aimed at an
+// edge goes on to another edge.
 SceneText dark(const std::string& name) {
     SceneText scene(name);
     scene.depth(dark_depth).environment(light_radiance);
@@ -19,7 +20,7 @@ SceneText dark(const std::string& name) {
 }
 std::string wall_of(SceneText& scene) { return scene.mix(Vec3d(0.875), Vec3d(0.875), 0.5); }
 
-// Nothing is seen, and every path goes its whole length.
+// The quantities of a room without gaps: a black film, and paths of full length.
 std::vector<Rendering> stays_dark(const SceneText& scene) {
     const Tolerance none{0, 0, "numerics.md S20: none"};
     return {{.scene = scene.json(),
@@ -29,13 +30,12 @@ std::vector<Rendering> stays_dark(const SceneText& scene) {
                             exactly("segments missing of a path", missing_segments(dark_depth), 0, none)}}};
 }
 
-// The angle in degrees of a field of view that is 2 x `half` wide at distance 1.
+// The field of view in degrees that spans 2 x `half` at distance 1.
 double view_of(double half) { return std::atan(half) * 360 / pi<double>; }
 
-// ---- edges and vertices
+// ---- Meshes seen at edges and vertices.
 
-// Pixel centres are the front wall's vertices (n = 2 x 8), or lie on its diagonals (n = 8); a mirrored path meets the
-// next wall's.
+// Pixel centres fall on the front wall's vertices (n = 2 x 8) or diagonals (n = 8); mirrored paths hit the next wall's.
 std::vector<Rendering> triangle_mesh(const Values& v) {
     SceneText scene = dark("triangle_mesh");
     const std::uint32_t n = v.whole("squares");
@@ -46,7 +46,7 @@ std::vector<Rendering> triangle_mesh(const Values& v) {
     return stays_dark(scene);
 }
 
-// A view of a vertex by pixels that are 2^-24 wide there, less than a float's spacing at 1.
+// A view of a vertex with pixels 2^-24 wide there, less than the spacing of floats at 1.
 std::vector<Rendering> shared_vertex(const Values& v) {
     SceneText scene = dark("shared_vertex");
     scene.image(16, 16, view_of(0x1p-20), false);
@@ -54,7 +54,7 @@ std::vector<Rendering> shared_vertex(const Values& v) {
     return stays_dark(scene);
 }
 
-// A view from within one of the chambers towards the axis.
+// A view from inside one of the chambers of a `book` towards its axis.
 std::vector<Rendering> shared_edge(const Values& v) {
     SceneText scene = dark("shared_edge");
     const double half_angle = pi<double> / v["triangles"];
@@ -64,7 +64,7 @@ std::vector<Rendering> shared_edge(const Values& v) {
     return stays_dark(scene);
 }
 
-// ---- needles, and sizes
+// ---- Meshes with needles, and of extreme sizes.
 
 std::vector<Rendering> needles(const Values& v) {
     SceneText scene = dark("needles");
@@ -74,7 +74,7 @@ std::vector<Rendering> needles(const Values& v) {
     return stays_dark(scene);
 }
 
-// A view along a thin tube, whose walls are all needles, and bend.
+// A view along a thin tube whose walls consist of needles.
 std::vector<Rendering> thin_tube_case(const Values& v) {
     SceneText scene = dark("thin_tube");
     const int k = static_cast<int>(v["k"]);
@@ -90,25 +90,24 @@ std::vector<Rendering> sizes(const Values& v) {
     return stays_dark(scene);
 }
 
-// ---- places
+// ---- Meshes far away, grazed or sheared.
 
-// The mesh's own coordinates are far from 0, where its object brings it back from; its vertices are rounded on the way
-// there, all alike.
+// A mesh with coordinates far from 0 that its object moves back; all vertices are rounded by moving them.
 std::vector<Rendering> far_coordinates(const Values& v) {
     SceneText scene = dark("far_coordinates");
-    const double distance = 2 * std::exp2(v["k"]) - 1;  // odd: the room's corners are numbers up to k = 23
+    const double distance = 2 * std::exp2(v["k"]) - 1;  // odd, so that the room's corners are floats up to k = 23
     const Mesh mesh = moved_by(grid_room(4), distance, -distance, distance);
     scene.camera({0, 0, 0}, {0.25, 0.125, 1}).image(16, 16, 90, true);
     const std::string wall = wall_of(scene);
     const Vec3d back(-distance, distance, -distance);
     scene.mesh(wall, mesh, back);
-    if (v.is_set("instances")) {  // then neither is placed in the scene beforehand
+    if (v.is_set("instances")) {  // a second instance, so that the mesh is not placed in the scene beforehand
         scene.mesh(wall, mesh, back + Vec3d(4, 0, 0));
     }
     return stays_dark(scene);
 }
 
-// The eye so close to a wall that rays run along it over all its edges.
+// An eye so close to a wall that rays run along it across all its edges.
 std::vector<Rendering> grazing(const Values& v) {
     SceneText scene = dark("grazing_mesh");
     const double height = std::exp2(-v["k"]);
@@ -118,8 +117,8 @@ std::vector<Rendering> grazing(const Values& v) {
     return stays_dark(scene);
 }
 
-// A turned room stretched along an axis: R S of a mesh that is turned itself is a shear. Two objects share it, so that
-// rays are taken into its space and back.
+// A rotated room stretched along an axis, which is a shear. Two objects share the mesh, so rays are taken into its
+// space.
 std::vector<Rendering> shear(const Values& v) {
     SceneText scene = dark("shear");
     const double s = std::exp2(v["k"]), c = std::sqrt(0.5);
@@ -136,9 +135,10 @@ std::vector<Rendering> shear(const Values& v) {
     return stays_dark(scene);
 }
 
-// ---- where single precision ends
+// ---- Meshes at the limits of single precision.
 
-// A path starts before the plane that it has met, by a bound on its point's rounding: 8 roundings of the coordinates.
+// The known limit of a thin tube: a path starts in front of the plane that it has hit, by a bound on the rounding of
+// the hit point: 8 roundings of its coordinates.
 std::string too_thin(const Values& v, const VariantTraits& variant) {
     if (!variant.precision.is_single()) {
         return "in double the test of a triangle has nothing wider to ask: a needle's weights and its distance are "

@@ -1,5 +1,5 @@
-// What must not change a film of meshes, bit for bit: the order of triangles, powers of two, places, triangles without
-// area; and which of two coplanar ones comes first.
+// Changes of meshes that must not change a film, bit for bit: order of triangles, scaling by powers of two,
+// translation, degenerate triangles; and the order of coplanar triangles.
 #include <algorithm>
 #include <cmath>
 
@@ -12,7 +12,7 @@
 namespace pt::stability::meshes_identity {
 namespace {
 
-// A lit room of a mesh, with a mesh that is a light, one of glass, and two instances of a third. Places are multiples
+// A lit room made of a mesh, with meshes as a light, as glass, and as two instances of a third. Positions are multiples
 // of 2^-6. `as_given` is applied to each mesh.
 template <class Change>
 SceneText mesh_room(const Change& as_given) {
@@ -58,7 +58,7 @@ std::vector<Twins> without_flat_ones(const Values&) {
              .changed = mesh_room(with_flat_ones).json()}};
 }
 
-// The count of triangles that are left out, three in four, is told.
+// Degenerate triangles, three in four of this mesh, must be left out and counted.
 std::vector<Measurement> counted_flat_ones(const Values&, const DirectSetting&) {
     Mesh mesh = with_flat_ones(spindle(64));
     const auto before = static_cast<double>(mesh.triangles.size());
@@ -74,7 +74,7 @@ std::vector<Measurement> counted_flat_ones(const Values&, const DirectSetting&) 
              .tolerance = none}};
 }
 
-// Two objects in one place, of other materials.
+// Two coincident meshes with different materials.
 std::vector<Twins> coplanar_in_order(const Values&) {
     SceneText text("coplanar_meshes");
     text.camera({0.25, 0.25, -0.75}, {0, 0, 0.5}).image(16, 12, 70, true).depth(5).environment(1);

@@ -1,4 +1,4 @@
-// Cases P1 to P9: the project's own, for what S1 to S48 of the catalogue lack.
+// Cases P1 to P9, for what S1 to S48 of the catalogue lack.
 #include <cmath>
 
 #include "harness/scene/scene.h"
@@ -12,11 +12,11 @@ namespace {
 
 const Tolerance of_light{1e-5, 1e-12, "numerics.md S6 and S8"};
 
-// A ball that lies on the floor, seen from a point x radii off the point of contact.
+// A luminous ball that lies on the floor, lighting a point x radii from the contact.
 std::vector<Rendering> touching_lamp(const Values& v) {
     const double x = v["x"];
     const double distance = std::sqrt(1 + x * x);
-    const double gap = x < 1 ? x * x / (1 + std::sqrt(1 - x * x)) : 1;  // straight above the point
+    const double gap = x < 1 ? x * x / (1 + std::sqrt(1 - x * x)) : 1;  // height of the ball's surface above the point
     SceneText scene("touching_lamp");
     scene.camera({x, 0.5 * gap, 0}, {x, 0, 0}, {0, 0, 1}).depth(2);
     scene.quad(scene.diffuse(Vec3d(receiver_albedo)), {x, 0, 0}, 8, 8);
@@ -24,7 +24,7 @@ std::vector<Rendering> touching_lamp(const Values& v) {
     return lit(scene, pi<double> / (distance * distance * distance), of_light);
 }
 
-// Nearly every direction ends at the light.
+// The known limit of a light that covers nearly the whole hemisphere, so that few paths miss it.
 std::string rarely_missed(const VariantTraits& variant, double irradiance) {
     return !variant.direct_light.connects ? too_rare(1 - irradiance / pi<double>) : "";
 }
@@ -38,15 +38,15 @@ std::vector<Rendering> near_quad(const Values& v) {
     return lit(scene, 4 * rectangle_irradiance(1, 1, h), of_light);
 }
 
-// The bounces of a ray that goes up by `slope` a unit of length, between mirrors at y = -1/2 and 1/2, and then the
-// light at the end: its length is such that the ray gets there half way between two bounces.
+// A ray that rises by `slope` per unit of length is reflected between mirrors at y = -1/2 and 1/2 until it hits the
+// light at the end; the corridor's length puts the hit half way between two reflections.
 Json corridor_scene(const Values& v) {
     const double slope = v["slope"], length = v["bounces"] / slope;
     const Vec3d turn(0, 0, v["turn"]);
     const Rotation rotation = rotation_of(turn);
     SceneText scene("corridor");
     scene.camera({0, 0, 0}, rotation.column[0] + rotation.column[1] * slope, rotation.column[2])
-        .depth(v.whole("bounces") + v.whole("bounces") / 8 + 1);  // what goes astray gets there too, if later
+        .depth(v.whole("bounces") + v.whole("bounces") / 8 + 1);  // extra depth lets a stray path reach the light late
     const std::string mirror = scene.mirror(Vec3d(1 - std::exp2(-v["k"])));
     const Vec3d middle = rotation.column[0] * (0.5 * length);
     scene.quad(mirror, middle + rotation.column[1] * 0.5, length + 2, 4, turn);
@@ -68,8 +68,7 @@ std::vector<Rendering> corridor(const Values& v) {
 }
 
 std::string limit_of_mirrors(const Values& v, const VariantTraits& variant) {
-    // The number of bounces by which the path goes astray, from a rounding of the mirrors' places and of the ray's
-    // direction.
+    // How far, in reflections, the path strays from rounding errors of the mirrors' positions and the ray's direction.
     const double astray = 0x1p-23 * v["bounces"] * (0.5 * v["bounces"] / v["slope"] + v["slope"]);
     return !variant.precision.is_double() && astray > 0.25
                ? "the roundings of the mirrors' places and of the direction add up to half a bounce; cure: "
@@ -86,7 +85,7 @@ std::vector<Rendering> long_ellipsoid(const Values& v) {
     return {furnace_rendering(scene, emission, 1 - emission, 64)};
 }
 
-// A room of six thin slabs whose ends overlap, turned as one.
+// A room of six thin slabs with overlapping ends, rotated as a whole.
 std::vector<Rendering> thin_walls(const Values& v) {
     const double emission = std::exp2(-7.0), thickness = v["thickness"];
     const Vec3d turn(v["turn"], 1.25 * v["turn"], 1.5 * v["turn"]), half(1, 1.5, 2);
@@ -118,12 +117,12 @@ std::string limit_of_walls(const Values& v, const VariantTraits& variant) {
                : "";
 }
 
-// The left half of the image sees a bright wall, the right half a dim one.
+// An image whose left half sees a bright wall and whose right half a dim one.
 std::vector<Rendering> contrast(const Values& v) {
     const double bright = std::pow(10.0, v["log10_bright"]), dim = std::pow(10.0, v["log10_dim"]);
     SceneText scene("contrast");
     scene.image(2, 1, 90, false);
-    scene.quad(scene.emitter(Vec3d(bright)), {2, 0, 1}, 4, 8, {90, 0, 0});  // the camera's left is +x
+    scene.quad(scene.emitter(Vec3d(bright)), {2, 0, 1}, 4, 8, {90, 0, 0});  // +x is at the camera's left
     scene.quad(scene.emitter(Vec3d(dim)), {-2, 0, 1}, 4, 8, {90, 0, 0});
     Rendering rendering{.scene = scene.json(), .quick_paths = 1024, .full_paths = 65536, .quantities = {}};
     const double radiances[] = {bright, dim};
@@ -145,7 +144,7 @@ std::string limit_of_contrast(const Values& v, const VariantTraits& variant) {
                : "";
 }
 
-// A furnace whose paths end by roulette alone, after 1024 reflections on average.
+// A furnace whose paths are ended only by Russian roulette, after 1024 reflections on average.
 std::vector<Rendering> long_roulette(const Values& v) {
     const double emission = std::exp2(-v["k"]);
     const double exact = furnace(emission, 1 - emission, v["depth"]);
@@ -163,7 +162,7 @@ std::string limit_of_roulette(const Values& v, const VariantTraits& variant) {
     return !variant.russian_roulette.ends_paths ? lost_tail(emission, 1 - emission, v["depth"], variant) : "";
 }
 
-// A box that passes the axis in the second half of a second, a long time after its place at time 0.
+// A moving box that passes the axis half a second after the shutter opens, a long time after time 0.
 std::vector<Rendering> late_shutter(const Values& v) {
     constexpr double speed = 8, width = 2;
     SceneText scene("late_shutter");
@@ -186,7 +185,7 @@ std::string limit_of_time(const Values& v, const VariantTraits& variant) {
                : "";
 }
 
-// The share of random numbers that choose the mirror: as chooses_mirror is monotonic, by bisection of all 2^32 words.
+// The share of random numbers that choose the mirror, by bisection of all 2^32 words: chooses_mirror is monotonic.
 template <class Real>
 double realised_probability(double probability) {
     std::uint64_t low = 0, high = std::uint64_t{1} << 32;

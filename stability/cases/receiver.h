@@ -1,4 +1,4 @@
-// A diffuse receiver under lights whose irradiance is known.
+// A diffuse receiver under lights of known irradiance.
 #pragma once
 
 #include "stability/oracles/furnace.h"
@@ -8,8 +8,8 @@ namespace pt::stability {
 
 inline constexpr double receiver_albedo = 0.75;
 
-// The receiver's point is the origin, its normal +y. The camera stands straight above the point that it looks at,
-// nearer than the light, so that the point and the light are where they should be to a rounding of their own distance.
+// A scene with a horizontal receiver at the origin, normal +y. The camera looks straight down at the origin from below
+// the light, so that rounding errors of the point and the light are relative to their own distances.
 inline SceneText receiver(const std::string& name, double camera_height) {
     SceneText scene(name);
     scene.camera({0, camera_height, 0}, {0, 0, 0}, {0, 0, 1}).depth(2);
@@ -17,7 +17,7 @@ inline SceneText receiver(const std::string& name, double camera_height) {
     return scene;
 }
 
-// The rendering of a lit receiver, by so many segments of paths. `relative`: the relative errors allowed.
+// The rendering of a lit receiver with a given number of path segments in all. `relative`: relative errors allowed.
 inline std::vector<Rendering> lit(const SceneText& scene, double irradiance, const Tolerance& relative,
                                   double quick_segments = 1e6, double full_segments = 6e7) {
     const double exact = receiver_albedo * irradiance / pi<double>;

@@ -1,4 +1,4 @@
-// S39 to S42: what a path carries, from nothing to a light that only one path in a million finds.
+// Cases S39 to S42: path throughput, from vanishing values to a light found by one path in a million.
 #include <cmath>
 
 #include "stability/oracles/caustic.h"
@@ -15,14 +15,14 @@ Rendering wall_rendering(const SceneText& scene, double exact, double segments_p
             .quantities = {mean_is("radiance of the wall", exact, tolerance)}};
 }
 
-// The camera looks along a chord that passes what is at the centre.
+// A scene whose camera looks along a chord that misses the centre.
 SceneText at_the_wall(const std::string& name, std::uint32_t depth) {
     SceneText scene(name);
     scene.camera({0, 0, -0.5}, {1, 0, -0.5}).image(1, 1, 1, false).depth(depth);
     return scene;
 }
 
-// Walls that reflect next to nothing in one channel, nothing in another, and something in the third.
+// Walls with a tiny albedo in one channel, 0 in another and a larger one in the third.
 std::vector<Rendering> dark_walls(const Values& v) {
     const double albedo = v["log10_albedo"] <= -400 ? 0 : std::pow(10.0, v["log10_albedo"]);
     const auto depth = v.whole("depth");
@@ -71,15 +71,15 @@ std::vector<Rendering> caustic(const Values& v) {
     scene.sphere(scene.dielectric(v["ior"]), {0, 0, 0}, 2 * ball);
     scene.sphere(scene.emitter(Vec3d(1.0)), {0, 0, 0}, 2 * v["a"]);
     const double exact = albedo * share / (1 - albedo * (1 - share));
-    // Between two visits to the wall a path has two segments, or three through the ball, or one more for every
-    // reflection within it: after 96 no more than 2^-24 of the light is to come.
+    // Between two reflections at the wall a path has two segments, or three through the ball, plus one for every
+    // internal reflection; after a depth of 96 at most 2^-24 of the light is missing.
     return {
         wall_rendering(scene, exact, 40,
                        Tolerance::relative(exact, 1e-5 + 0x1p-24, 1e-12 + 0x1p-24,
                                            "numerics.md S5, and the light of more than 24 reflections at the wall"))};
 }
 
-// The wall is white: the lamp is found in the end, after 1 / a^2 segments on average.
+// The wall is white, so every path finds the lamp, after 1 / a^2 segments on average.
 std::vector<Rendering> deep_lamp(const Values& v) {
     const double a = v["a"];
     SceneText scene = at_the_wall("deep_lamp", v.whole("depth"));

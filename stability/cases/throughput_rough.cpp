@@ -1,5 +1,5 @@
-// S38: rough metals. The lobe on its way to the mirror, seen straight on, where facets and what they keep follow from
-// the random numbers in closed form; what a white one keeps of an even light; and both ways of a path.
+// Case S38: rough metals. Narrow lobes seen along the normal, whose microfacets and weights have closed forms; the
+// albedo of a white metal under uniform light; and reciprocity.
 #include <algorithm>
 #include <cmath>
 
@@ -11,10 +11,10 @@
 namespace pt::stability::throughput_rough {
 namespace {
 
-// A facet of slope m sends light from straight above to slope 2 m / (1 - m^2), where Smith's masking keeps
-// 1 / (1 + Lambda) of it.
+// Light from straight above is reflected by a microfacet of slope m to the slope 2 m / (1 - m^2), where Smith's masking
+// keeps 1 / (1 + Lambda) of it.
 struct Exact {
-    long double sine;  // of the direction's angle to the normal
+    long double sine;  // sine of the angle between reflected direction and normal
     long double kept;
 };
 
@@ -31,7 +31,7 @@ std::vector<Measurement> rough_mirror(const Values& v, const DirectSetting& sett
         const auto alpha = static_cast<Real>(v["roughness"] * v["roughness"]);
         const Vec3<Real> up{Real(0), Real(0), Real(1)};
         const RoughConductor<Real> lobe(Vec3<Real>(Real(1)), alpha, up, up);
-        constexpr int side = 256;  // points that single precision holds exactly
+        constexpr int side = 256;  // sample points that floats represent exactly
         double worst = 0, kept = 0, kept_exactly = 0;
         for (int i = 0; i < side * side; ++i) {
             const double x = (i % side + 0.5) / side, y = (i / side + 0.5) / side;
@@ -56,11 +56,11 @@ std::vector<Measurement> rough_mirror(const Values& v, const DirectSetting& sett
     });
 }
 
-constexpr double fit = 2.5e-3;  // of what multiple scattering gives back (kernels/ggx_gain.h)
+constexpr double fit = 2.5e-3;  // fit error of the multiple scattering gain (kernels/ggx_gain.h)
 
 enum Metal { single_scattering = 0, multiple_scattering = 1, principled = 2 };
 
-// A white metal that the eye looks at from `degrees` off its normal.
+// A white metal seen at `degrees` off its normal under uniform light.
 std::vector<Rendering> rough_furnace(const Values& v) {
     const double roughness = v["roughness"], angle = v["degrees"] * pi<double> / 180;
     const std::uint32_t kind = v.whole("kind");
@@ -81,7 +81,7 @@ std::vector<Rendering> rough_furnace(const Values& v) {
                                               : "roundings of the eye's direction, on which the share hangs"})}}};
 }
 
-// The reciprocity of rough lobes, f(o, i) = f(i, o), as connections evaluate them.
+// The reciprocity of rough lobes, f(o, i) = f(i, o), as evaluated for next-event estimation.
 std::vector<Measurement> rough_reciprocity(const Values& v, const DirectSetting& setting) {
     return with_kernel(setting, [&]<class Kernel>() {
         using Real = typename Kernel::Real;

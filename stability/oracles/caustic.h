@@ -1,7 +1,7 @@
-// A lamp inside a ball of clear glass at the centre of a diffuse sphere: what share of the wall's light ends at it.
-// Light from the wall (radius 1) that has the impact parameter q is bent to q / n within the ball and meets the lamp if
-// that is less than its radius; the wall's q^2 is uniform on [0, 1]. Born and Wolf, "Principles of Optics", 1.5.2
-// (Fresnel); no light that misses the lamp at first is totally reflected towards it, for q / n is kept.
+// Exact answer for a spherical lamp within a ball of clear glass at the centre of a diffuse sphere: the share of the
+// wall's light that ends at the lamp. A ray from the wall (radius 1) with impact parameter q is bent to q / n within
+// the ball and hits the lamp if q / n is less than its radius; q^2 is uniform on [0, 1]. Internal reflection keeps q /
+// n, so rays that miss the lamp never reach it. Fresnel: Born and Wolf, "Principles of Optics", 1.5.2.
 #pragma once
 
 #include <algorithm>
@@ -9,18 +9,17 @@
 
 namespace pt::stability {
 
-// Unpolarised reflectance from outside a medium of index n.
+// Unpolarised Fresnel reflectance of a dielectric of index n, seen from outside.
 inline double fresnel_reflectance(double n, double sine_squared) {
     const double c = std::sqrt(1 - sine_squared), t = std::sqrt(n * n - sine_squared);
     const double s = (c - t) / (c + t), p = (n * n * c - t) / (n * n * c + t);
     return 0.5 * (s * s + p * p);
 }
 
-// The view factor from the wall to a lamp of radius a in a ball of radius b: a^2 n^2 less what is reflected.
+// The view factor from the wall to a lamp of radius a in a glass ball of radius b: a^2 n^2 less the reflected part.
 inline double glazed_lamp_share(double a, double b, double n) {
     const double last = std::min(n * a, b);
-    // The integral is over x with q^2 = last^2 (1 - x^2), so that the root at grazing incidence becomes smooth, by
-    // Simpson's rule.
+    // Substituting q^2 = last^2 (1 - x^2) makes the root at grazing incidence smooth; Simpson's rule integrates over x.
     constexpr int steps = 1 << 12;
     double sum = 0;
     for (int i = 0; i <= steps; ++i) {

@@ -1,5 +1,5 @@
-// A case's scene as the kernels of some precision and robustness see it, for rays that no camera sends; and where such
-// rays meet bodies in long double, from the numbers that the kernels have.
+// For direct checks of kernel functions: a case's scene as kernels of a given precision and robustness see it, traced
+// by arbitrary rays; and the exact chords of such rays through bodies, in long double from the kernels' numbers.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@ class RayRandom {
 public:
     explicit RayRandom(std::uint64_t seed) : engine_(seed) {}
 
-    // A uniform number, computed here, since std::uniform_real_distribution is another on every library.
+    // A uniform number; std::uniform_real_distribution is avoided, since standard libraries differ in its numbers.
     double uniform(double low, double high) {
         return low + (high - low) * (static_cast<double>(engine_() >> 11) * 0x1p-53);
     }
@@ -35,8 +35,8 @@ private:
     std::mt19937_64 engine_;
 };
 
-// The vector as its type holds it. g++ 12 at -O2 turns two numbers that are narrowed and widened again back into what
-// they were (its SLP vectoriser takes the two conversions for none); through memory it cannot.
+// Returns the vector rounded to its type, by way of memory. Without it the SLP vectoriser of g++ 12 at -O2 drops the
+// conversions of two numbers that are narrowed and widened again.
 template <class Real>
 Vec3<Real> settled(Vec3<Real> v) {
     asm volatile("" : "+m"(v));
@@ -49,7 +49,7 @@ public:
     using Real = RealT;
     static constexpr FeatureSet shapes = shape_features | Feature::near_sphere;
     using Kernel = Config<Real, shapes | formula>;
-    // The kernel whose formulas are the robust ones, in the same precision.
+    // The kernel configuration with the robust formulas in place of the naive ones, in the same precision.
     using RobustKernel = Config<Real, shapes | (formula & ~static_cast<FeatureSet>(Feature::naive))>;
 
     explicit RayScene(const SceneText& text)
@@ -72,7 +72,7 @@ private:
     SceneBuffers<Real> buffers_;
 };
 
-// Calls check.template operator()<Real, formula>() in the precision and formula that the setting asks for.
+// Calls check.template operator()<Real, formula>() with the precision and the formula that the setting asks for.
 template <class Check>
 auto in_setting(const DirectSetting& setting, const Check& check) {
     constexpr auto naive = static_cast<FeatureSet>(Feature::naive);
@@ -101,13 +101,13 @@ Vec3<Real> direction_to(const Vec3<Real>& from, const Vec3d& to) {
 
 inline long double length(const Vec3l& v) { return sqrtl(dot(v, v)); }
 
-// The distance from a point of a body's surface to the other end of the chord, and the cosine by which an error of the
-// far face's place shows along it; 1 where the chord is a product.
+// The chord of a ray that starts on a body's surface: the distance `t` to the far side, and `slant`, the factor from an
+// error in t to an error in the place of the far side (1 where t is computed as a product).
 struct Chord {
     long double t, slant;
 };
 
-// The chord of a unit sphere, t = -2 f.g / g.g, from a point in the direction f.
+// The chord t = -2 f.g / g.g of a unit sphere from the point f on its surface in the direction g.
 inline Chord unit_chord(const Vec3l& f, const Vec3l& g) { return {-2 * dot(f, g) / (length(f) * dot(g, g)), 1}; }
 
 template <class Real>
@@ -126,7 +126,7 @@ Chord exact_chord(const Ellipsoid<Real>& e, const Vec3l& origin, const Vec3l& di
     return unit_chord(in_frame(inverse, origin - Vec3l(e.centre)), in_frame(inverse, direction));
 }
 
-// The chord of a box: to the first of the planes +-half that lie ahead.
+// The chord of a box, which ends at the first plane +-half ahead of the ray.
 inline Chord box_chord(const Vec3l& half, const Vec3l& origin, const Vec3l& direction) {
     Chord nearest{INFINITY, 1};
     for (int axis = 0; axis < 3; ++axis) {
@@ -135,7 +135,7 @@ inline Chord box_chord(const Vec3l& half, const Vec3l& origin, const Vec3l& dire
             nearest = {t, std::abs(direction[axis])};
         }
     }
-    nearest.t = std::max(nearest.t, 0.0L);  // the start's rounding may have put it beyond an edge
+    nearest.t = std::max(nearest.t, 0.0L);  // rounding may put the ray's start beyond an edge
     return nearest;
 }
 
@@ -151,7 +151,7 @@ Chord exact_chord(const OrientedBox<Real>& box, const Vec3l& origin, const Vec3l
     return box_chord(Vec3l(box.half), in_frame(axis, origin - Vec3l(box.centre)), in_frame(axis, direction));
 }
 
-// There is no chord here: nothing is inside a flat shape, and no case asks for the chord of another body.
+// A chord of length 0, for shapes without an inside and for bodies whose chord no case asks for.
 template <class Shape>
 Chord exact_chord(const Shape&, const Vec3l&, const Vec3l&) {
     return {0, 1};

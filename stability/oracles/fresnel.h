@@ -1,6 +1,6 @@
-// Dielectric boundaries in long double: the unpolarised reflectance, piles of plates, diffuse averages.
-// Reflectance: Fresnel's equations with q = n cos(theta_t) from q^2 = c^2 + (n^2 - 1) and n^2 - 1 = e (2 + e) for
-// n = 1 + e, so that nothing cancels near n = 1. Another form of r_p than the kernels'.
+// Exact answers for dielectric boundaries, in long double: unpolarised reflectance, stacks of plates, diffuse averages.
+// Fresnel's equations are used with q = n cos(theta_t) from q^2 = c^2 + (n^2 - 1) and n^2 - 1 = e (2 + e) for n = 1 +
+// e, so that nothing cancels near n = 1; r_p has another form than in the kernels.
 #pragma once
 
 #include <cmath>
@@ -13,7 +13,7 @@ namespace pt::stability {
 inline long double reflectance(long double excess, long double cosine) {
     const long double k = excess * (2 + excess);
     if (k == 0) {
-        return 0;  // at grazing incidence too, where the sums below have 0 / 0
+        return 0;  // grazing incidence included, where the formulas below give 0 / 0
     }
     const long double q_squared = cosine * cosine + k;
     if (q_squared <= 0) {
@@ -25,17 +25,17 @@ inline long double reflectance(long double excess, long double cosine) {
     return (s * s + p * p) / 2;
 }
 
-// The cosine beyond the boundary; only where there is light beyond it.
+// The cosine of refraction. Precondition: no total internal reflection.
 inline long double cosine_beyond(long double excess, long double cosine) {
     return std::sqrt(cosine * cosine + excess * (2 + excess)) / (1 + excess);
 }
 
-// The shares of the light that come back from a layer and that go through; layers are the same from both sides.
+// The shares of light that a layer reflects and transmits, equal from both sides.
 struct Shares {
     long double reflected, transmitted;
 };
 
-// One layer before another, with all reflections between them; no coherence (Stokes 1862).
+// The shares of two layers in series, with all reflections between them added up without interference (Stokes 1862).
 inline Shares stacked(const Shares& a, const Shares& b) {
     const long double between = 1 - a.reflected * b.reflected;
     return {a.reflected + a.transmitted * a.transmitted * b.reflected / between,
@@ -44,9 +44,9 @@ inline Shares stacked(const Shares& a, const Shares& b) {
 
 inline Shares boundary(long double reflected) { return {reflected, 1 - reflected}; }
 
-// The shares of a plate: two boundaries with an absorber between them that leaves `a` of the light in one crossing.
+// The shares of a plate: two boundaries and an absorber between them that transmits a share `a` of the light.
 inline Shares plate(long double reflected, long double a) {
-    // Nothing gets in, so it does not matter what is within, where the sums have 0 / 0.
+    // Total reflection is treated apart, since the formulas below would give 0 / 0.
     if (reflected == 1) {
         return {1, 0};
     }
@@ -63,8 +63,8 @@ inline Shares stack_of(int plates, const Shares& one) {
     return all;
 }
 
-// 2 int R(mu) mu dmu from outside, for n > 1. Closed form: Duntley 1942, Walsh 1926; it loses its digits near n = 1,
-// where the integral is taken by quadrature.
+// The diffuse reflectance 2 int R(mu) mu dmu of a boundary seen from outside, for n > 1. The closed form (Duntley 1942,
+// Walsh 1926) cancels near n = 1, where quadrature is used instead.
 inline long double diffuse_reflectance(long double n) {
     if (n < 1.25L) {
         long double sum = 0;
@@ -80,7 +80,8 @@ inline long double diffuse_reflectance(long double n) {
            8 * n4 * (n4 + 1) / ((n2 + 1) * (n4 - 1) * (n4 - 1)) * std::log(n);
 }
 
-// Diffuse reflectance from within: what enters must leave, and the radiance within is n^2 times as dense.
+// The diffuse reflectance of a boundary seen from within, from the balance of light that enters and leaves: radiance
+// within is n^2 times as high.
 inline long double internal_diffuse_reflectance(long double n) { return 1 - (1 - diffuse_reflectance(n)) / (n * n); }
 
 }  // namespace pt::stability

@@ -1,5 +1,5 @@
-// Closed spaces whose walls reflect and emit the same everywhere, and a lamp at the centre of one: geometric series.
-// docs/numerics.md S1 and S5. Depth counts ray segments.
+// Exact answers for closed spaces whose walls reflect and emit uniformly, with or without a lamp at the centre:
+// geometric series (docs/numerics.md S1 and S5). Depth counts ray segments.
 #pragma once
 
 #include <algorithm>
@@ -16,10 +16,11 @@ inline double furnace(double emission, double albedo, double segments) {
     return albedo == 1 ? emission * segments : emission * -std::expm1(segments * std::log(albedo)) / (1 - albedo);
 }
 
-// A sample in a film whose samples carry up to `bound` is rounded by no more than this.
+// The largest rounding error of a sample added to a film whose samples carry a radiance of up to `bound`.
 inline double half_quantum(double bound) { return 0.5 / film_scale(bound, 1u << 16); }
 
-// A rounding a segment of throughput and radiance in the sum of a geometric series, and the film's quantum.
+// The tolerance of a furnace: one rounding of throughput and radiance for each segment of the geometric series, and
+// half of the film's quantum.
 inline Tolerance furnace_tolerance(double emission, double albedo, double depth) {
     const double exact = furnace(emission, albedo, depth);
     const double quantum = half_quantum(emission * (1 + std::min(1 / (1 - albedo), depth)));
@@ -27,20 +28,20 @@ inline Tolerance furnace_tolerance(double emission, double albedo, double depth)
             "numerics.md S1: throughput and sum of a geometric series; and half the film's quantum"};
 }
 
-// A black lamp of radiance 1 and radius a at the centre of a diffuse sphere of radius 1: the wall sees it with the view
-// factor s = a^2. Radiance of the wall: s rho + s rho^2 (1 - s) + ..., so many terms.
+// The radiance of a diffuse sphere of radius 1 around a black lamp of radius a and radiance 1 at its centre. The wall
+// sees the lamp with the view factor s = a^2; the radiance is s rho + s rho^2 (1 - s) + ..., with `reflections` terms.
 inline double lamp_radiance(double a, double albedo, double reflections) {
     const double s = a * a;
-    const double ends = 1 - albedo * (1 - s);  // of a path at the wall, by absorption or at the lamp
+    const double ends = 1 - albedo * (1 - s);  // share of paths that end at each wall hit
     return s * albedo * -std::expm1(reflections * std::log1p(-ends)) / ends;
 }
 
-// Number of paths that have `segments` segments in all, if each has `depth`; between 16 and 2^25.
+// The number of paths of length `depth` that have `segments` segments in all, limited to 16 to 2^25.
 inline std::uint64_t paths_for(double segments, double depth) {
     return static_cast<std::uint64_t>(std::clamp(segments / depth, 16.0, 0x1p25));
 }
 
-// The quantities of a furnace: every pixel is the same, and no path leaks out.
+// The quantities of a furnace: every pixel has the exact radiance, and no path leaks out.
 inline std::vector<Quantity> furnace_quantities(double emission, double albedo, std::uint32_t depth) {
     const double exact = furnace(emission, albedo, depth);
     return {
@@ -49,7 +50,7 @@ inline std::vector<Quantity> furnace_quantities(double emission, double albedo, 
 }
 
 inline Rendering furnace_rendering(const SceneText& scene, double emission, double albedo, std::uint32_t depth) {
-    // The image of 8 x 8 pixels gets at least one sample a pixel.
+    // The image has 8 x 8 pixels, and each gets at least one sample.
     return {.scene = scene.json(),
             .quick_paths = std::max<std::uint64_t>(64, paths_for(1e6, depth)),
             .full_paths = std::max<std::uint64_t>(64, paths_for(3e7, depth)),

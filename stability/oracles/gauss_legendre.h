@@ -1,5 +1,5 @@
-// Gauss-Legendre quadrature: nodes by Newton's method on the Legendre polynomials' recurrence (Abramowitz and Stegun
-// 25.4.29 and 22.7.10), in long double.
+// Gauss-Legendre quadrature in long double: nodes by Newton's method on the recurrence of the Legendre polynomials
+// (Abramowitz and Stegun 25.4.29 and 22.7.10).
 #pragma once
 
 #include <cmath>
@@ -37,8 +37,7 @@ inline std::vector<Node> gauss_legendre(int count) {
     return nodes;
 }
 
-// Quadrature nodes over [low, high] in panels that halve towards `low`, where the integrand may have a root or a
-// logarithm.
+// Quadrature nodes over [low, high] in panels that halve towards `low`, where the integrand has a root or logarithm.
 inline std::vector<Node> graded_nodes(long double low, long double high, int panels = 60, int nodes_per_panel = 16) {
     const std::vector<Node> unit = gauss_legendre(nodes_per_panel);
     std::vector<Node> nodes;

@@ -1,9 +1,10 @@
-// What a white rough surface keeps of an even light when each ray meets one facet: the directional albedo of the GGX
-// distribution under Smith's height-correlated masking (Walter et al. 2007; Heitz, JCGT 3(2), 2014), by quadrature.
+// The directional albedo of a white rough surface with single scattering, by quadrature: GGX distribution and Smith's
+// height-correlated masking (Walter et al. 2007; Heitz, JCGT 3(2), 2014).
 //
-// Facets are integrated by their tilt and azimuth. Up to the tilt at which the first facet of a ring mirrors light from
-// below the horizon whole rings count, beyond it arcs of them, and beyond a second tilt nothing: between these the
-// integrand is smooth, but for square roots at the ends of the second part, which its substitution takes away.
+// Microfacets are integrated by tilt and azimuth, a ring of all azimuths for each tilt. Up to a first tilt the whole
+// ring counts; then light mirrored by part of the ring comes from below the horizon, and an arc counts; from a second
+// tilt on nothing does. Within both parts the integrand is smooth but for square roots at the ends of the second part,
+// which a substitution removes.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +17,7 @@ namespace pt::stability {
 
 class GgxAlbedo {
 public:
-    // The albedo of a rough surface. `cosine` of the viewer's direction to the normal, in (0, 1]; alpha in (0, 1].
+    // The albedo for a view direction with `cosine` to the normal, in (0, 1], and a roughness alpha in (0, 1].
     GgxAlbedo(long double alpha, long double cosine)
         : alpha_(alpha), z_(cosine), x_(std::sqrt((1 - cosine) * (1 + cosine))), masked_(smith_lambda(cosine)) {}
 
@@ -32,7 +33,7 @@ public:
                 sum += (high - low) * node.weight * ring(low + (high - low) * node.x);
             }
         }
-        // The substitution is share = first (last / first)^w with w = (1 - cos(pi s)) / 2.
+        // Substitution for the second part: share = first (last / first)^w with w = (1 - cos(pi s)) / 2.
         const long double ratio = std::log(last / first);
         for (const Node& node : nodes()) {
             const long double turn = std::numbers::pi_v<long double> * node.x;
@@ -52,21 +53,21 @@ private:
         return (std::sqrt(1 + alpha_ * alpha_ * (1 - c * c) / (c * c)) - 1) / 2;
     }
 
-    // The share of facets, by the area that they cover, whose slope is greater.
+    // The share of microfacets, by projected area, that are steeper than `slope`.
     long double steeper_than(long double slope) const { return 1 / (1 + slope * slope / (alpha_ * alpha_)); }
 
-    // The light kept by those facets than whose slope a share of all facets is steeper: the mean over their azimuths.
+    // The reflected light, averaged over azimuth, of the microfacets whose slope is exceeded by `share` of microfacets.
     long double ring(long double share) const {
         const long double slope = alpha_ * std::sqrt((1 - share) / share);
         const long double up = 1 / std::sqrt(1 + slope * slope), across = slope * up * x_;
-        const long double least = z_ / (2 * up) - z_ * up;  // of across cos(azimuth), for light above the horizon
+        const long double least = z_ / (2 * up) - z_ * up;  // least across * cos(azimuth) for light from above
         if (least >= across) {
             return 0;
         }
         return arc(up, across, least <= -across ? std::numbers::pi_v<long double> : std::acos(least / across));
     }
 
-    // Integral over azimuths from 0 to `end`.
+    // Integrates the reflected light of a ring of microfacets over azimuths from 0 to `end`.
     long double arc(long double up, long double across, long double end) const {
         long double sum = 0;
         for (const Node& node : nodes()) {

@@ -1,5 +1,5 @@
-// Known limits of estimates, or of single precision: texts for Case::known_limit. Each holds only where the numbers say
-// so; a case that fails elsewhere has failed.
+// Texts for Case::known_limit: known limits of estimators or of single precision. Each function returns a text only
+// where its numbers predict the failure; a case that fails for other parameters counts as failed.
 #pragma once
 
 #include <cmath>
@@ -11,7 +11,7 @@
 
 namespace pt::stability {
 
-// Paths that a quick run of these cases has at least, and events of a kind that an estimate of its error needs.
+// The fewest paths of a quick run of the cases that use these texts, and the events that an error estimate needs.
 inline constexpr double quick_paths_at_least = 5e5;
 inline constexpr double enough_events = 100;
 
@@ -22,8 +22,9 @@ inline std::string too_rare(double probability, double paths = quick_paths_at_le
                                                : "";
 }
 
-// Connections to a light of radiance `bright` that add up to `dim`: by next-event estimation a film has room for 1024
-// times the brightest light, so that its quantum is 2^-30 of that, for up to 2^16 samples a pixel, and 2^-25 for 2^21.
+// The known limit of next-event estimation where connections to a light of radiance `bright` add up to only `dim`. The
+// film has room for 1024 times the brightest light: its quantum is 2^-30 of that for up to 2^16 samples per pixel, and
+// 2^-25 for 2^21.
 inline std::string too_dim(double bright, double dim) {
     return 0x1p-25 * bright > 1e-6 * dim ? "the film's quantum is 2^-30 of the brightest light, or up to 2^-25 with "
                                            "more samples, and samples that "
@@ -33,14 +34,14 @@ inline std::string too_dim(double bright, double dim) {
                                          : "";
 }
 
-// The known limit of a light that fills `share` of what a path may meet.
+// The known limit of a light that a path hits by chance with probability `share`, or whose connections add up to `dim`.
 inline std::string rare_or_dim(const VariantTraits& variant, double share, double bright, double dim,
                                double paths = quick_paths_at_least) {
     return !variant.direct_light.connects ? too_rare(share, paths) : too_dim(bright, dim);
 }
 
-// A ray within a ball of a high index crosses near the centre, again and again along one line: each internal reflection
-// turns it by a rounding of a sine of impact / ior, and each the same way.
+// The known limit of a ray inside a ball of high index whose chords pass near the centre along one line: each internal
+// reflection turns the ray by a rounding error of the sine impact / ior, always in the same direction.
 inline std::string turns_inside(const VariantTraits& variant, double impact, double ior, double hits) {
     const double drift = impact > 0 ? hits * 0x1p-24 * ior / impact : 0;
     return !variant.precision.is_double() && drift > 1e-3
@@ -51,7 +52,7 @@ inline std::string turns_inside(const VariantTraits& variant, double impact, dou
                : "";
 }
 
-// A furnace whose last reflections are below half the last bit of the sum so far.
+// The known limit of a furnace whose last reflections are below half the last bit of the sum so far.
 inline std::string lost_tail(double emission, double albedo, double depth, const VariantTraits& variant) {
     const double last = emission * std::pow(albedo, depth - 1);
     const double sum = albedo < 1 ? emission / (1 - albedo) : emission * depth;

@@ -13,7 +13,7 @@ namespace {
 
 using Corner = std::array<float, 3>;
 
-// Vertices found by their place, so that what touches shares them.
+// Adds vertices to a mesh by position, so that triangles with a corner at the same place share its vertex.
 class SharedVertices {
 public:
     explicit SharedVertices(Mesh& mesh) : mesh_(mesh) {}
@@ -38,7 +38,7 @@ void add_quad(Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c, std
     mesh.triangles.push_back({a, c, d});
 }
 
-// Adds a ring of n vertices of a radius, at a height, and returns their numbers.
+// Adds a ring of n vertices with a radius and a height z, and returns their numbers.
 std::vector<std::uint32_t> ring(SharedVertices& vertices, std::uint32_t n, double radius, double z) {
     std::vector<std::uint32_t> numbers;
     for (std::uint32_t i = 0; i < n; ++i) {
@@ -154,7 +154,7 @@ Mesh nested_squares(int k) {
 
 Mesh shuffled(const Mesh& mesh, std::uint64_t seed) {
     MeshRandom random(seed);
-    // The order is Fisher and Yates's, written out: std::shuffle is another on every library.
+    // Fisher-Yates shuffle, written out since std::shuffle gives another order in each standard library.
     const auto order = [&](std::size_t count) {
         std::vector<std::uint32_t> numbers(count);
         std::iota(numbers.begin(), numbers.end(), 0u);
@@ -191,7 +191,7 @@ Mesh with_flat_ones(const Mesh& mesh) {
         const auto& p = mesh.vertices[a];
         const auto first = static_cast<std::uint32_t>(more.vertices.size());
         more.vertices.push_back(p);
-        // These points are in line with p along an axis, exactly, whatever p's coordinates are.
+        // The added points are exactly collinear with p along the z axis, whatever the coordinates of p are.
         more.vertices.push_back({p[0], p[1], p[2] + 0.5f});
         more.vertices.push_back({p[0], p[1], p[2] - 0.25f});
         more.triangles.push_back({a, b, b});

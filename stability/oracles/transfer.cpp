@@ -11,13 +11,13 @@ namespace {
 
 constexpr long double euler_gamma = 0.577215664901532860606512090082402431L;
 
-// E_n by its power series; the term with index n - 1 has the logarithm.
+// The exponential integral E_n by its power series, whose term n - 1 has the logarithm.
 long double series(int n, long double x) {
     long double digamma = -euler_gamma;
     for (int i = 1; i < n; ++i) {
         digamma += 1.0L / i;
     }
-    long double sum = 0, power = 1;  // (-x)^m / m!
+    long double sum = 0, power = 1;  // `power` is (-x)^m / m!
     for (int m = 0; m < 200; ++m) {
         const long double term = m == n - 1 ? power * (digamma - std::log(x)) : -power / (m - n + 1);
         sum += term;
@@ -29,7 +29,7 @@ long double series(int n, long double x) {
     return sum;
 }
 
-// E_n by the continued fraction, from its far end.
+// The exponential integral E_n by its continued fraction, evaluated from the far end.
 long double continued_fraction(int n, long double x) {
     long double tail = x;
     for (int m = 200; m >= 1; --m) {
@@ -48,7 +48,7 @@ long double exponential_integral(int n, long double x) {
 }
 
 HFunction::HFunction(double albedo) : albedo_(albedo), nodes_(gauss_legendre(96)) {
-    // H has a mu ln(mu) at 0: mu = t^4 takes it away.
+    // H(mu) behaves like mu ln(mu) at 0; the substitution mu = t^4 smooths it.
     for (Node& node : nodes_) {
         const long double t = node.x;
         node = {t * t * t * t, node.weight * 4 * t * t * t};
@@ -63,7 +63,7 @@ HFunction::HFunction(double albedo) : albedo_(albedo), nodes_(gauss_legendre(96)
             for (std::size_t j = 0; j < nodes_.size(); ++j) {
                 sum += nodes_[j].weight * nodes_[j].x * values_[j] / (nodes_[i].x + nodes_[j].x);
             }
-            // Successive iterates lie on both sides of the solution: their mean converges several times as fast.
+            // Successive iterates lie on both sides of the solution, so their mean converges several times as fast.
             next[i] = (values_[i] + 1 / (root + albedo_ / 2 * sum)) / 2;
             change = std::max(change, std::abs(next[i] - values_[i]) / next[i]);
         }
@@ -104,7 +104,7 @@ double mean_collisions(double albedo, double mu) {
 
 namespace {
 
-// Cell borders from face to face, denser towards both, in a way that is smooth in their number.
+// Cell borders of a slab, denser towards both faces; a smooth function of the index, as Romberg extrapolation needs.
 std::vector<long double> cell_borders(long double depth, int cells) {
     std::vector<long double> borders;
     for (int i = 0; i <= cells; ++i) {
@@ -114,7 +114,7 @@ std::vector<long double> cell_borders(long double depth, int cells) {
     return borders;
 }
 
-// A x = b for a symmetric positive definite A, by Cholesky's method.
+// Solves A x = b for a symmetric positive definite A by Cholesky's method.
 std::vector<long double> solve(std::vector<std::vector<long double>> a, std::vector<long double> b) {
     const std::size_t n = b.size();
     for (std::size_t i = 0; i < n; ++i) {
@@ -141,20 +141,20 @@ std::vector<long double> solve(std::vector<std::vector<long double>> a, std::vec
     return b;
 }
 
-// The share of photons that pass x without a collision; mu 0: of diffuse light. It gives where first collisions lie,
-// and what of each cell's light reaches a face unscattered.
+// The share of photons that travel x without a collision, at cosine mu or (mu = 0) of diffuse light. It gives both the
+// density of first collisions and the share of each cell's light that reaches a face unscattered.
 long double uncollided(long double x, double mu) { return mu > 0 ? std::exp(-x / mu) : 2 * exponential_integral(3, x); }
 
 SlabShares galerkin(double optical_depth, double albedo, double mu, int cells) {
     const std::vector<long double> x = cell_borders(optical_depth, cells);
     const auto n = static_cast<std::size_t>(cells);
-    std::vector<std::vector<long double>> third(n + 1, std::vector<long double>(n + 1));  // E3 of distances
+    std::vector<std::vector<long double>> third(n + 1, std::vector<long double>(n + 1));  // E3 of distances of borders
     for (std::size_t i = 0; i <= n; ++i) {
         for (std::size_t j = 0; j <= i; ++j) {
             third[i][j] = third[j][i] = exponential_integral(3, x[i] - x[j]);
         }
     }
-    // int over cell i, int over cell j of w/2 E1(|x-y|): a second difference of E3, for E3'' = E1.
+    // The matrix has int over cell i, int over cell j of w/2 E1(|x-y|), a second difference of E3, since E3'' = E1.
     std::vector<std::vector<long double>> matrix(n, std::vector<long double>(n));
     std::vector<long double> source(n);
     const long double w = albedo;
@@ -183,7 +183,7 @@ SlabShares slab_shares(double optical_depth, double albedo, double mu) {
     if (const auto found = known.find(key); found != known.end()) {
         return found->second;
     }
-    // Romberg's table: errors go with even powers of the cells' width.
+    // Romberg's table: errors are a series in even powers of the cell width.
     std::vector<SlabShares> row;
     double correction = 0;
     for (const int cells : {48, 96, 192, 384}) {
