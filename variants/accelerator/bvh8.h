@@ -1,5 +1,6 @@
-// Tree of eight children a node, boxes in single precision, nodes of 256 bytes; the nearest child first. Wald, Benthin,
-// Boulos, "Getting Rid of Packets", RT 2008; Ernst and Greiner, "Multi Bounding Volume Hierarchies", RT 2008.
+// The accelerator bvh8: a tree of eight children a node, boxes in single precision, nodes of 256 bytes; the nearest
+// child is visited first. Wald, Benthin, Boulos, "Getting Rid of Packets", RT 2008; Ernst and Greiner, "Multi Bounding
+// Volume Hierarchies", RT 2008.
 #pragma once
 
 #include "variants/bvh/wide_nodes.h"
