@@ -1,5 +1,5 @@
-// cub::DevicePartition::If in three ways: ended paths go, and the live ones are put in two groups by the surface that
-// they leave, diffuse-like before delta-like. A compaction that is half a sort.
+// The compaction cub_three_way: cub::DevicePartition::If in three ways drops ended paths and puts the live ones in two
+// groups by the surface that they leave, diffuse-like before delta-like. That is half a sort.
 #include <algorithm>
 
 #include <thrust/iterator/discard_iterator.h>
@@ -10,7 +10,7 @@
 namespace pt::cuda::compaction::cub_three_way {
 namespace {
 
-// Whether a live path leaves a surface of one class. A camera ray leaves none, and goes with the diffuse-like.
+// Whether a live path leaves a surface of the wanted class. A camera ray leaves none, and goes with the diffuse-like.
 struct IsAliveOfClass {
     IsAlive is_alive;
     FieldView origin_surface;
@@ -86,8 +86,8 @@ private:
 
     CellContext cell_;
     CubStorage storage_;
-    std::uint32_t* delta_like_ = nullptr;    // slots of the second group, until they are appended
-    std::uint32_t* group_counts_ = nullptr;  // two
+    std::uint32_t* delta_like_ = nullptr;    // slots of delta-like paths, until they are appended
+    std::uint32_t* group_counts_ = nullptr;  // sizes of the two groups
 };
 
 const Registration registration(

@@ -8,7 +8,7 @@ namespace pt {
 struct DirectLightTraits {
     bool connects = true;                // some vertex is connected to a light
     bool connects_every_vertex = false;  // a path carries its last BSDF density, for the MIS weight of light it meets
-    bool counts_light_met = true;        // after a vertex that was connected
+    bool counts_light_met = true;        // light hit after a connected vertex counts, too
 };
 
 namespace direct_light {
