@@ -261,7 +261,7 @@ struct TriangleLanes {
 
 struct Waiting {
     std::uint64_t
-        of;  // bits of the distance, 0 or more, above the link, so that the nearer entry is the smaller number
+        of;  // the distance's bits above the link: distances are 0 or more, so the nearer is the smaller number
 
     static Waiting make(float entry, std::uint32_t link) {
         return {static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(entry)) << 32 | link};

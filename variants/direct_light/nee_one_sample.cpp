@@ -1,5 +1,5 @@
-// Multiple importance sampling by the one-sample model: light is found by a connection or where it is met, one of the
-// two, chosen at random (kernels/next_event.h). Half the shadow rays of nee_mis.
+// The choice direct_light=nee_one_sample, multiple importance sampling by the one-sample model: light is found by a
+// light sample or by a BSDF sample, one of the two at random (kernels/next_event.h). Half the shadow rays of nee_mis.
 #include "variants/direct_light/next_event.h"
 
 namespace pt::direct_light::nee_one_sample {

@@ -1,5 +1,5 @@
-// One path at a time from the camera to its end, all its state in registers: the CPU's own best shape, and the plainest
-// one, so its generic kernel is the reference that every bitwise claim is held against.
+// The integrator depth_first: one path at a time from the camera to its end, all its state in registers. It is the
+// CPU's best shape and the plainest, so its generic kernel is the reference that every bitwise claim is held against.
 #pragma once
 
 #include <atomic>
@@ -54,8 +54,8 @@ std::uint32_t trace_tree(const SceneView<typename Config::Real>& scene, const Fi
     return tree.longest();
 }
 
-// Traces one path to its end and returns the number of segments it had. With a cache its camera ray is one of those
-// kept, and its first hit comes from there unless this path is the one that fills it.
+// Traces one path to its end and returns its number of segments. With a first-hit cache, the camera ray is one of those
+// kept, and its hit comes from the cache unless this path is the one that fills it.
 template <class Config>
 std::uint32_t trace(const SceneView<typename Config::Real>& scene, const FilmView& film, PixelSum<Config>& sum,
                     std::uint32_t pixel, std::uint32_t sample, FirstBounceCache<typename Config::Real>* cache,

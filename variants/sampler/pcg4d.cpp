@@ -1,4 +1,5 @@
-// One hash of pixel, sample, bounce and dimension for every four numbers: cheap, and good enough for every test here.
+// The sampler pcg4d: one hash of pixel, sample, bounce and dimension for every four numbers, cheap and good enough for
+// every test.
 #include "variants/registry.h"
 
 namespace pt::sampler::pcg4d {

@@ -7,7 +7,7 @@ namespace pt {
 
 struct SortingTraits {
     bool sorts = true;
-    bool host_sync = false;          // on CUDA: the host waits for the device within it, so no graph can hold it
+    bool host_sync = false;          // the host waits for the device within a sort, so no CUDA graph can hold it
     bool reproducible_order = true;  // a path has the same position in every run
 };
 
