@@ -14,11 +14,10 @@ struct Axis {
     // Whether `ptbench verify` combines the axis's choices with those of other axes in pairs only: the product of all
     // axes would take hundreds of times as long.
     bool by_pairs = false;
-    // Whether the axis's choices decide the error at a given number of samples; choices of other axes decide the time
-    // alone.
+    // Whether the axis's choices decide the error at a number of samples; those of other axes decide the time alone.
     bool decides_error = false;
-    // Whether the axis's choices decide how often a pixel stays black: by how often a sample is black, and by whether
-    // samples are independent.
+    // Whether the choices decide how often a pixel stays black: how often a sample is, and whether samples are
+    // independent.
     bool decides_samples = false;
 };
 

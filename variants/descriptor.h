@@ -15,8 +15,8 @@
 
 namespace pt {
 
-// How a choice's film compares with the reference variant's. bitwise: the same bits. statistical: the same expectation.
-// biased: neither, declared.
+// How a choice's film compares with the reference variant's: the same bits, the same expectation, or, declared,
+// neither.
 enum class Claim { bitwise, statistical, biased };
 
 enum class Backend : std::uint32_t { cpu = 1, cuda = 2 };
@@ -41,11 +41,9 @@ struct Tunable {
     // Whether the tunable is a shortcut that leaves the film unchanged. The reference variant (Registry::reference)
     // sets it to `lowest`, which turns the shortcut off.
     bool is_shortcut = false;
-    // For a tunable added after its choice was measured: the value at which the choice does what it did without the
-    // tunable.
+    // For a tunable that came after its choice was measured: the value at which the choice does what it did without.
     std::optional<std::uint32_t> as_before = {};
-    // The tunable's default value beside a generic specialisation, whose kernel has every feature and so is another
-    // program.
+    // The tunable's default beside a generic specialisation, whose kernel has every feature and so is another program.
     std::optional<std::uint32_t> generic_value = {};
 
     constexpr bool allows(std::uint32_t value) const {
@@ -59,7 +57,7 @@ public:
     const std::string& operator[](std::string_view axis) const { return choices_.at(index(axis)); }
     void set(std::string_view axis, std::string choice) { choices_.at(index(axis)) = std::move(choice); }
     // Full name of a variant: every choice in the order of the axes, joined by dots, then "+NAME=VALUE" for each
-    // tunable that is set. It tells two variants apart whatever the baselines are. People are shown shown_name
+    // tunable that is set. It tells variants apart whatever the baselines are. People are shown shown_name
     // (variant_name.h).
     std::string spelled_out() const;
     bool operator==(const Variant&) const = default;
@@ -117,8 +115,7 @@ struct Descriptor {
     std::string_view mean_of = "";
     std::uint32_t mean_at_extra_depth = 0;
     // The compiler may contract and reorder the choice's arithmetic, so two kernels of one formula need not round
-    // alike. The variant is then verified against its twin with mean_of by its mean, and the twin against the reference
-    // by its bits.
+    // alike. The variant is held to its twin with mean_of by its mean, and the twin to the reference by its bits.
     bool fp_relaxed = false;
     // Whether the film depends on the order in which paths lie in the queue, and so on every other choice. Such a film
     // is compared with the same variant's own film only.
@@ -129,8 +126,8 @@ struct Descriptor {
     Traits traits = {};  // what choices of other axes may ask of this choice; its own axis's traits alone
     BackendSet backends = on_cpu;
     std::span<const Tunable> tunables = {};
-    // Why the choice cannot run on a scene with these features in this variant; empty if it can. The caller fills in
-    // the reason's axis.
+    // Why the choice cannot run on a scene with these features in this variant; empty if it can. Its axis is filled in
+    // later.
     Reason (*unsupported_reason)(FeatureSet scene, const VariantTraits& variant) = nullptr;
     // What the choice left undone (or did although it must not) by the work counters; empty if it did its work.
     std::string (*check_counters)(const WorkCounters& work, std::uint64_t samples) = nullptr;

@@ -156,8 +156,8 @@ const Choice* Registry::find(std::string_view axis, std::string_view name, Backe
     if (axes == backends_.end() || place == axis_count) {
         return nullptr;
     }
-    // An axis has few names, most of different lengths: a linear search is faster than std::map's, and suites search
-    // millions of times.
+    // An axis has few names, most of different lengths: a linear search beats std::map's, and suites ask millions of
+    // times.
     for (const auto& [other, choice] : axes->second[place]) {
         if (other == name) {
             return &choice;

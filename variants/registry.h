@@ -77,8 +77,7 @@ public:
     Variant baseline(Backend backend = Backend::cpu) const;
     // The variant whose film must equal the film of `variant` bit for bit. Axes on which `variant` has a bitwise choice
     // get the plainest choice (Descriptor::reference, else the baseline), default tunables and no shortcuts
-    // (Tunable::is_shortcut); other axes stay. A variant whose film depends on the order of the queue is its own
-    // reference.
+    // (Tunable::is_shortcut); other axes stay. A variant whose film depends on the queue's order is its own reference.
     Variant reference(const Variant& variant, Backend backend = Backend::cpu) const;
 
 private:
@@ -128,9 +127,8 @@ Variant without_foreign_tunables(Variant variant, Backend backend);
 // samples (the flags of the same names in Descriptor).
 bool depends_on_order(const Variant& variant, Backend backend);
 bool has_independent_samples(const Variant& variant, Backend backend);
-// How many segments deeper the variant must trace that has the same mean by variant_of_mean
-// (Descriptor::mean_at_extra_depth). Chains are summed: a choice may claim the mean of one that claims the mean of a
-// third.
+// How many segments deeper the variant must trace that variant_of_mean returns (Descriptor::mean_at_extra_depth).
+// Chains are summed: a choice may claim the mean of one that claims the mean of a third.
 std::uint32_t extra_depth(Variant variant, Backend backend);
 // The features that the variant's choices ask of a kernel, whatever the scene.
 FeatureSet features_asked(const Variant& variant, Backend backend);

@@ -27,8 +27,7 @@ struct PathQueue {
     std::vector<std::uint32_t> keys;     // sort keys by position in play; filled for a sort only
     std::vector<std::uint32_t> scratch;  // a second index array, for choices that need one
 
-    // Makes room for `capacity` paths. The queue keeps its memory between renders, so that a timed render touches no
-    // fresh page.
+    // Makes room for `capacity` paths. Memory is kept between renders, so that a timed render touches no fresh page.
     void reserve(std::size_t capacity);
     std::uint32_t slot(std::size_t i) const { return indirect ? order[i] : static_cast<std::uint32_t>(i); }
 };
@@ -37,8 +36,8 @@ struct PathQueue {
 class Compaction {
 public:
     virtual ~Compaction() = default;
-    // Sets queue.count to the number of paths in play after the compaction; the compaction `none` leaves the queue as
-    // it is.
+    // Sets queue.count to the number of paths in play after the compaction; the choice `none` leaves the queue as it
+    // is.
     virtual void compact(PathQueue& queue) = 0;
     virtual bool is_active() const { return true; }
 };

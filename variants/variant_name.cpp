@@ -38,8 +38,7 @@ std::string joined(const Variant& variant, Backend backend, char between, char i
     return text;
 }
 
-// Names and values of the tunables of the variant's choices that exist on the backend, but for those at
-// Tunable::as_before.
+// Names and values of the tunables of the variant's choices on the backend, but for those at Tunable::as_before.
 Pairs tunable_values(const Variant& variant, Backend backend) {
     Pairs values;
     for (const std::string_view axis : axis_names) {

@@ -19,8 +19,7 @@ inline void check_count_after(const char* stage, std::size_t before, std::size_t
     }
 }
 
-// Reports a compaction that missed a bounce: every path must be compacted away or end in the last segment. Empty: none
-// was missed.
+// Reports a compaction that missed a bounce: every path must be compacted away or end in the last segment. Empty: none.
 inline std::string compacted_every_bounce(const WorkCounters& work, std::uint64_t) {
     if (work.compactions != work.bounces - work.last_bounces) {
         return std::to_string(work.compactions) + " compactions in " + std::to_string(work.bounces) + " bounces, " +

@@ -1,6 +1,5 @@
 // The accelerator bvh2: a binary tree of 64-byte nodes with both children's bounding boxes, so that one read decides on
-// two; the nearer child is visited first. Aila and Laine, "Understanding the Efficiency of Ray Traversal on GPUs", HPG
-// 2009.
+// two; the nearer child comes first. Aila and Laine, "Understanding the Efficiency of Ray Traversal on GPUs", 2009.
 #pragma once
 
 #include "kernels/math.h"
@@ -17,13 +16,11 @@ struct alignas(16) Node {
 };
 static_assert(sizeof(Node) == 64);
 
-// Entries of the traversal stack, and so the greatest depth of a tree: each inner node on the way to a leaf leaves one
-// child on the stack.
+// Entries of the traversal stack: each inner node on the way to the deepest leaf leaves one child on the stack.
 inline constexpr std::uint32_t stack_size = 64;
 
 #if !defined(__CUDACC_RTC__)
-// Encodes a binary tree as bvh2 nodes. Throws std::length_error for a tree that is too deep, too large, or has too
-// large leaves.
+// Encodes a binary tree as bvh2 nodes. Throws std::length_error for one too deep, too large, or with too large leaves.
 EncodedTree encode(const BinaryTree& tree);
 #endif
 

@@ -1,5 +1,4 @@
-// Builds compressed wide trees (cwbvh) from binary trees on the host. Every box is rounded outward, exactly: planes are
-// found in double precision.
+// Builds compressed wide trees (cwbvh) from binary ones on the host. Boxes are rounded outward, exactly, in double.
 #include "variants/accelerator/cwbvh.h"
 
 #include <cstring>

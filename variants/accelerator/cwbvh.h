@@ -27,9 +27,9 @@ inline constexpr std::uint32_t largest_depth = 64;
 // nothing, and a constant would take the instruction's one place for constants, which the byte selector needs.
 inline constexpr std::uint32_t plane_splice = 0x47000000u;
 
-// A compressed wide node. Child i lies at one of the node's corners: bit k of i is 1 at the high end of axis k. In
-// `contents`, bit 24 + i is set if child i is a node, and bits 3 i to 3 i + 2, the lowest first, stand for the slots of
-// a child that is a leaf.
+// A compressed wide node. Child i lies at one of the node's corners: bit k of i is 1 at the high end of axis k. Bit 24
+// + i of `contents` stands for a child that is a node, bits 3 i to 3 i + 2, lowest first, for the slots of one that is
+// a leaf.
 struct alignas(16) Node {
     float origin[3];
     std::uint8_t exponent[3];  // step between planes on each axis, as a float's exponent field
@@ -248,8 +248,8 @@ struct NodeGroup {
     }
 };
 
-// Passes triangles on slot by slot, though a leaf holds up to three: in one loop for all leaves of a node the lanes of
-// a warp stay together.
+// Passes leaves on slot by slot, though they hold up to three: one loop for all of a node keeps a warp's lanes
+// together.
 template <class Leaf, class Counter>
 PT_HD void visit_leaves(const LoadedNode& node, std::uint32_t hits, Leaf& leaf, Counter& counter) {
     for (std::uint32_t left = hits & 0xffffffu; left != 0;) {

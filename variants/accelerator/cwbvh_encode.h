@@ -9,8 +9,7 @@
 
 namespace pt::accelerator::cwbvh {
 
-// SAH costs of visiting a node and of testing a triangle: 10 to 3 as in the paper of cwbvh; instructions on an H200
-// come to the same ratio.
+// SAH costs of visiting a node and of testing a triangle, 10 to 3: as in the paper, and by instructions on an H200.
 inline constexpr float node_cost = 1.0f, reference_cost = 0.3f;
 inline constexpr std::uint32_t no_node = ~0u;
 
@@ -19,8 +18,7 @@ PT_HD inline float box_area(const Box& box) {  // half the surface area
     return x * y + y * z + z * x;
 }
 
-// How a binary subtree is cut into the subtrees below one wide node: the least SAH cost as 1 to 7 subtrees, and the
-// choices that lead to it.
+// How a binary subtree is cut into 1 to 7 subtrees below one wide node: the least SAH costs, and how they come about.
 struct alignas(32) Cut {
     float cost[width - 1];
     std::uint32_t choices;
@@ -67,8 +65,8 @@ struct alignas(32) Cut {
     }
 };
 
-// The binary subtrees that become the children of one wide node. A Tree has left(node), right(node), is_leaf(node),
-// box(node) and cut(node).
+// The binary subtrees that become a wide node's children. A Tree has left(node), right(node), is_leaf(node), box(node),
+// cut(node).
 struct Children {
     std::uint32_t node[width];
     std::uint32_t count = 0;

@@ -24,8 +24,8 @@ struct Query {
 };
 static_assert(offsetof(Query, context) == 0);
 
-// The tfar handed to Embree: a little beyond best_t, since Embree leaves out boxes that are entered at tfar, and rounds
-// the distance of entry.
+// The tfar for Embree, a little beyond best_t: Embree leaves out boxes entered at tfar, and rounds the distance of
+// entry.
 float limit(float best_t) { return best_t * (1.0f + gamma<float>(64)) + std::numeric_limits<float>::min(); }
 
 void meet(const RTCIntersectFunctionNArguments* arguments) {

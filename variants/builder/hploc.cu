@@ -323,8 +323,8 @@ __global__ void __launch_bounds__(block) lbvh(const __grid_constant__ BuildView 
         return;
     }
     Range range{index, index, 0};
-    // A range's node number stands at both ends of the range, clusters[left].node and clusters[right].first, since the
-    // parent reads either one.
+    // A range's node number stands at both of its ends, in clusters[left].node and clusters[right].first, for the
+    // parent.
     while (range.right - range.left + 1 != view.count && range.rise(view)) {
         const std::uint32_t left = __ldcg(&view.clusters[range.split - 1].first);
         const std::uint32_t right = __ldcg(&view.clusters[range.split].node);

@@ -1,5 +1,4 @@
-// BVH builders on the GPU: from boxes in device memory they make a binary tree in device memory, which can be copied to
-// the host.
+// BVH builders on the GPU: from boxes in device memory they build a binary tree there, which can be copied to the host.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +12,7 @@ namespace pt::builder {
 
 struct GpuTreeMemory;
 
-// A GPU builder with memory for one number of primitives: a build allocates nothing. Every call is queued on the
-// default stream.
+// A GPU builder for one number of primitives: a build allocates nothing. Every call is queued on the default stream.
 class GpuTree {
 public:
     explicit GpuTree(std::uint32_t primitives);
@@ -22,8 +20,7 @@ public:
     GpuTree(const GpuTree&) = delete;
     GpuTree& operator=(const GpuTree&) = delete;
 
-    // Builds the LBVH of Lauterbach et al. 2009 in the way of Apetrei 2014: in the order of the Morton codes, from the
-    // leaves up.
+    // Builds the LBVH of Lauterbach et al. 2009 as Apetrei 2014 does: in the order of Morton codes, from the leaves up.
     void build_lbvh(const Box* device_boxes);
     // Builds a tree by H-PLOC: on the way up the LBVH, warps merge the nearest of up to 32 neighbours until 16 clusters
     // are left. Benthin et al., "H-PLOC: Hierarchical Parallel Locally-Ordered Clustering", HPG 2024.

@@ -1,5 +1,4 @@
-// The result of a bottom-up builder: which nodes are siblings. `assemble` makes of it the tree that accelerators
-// encode.
+// The result of a bottom-up builder: which nodes are siblings. `assemble` makes a tree of it for accelerators.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +16,7 @@ struct Pairing {
 };
 
 // Makes a tree of siblings. Subtrees of at most `leaf_size` primitives become leaves where that is no dearer (Meister
-// and Bittner 2018, section 3.3); subtrees that go deeper than max_tree_depth are halved by number, in the order of
-// their leaves.
+// and Bittner 2018, section 3.3); subtrees deeper than max_tree_depth are halved by number, in leaf order.
 BinaryTree assemble(const Pairing& pairing, const PrimitiveBoxes& boxes, std::uint32_t leaf_size,
                     const SahCosts& costs);
 

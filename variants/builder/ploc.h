@@ -9,8 +9,7 @@ namespace pt::builder::ploc {
 
 // Finds the siblings of a tree by PLOC. `radius`: how many neighbours on either side of a cluster are searched.
 Pairing pair(const PrimitiveBoxes& boxes, std::uint32_t radius = 16);
-// Builds a tree by PLOC. `leaf_size`: the most references of a leaf; subtrees become leaves by the surface area
-// heuristic.
+// Builds a tree by PLOC. `leaf_size`: the most references of a leaf; subtrees become leaves by the SAH.
 BinaryTree build(const PrimitiveBoxes& boxes, std::uint32_t leaf_size = 4, const SahCosts& costs = {},
                  std::uint32_t radius = 16);
 

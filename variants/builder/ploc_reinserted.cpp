@@ -8,8 +8,7 @@
 namespace pt::builder::ploc_reinserted {
 namespace {
 
-// Rounds of reinsertion: four more change the nodes that a ray visits in a scene of a million torus triangles by less
-// than 1 %.
+// Rounds of reinsertion: four more change the nodes that a ray visits among a million torus triangles by less than 1 %.
 constexpr std::uint32_t rounds = 6;
 
 }  // namespace

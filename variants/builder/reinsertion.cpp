@@ -11,8 +11,7 @@ namespace {
 
 constexpr std::uint32_t no_node = ~0u;
 
-// A move of a reinsertion round: a node, its new sibling `to`, and by how much the move lessens the sum of surface
-// areas.
+// A move of a reinsertion round: a node, its new sibling `to`, and by how much that lessens the sum of surface areas.
 struct Move {
     float gain = 0;
     std::uint32_t node = no_node, to = no_node;
@@ -167,8 +166,8 @@ private:
         changed.push_back(parent);
         changed.push_back(above);
     }
-    // Whether `node` is in the subtree of `top`: an earlier move of the round may have brought a node's new place below
-    // it.
+    // Whether `node` is in the subtree of `top`: an earlier move of the round may have brought a new place below the
+    // node.
     bool is_below(std::uint32_t node, std::uint32_t top) const {
         for (; node != no_node; node = parents_[node]) {
             if (node == top) {

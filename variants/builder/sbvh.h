@@ -1,6 +1,6 @@
-// The builder sbvh, top down by the SAH with spatial splits: where an object split's children overlap, triangles may be
-// parted by a plane, and both children refer to them. Stich, Friedrich, Dietrich, "Spatial Splits in Bounding Volume
-// Hierarchies", HPG 2009.
+// The builder sbvh, top down by the SAH with spatial splits: where children of an object split overlap, a plane may
+// part triangles, to which both children refer. Stich, Friedrich, Dietrich, "Spatial Splits in Bounding Volume
+// Hierarchies", 2009.
 #pragma once
 
 #include <span>

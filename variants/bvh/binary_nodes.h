@@ -19,8 +19,7 @@ void set_child(Node& node, std::uint32_t child, const Box& box, std::uint32_t li
     node.link[child] = link;
 }
 
-// Returns the inner nodes in the tree's order, so the root stays first. An inner node's link is its number; a leaf's is
-// leaf_link_of(node).
+// Returns the inner nodes in the tree's order, the root first. A link is an inner node's number, or leaf_link_of(node).
 template <class Node, class LeafLinkOf>
 std::vector<Node> binary_nodes(const BinaryTree& tree, const LeafLinkOf& leaf_link_of) {
     std::vector<std::uint32_t> links;
@@ -38,8 +37,7 @@ std::vector<Node> binary_nodes(const BinaryTree& tree, const LeafLinkOf& leaf_li
             }
         }
     }
-    // A tree of one leaf gets a root: only a ray of NaNs enters the second child's empty box, and must come to an end
-    // too.
+    // A tree of one leaf: only a ray of NaNs enters the root's empty second child, and must come to an end too.
     if (nodes.empty() && !tree.nodes.empty()) {
         nodes.emplace_back();
         set_child(nodes[0], 0, tree.nodes[0].box, links[0]);

@@ -33,8 +33,8 @@ struct BoxRay {
             if (axis == s.kz) {
                 continue;
             }
-            // The reach counts eight times: six roundings of a sheared vertex, of the shear and of this sum, and two of
-            // the shifted origin.
+            // The margin covers six roundings of a sheared vertex, of the shear and of this sum, and two of the shifted
+            // origin.
             const Real sheared = rounded_product(absolute(axis == s.kx ? s.shear.x : s.shear.y), along);
             const Real margin = rounded_product(gamma<Real>(8), reach[axis] + sheared) +
                                 rounded_product(gamma<Real>(2), absolute(origin[axis]));

@@ -1,6 +1,5 @@
-// Collapses a binary tree into a wide one: each wide node takes in the inner nodes below it, largest first, until it
-// has `width` children. Wald, Benthin, Boulos, "Getting Rid of Packets", RT 2008; by area: Dammertz, Hanika, Keller,
-// EGSR 2008.
+// Collapses a binary tree into a wide one: a wide node takes in the inner nodes below it, largest first, until it has
+// `width` children. Wald, Benthin, Boulos, "Getting Rid of Packets", 2008; by area: Dammertz, Hanika, Keller 2008.
 #pragma once
 
 #include <cstdint>

@@ -20,8 +20,8 @@ inline std::uint32_t halving_depth(std::size_t count) {
     return count <= 1 ? 0u : static_cast<std::uint32_t>(std::bit_width(count - 1));
 }
 
-// Whether a node at this depth may be split unevenly: a child with almost all references could still be halved down to
-// single ones.
+// Whether a node at this depth may be split unevenly: a child with almost all references can still be halved to the
+// end.
 inline bool may_split_unevenly(std::uint32_t depth, std::size_t count) {
     return depth + 1 + halving_depth(count) <= max_tree_depth;
 }

@@ -11,8 +11,8 @@
 namespace pt {
 
 struct BuilderHook {
-    // Builds a tree over boxes, the same on any number of cores. `triangles`: the primitives in the boxes, for builders
-    // that split them.
+    // Builds a tree over boxes, the same on any number of cores. `triangles` in the boxes are for builders that split
+    // them.
     BinaryTree (*build)(const PrimitiveBoxes& boxes, std::span<const Triangle<float>> triangles) = nullptr;
 };
 

@@ -14,8 +14,7 @@ PT_HD constexpr std::uint32_t spread_bits(std::uint32_t x) {
     return (x | (x << 2)) & 0x09249249u;
 }
 
-// The cell of a box's centre, among 1024 along one axis of the bounding box of all centres; an axis without extent is
-// one cell.
+// The cell of a box's centre, of 1024 along an axis of the box of all centres; an axis without extent is one cell.
 PT_HD inline std::uint32_t morton_cell(float centre, float low, float high) {
     const float extent = high - low;
     const float cell = extent > 0 ? (centre - low) / extent * 1024.0f : 0.0f;

@@ -9,8 +9,7 @@
 
 namespace pt {
 
-// Returns the numbers of all nodes, the root nodes[0] first and each other after its parent. In `nodes` children come
-// in any order.
+// The numbers of all nodes, each after its parent, nodes[0] (the root) first. `nodes` may hold children in any order.
 inline std::vector<std::uint32_t> parents_first(std::span<const BinaryTree::Node> nodes) {
     std::vector<std::uint32_t> order(nodes.empty() ? 0 : 1, 0u);
     order.reserve(nodes.size());

@@ -52,8 +52,8 @@ public:
         return false;
     }
 
-    // Pushes the further child of a binary node whose children the ray both enters, and returns whether to enter the
-    // nearer one.
+    // Pushes the further one of a binary node's children, both of which the ray enters; whether to enter the nearer
+    // one.
     PT_HD bool enters_nearer(const Open& further) {
         push(further);
         return true;
@@ -165,7 +165,7 @@ public:
         if (level == 0) {
             return target_ != 0;
         }
-        // The best hit has come nearer than the child that the trail leads to, so what waits below that child is out of
+        // The best hit has come nearer than the child that the trail leads to: what waits below the child is out of
         // reach.
         if (target_ != 0 && position != position_at(level)) {
             leave_trail(level);
@@ -262,8 +262,7 @@ public:
             target_ = 0;
         }
         waits_ &= ~(level_ | (level_ - 1));
-        // The ray enters no child, or the best hit is nearer than the child on the trail: what waits below is out of
-        // reach.
+        // The ray enters no child, or the best hit is nearer than the trail's child: what waits below is out of reach.
         if (met <= first) {
             return false;
         }

@@ -212,8 +212,7 @@ struct BoxLanes {
         return lanes;
     }
 
-    // BoxRay::entry for every child of a node: sets `entries` to the distances, and returns a bit for each child
-    // entered.
+    // BoxRay::entry for every child of a node: sets `entries` to the distances; returns a bit for each child entered.
     std::uint32_t entered(const Node<width>& node, float best_t, Floats<width>& entries) const {
         Floats<width> nearest{}, farthest = broadcast<width>(best_t);
         for (int axis = 0; axis < 3; ++axis) {
@@ -260,8 +259,7 @@ struct TriangleLanes {
 };
 
 struct Waiting {
-    std::uint64_t
-        of;  // the distance's bits above the link: distances are 0 or more, so the nearer is the smaller number
+    std::uint64_t of;  // the distance's bits above the link: no distance is negative, so the nearer is the smaller
 
     static Waiting make(float entry, std::uint32_t link) {
         return {static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(entry)) << 32 | link};

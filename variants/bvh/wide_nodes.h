@@ -33,8 +33,7 @@ struct alignas(16) WideNode {
     }
 };
 
-// The link of a child that does not exist: a leaf of the first slot, which every tree has. A test of one more triangle
-// changes no hit.
+// The link of a child that does not exist: the leaf of slot 0, since one more triangle to test changes no hit.
 inline constexpr std::uint32_t no_child_link = leaf_link(0, 1);
 
 // Stack entries that suffice for a tree of max_tree_depth levels in any shape (collapse.h).

@@ -21,8 +21,7 @@ struct MeshRays {
     BoxRay<float> box_ray(std::uint32_t l) const { return {near_origin[l], far_origin[l], inverse[l]}; }
 };
 
-// Takes a packet's rays into a mesh's space by the operations of MeshRay::of, in their order; only branches are
-// selections.
+// Takes a packet's rays into a mesh's space by the operations of MeshRay::of, in their order, with no branch.
 template <bool is_placed>
 inline void to_mesh(MeshRays& rays, const MeshInstance<float>& instance, const Vectors<float>& origin,
                     const Vectors<float>& direction) {
@@ -137,8 +136,7 @@ private:
         go_to(take_nearest<width>(found, entries, node, top_));
         return true;
     }
-    // BoxRay::entry for every child of a node: sets `entries` to the distances, and returns a bit for each child
-    // entered.
+    // BoxRay::entry for every child of a node: sets `entries` to the distances; returns a bit for each child entered.
     std::uint32_t entered(const Node<width>& node, Floats<width>& entries) const {
         Floats<width> nearest{}, farthest = broadcast<width>(best_.t);
         for (int axis = 0; axis < 3; ++axis) {
@@ -274,8 +272,7 @@ NativeMesh prepare(const EncodedTree& tree, std::span<const LeafTriangle> leaves
     return {mesh, mesh->bytes()};
 }
 
-// The hooks of an accelerator on the host. `Traversal` is for rays in double precision, and for a tree over all
-// objects.
+// The hooks of an accelerator on the host. `Traversal` is for rays in double, and for a tree over all objects.
 template <int width, class Traversal>
 AcceleratorHook accelerator_hook(EncodedTree (*encode)(const BinaryTree& tree)) {
     return {encode,

@@ -13,8 +13,7 @@ struct CountLiveParameters {
     std::uint32_t* live;
 };
 
-// Parameters of find_gaps, which lists the gaps (ended paths) below *live and the live paths above it, of which there
-// are as many.
+// Parameters of find_gaps, which lists the gaps (ended paths) below *live and the live paths above it, as many.
 struct FindGapsParameters {
     static constexpr const char* kernel = "find_gaps";
     PathStore store;

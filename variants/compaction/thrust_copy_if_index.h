@@ -1,5 +1,4 @@
-// The compaction thrust_copy_if_index leaves paths in place and lists the live slots: 4 bytes a path move instead of
-// 72.
+// The compaction thrust_copy_if_index leaves paths in place and lists live slots: 4 bytes a path move instead of 72.
 #pragma once
 
 #include "variants/descriptor.h"

@@ -1,5 +1,4 @@
-// The compaction thrust_stable_partition moves live paths to the front and ended ones to the back; both keep their
-// order.
+// The compaction thrust_stable_partition moves live paths to the front and ended ones behind; both keep their order.
 #pragma once
 
 #include "variants/descriptor.h"

@@ -114,8 +114,7 @@ struct Hits {
     }
 };
 
-// Bit `bit` of a word, by the sign of the shifted word: a test of one bit is a truth value too narrow for g++ 12's
-// vectors.
+// Bit `bit` of a word, by the sign of a shifted word: g++ 12 makes no vectors of a truth value from a one-bit test.
 inline bool has_bit(std::uint32_t word, std::uint32_t bit) {
     return static_cast<std::int32_t>(word << (31u - bit)) < 0;
 }

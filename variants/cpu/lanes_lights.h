@@ -100,8 +100,7 @@ struct BoxObservers {
     BoxViews<Real> near, far;
 
     void clear() { near.size = far.size = 0; }
-    // Adds a lane to the near or far observers of box lights. Returns whether it sees a face of the box and so was
-    // added.
+    // Adds a lane to the near or far observers of box lights; false if it sees no face of the box and is not added.
     bool add(std::uint32_t l, const BoxLight<Real>& light, const Vec3<Real>& position) {
         const Vec3<Real> from = (position - light.centre) * light.inverse_diagonal;
         const bool sees = sees_faces(from, light.half);
@@ -274,8 +273,7 @@ inline T gathered(const T* from, std::uint32_t index) {
     return from[static_cast<std::int32_t>(index)];
 }
 
-// A light's entry in a table. A table of one light is read without its index: a gathering load of 16 lanes costs as
-// much as 16 loads.
+// A light's entry in a table. A table of one light is read without index: a gathering load costs as much as 16 loads.
 template <bool one_light, class T>
 inline T of_light(const T* from, std::uint32_t light) {
     return one_light ? *from : gathered(from, light);

@@ -37,8 +37,7 @@ inline void note_body(Sights<Real>& sights, std::uint32_t l, const Interval<Real
     note_crossing(sights, l, is_other & (leaves | meets), leaves ? chord : entered);
 }
 
-// Marks the shadow rays that may cross a wall of the enclosure as `by_lane`; the others need no test against walls
-// (walls_between).
+// Marks shadow rays that may cross a wall of the enclosure as `by_lane`; others need no wall test (walls_between).
 template <class Config>
 inline void leave_out_walls(Sights<typename Config::Real>& sights, const SceneView<typename Config::Real>& scene,
                             const Paths<typename Config::Real>& shadow, const Lanes<typename Config::Real>& distance) {

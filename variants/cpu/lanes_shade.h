@@ -142,8 +142,7 @@ inline void scatter(Paths<typename Config::Real>& paths, const Surfaces<typename
 }
 
 // Shades the hits of a packet: on return each path whose flag `goes_on` was set has its next ray, or is over and its
-// flag cleared. The scene has at least one object. `work` and `lights` are for kernels with connections; the lights are
-// the scene's.
+// flag cleared. The scene has at least one object. `work` and `lights`, the scene's, are for kernels with connections.
 template <class Config>
 inline void shade(Paths<typename Config::Real>& paths, Flags& goes_on, const SceneView<typename Config::Real>& scene,
                   const Hits<typename Config::Real>& hits, Connections<typename Config::Real>& work,

@@ -37,8 +37,7 @@ inline constexpr KernelSets kernel_sets{
 
 inline constexpr std::size_t pixels_per_chunk = 64;
 
-// Traces one path that may split, from its first hit on; returns the number of segments to the end of the longest
-// branch.
+// Traces one path that may split, from its first hit on; returns the number of segments up to the longest branch's end.
 template <class Config>
 std::uint32_t trace_tree(const SceneView<typename Config::Real>& scene, const FilmView& film, PixelSum<Config>& sum,
                          Path<typename Config::Real>& path, Hit<typename Config::Real> hit, PathCounters& counters) {

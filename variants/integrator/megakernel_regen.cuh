@@ -44,7 +44,7 @@ struct Strided {
     }
 };
 
-// Traces paths with regeneration: warp w takes strip w mod strips, and of its samples w / strips, w / strips + stride,
+// Traces paths with regeneration: warp w takes strip w mod strips, and of it samples w / strips, w / strips + stride,
 // ...
 PT_KERNEL(megakernel_regen, pt::cuda::MegakernelRegenParameters<Real>,
           (const __grid_constant__ Scene parameter, FilmView film, std::uint32_t first_sample, std::uint32_t samples,

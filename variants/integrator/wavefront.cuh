@@ -99,8 +99,7 @@ PT_KERNEL(generate_paths, pt::cuda::GeneratePathsParameters<Real>,
     }
 }
 
-// Traces the queue's rays, one position a thread. Paths that enter a mesh wait for another kernel where the traversal
-// has one.
+// Traces the queue's rays, a position a thread. Paths that enter a mesh wait for the traversal's own kernel, if any.
 PT_KERNEL(intersect_paths, pt::cuda::IntersectPathsParameters<Real>,
           (const __grid_constant__ Scene parameter, PathStore store, const std::uint32_t* order,
            const std::uint32_t* count, std::uint32_t bound, StoredHit* hits, HitCache cache, SegmentNumber segment,

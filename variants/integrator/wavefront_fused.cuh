@@ -72,7 +72,7 @@ __device__ inline std::uint32_t part_capacity(const PathStore& store) {
 // The part of the queue to which the thread block's paths are appended.
 __device__ inline std::uint32_t own_part() { return blockIdx.x % tuned::append_counters; }
 
-// Returns the number of paths in the queue, and the slot of the path at `position`. Every thread of the block must call
+// The number of paths in the queue, and the slot of the path at `position`. Every thread of the block must call
 // locate().
 struct Located {
     std::uint32_t total, slot;
@@ -94,8 +94,7 @@ __device__ inline Located locate(const PathStore& store, const std::uint32_t* co
     return located;
 }
 
-// Puts a path where the next bounce finds it. `is_new`: nothing of the path lies in its slot yet. Every thread of the
-// block must call it.
+// Puts a path where the next bounce finds it. `is_new`: its slot is empty. Every thread of the block must call it.
 template <bool is_new>
 __device__ inline void put_path(const Path& path, bool shaded, bool alive, std::uint32_t slot, const PathStore& out,
                                 std::uint32_t* out_count) {
@@ -278,7 +277,7 @@ private:
 
     void begin(std::uint32_t first_sample) override {
         if (appends_) {
-            // Counters for every segment are cleared at once: clearing them between two bounces would cost a gap each
+            // Counters of all segments are cleared at once: clearing them between two bounces would cost a gap each
             // time.
             clear(counts_, words_per_segment() * job_.longest_path * sizeof(std::uint32_t), job_.stream);
             queue_.count = counts_after(0);
@@ -298,8 +297,7 @@ private:
 
     void trace(std::uint32_t segment) override {
         if (appends_) {
-            queue_.count =
-                counts_after(segment - 1);  // counters of the segment before, also of one that a graph's loop took
+            queue_.count = counts_after(segment - 1);  // after the segment before, also after a graph's loop
         }
         const PathStore out = appends_ ? queue_.spare : queue_.paths;
         std::uint32_t* const out_count = appends_ ? counts_after(segment) : queue_.count;

@@ -41,8 +41,8 @@ struct FillQueueParameters {
     StoredHit<Real>* hits;
 };
 
-// Parameters of the intersection kernel. With `keys`, it also writes the sort key of every position; ended paths get
-// the last key.
+// Parameters of the intersection kernel. With `keys`, it writes the sort key of every position; ended paths get the
+// last.
 template <class Real>
 struct IntersectQueueParameters {
     static constexpr const char* kernel = "intersect_queue";
@@ -311,7 +311,7 @@ constexpr Descriptor descriptor{
     .check_counters = wavefront_work_missing,
 };
 
-// The device's progress, which its kernels write into the host's memory (ProgressReport). Reading it costs the device
+// The device's progress, which its kernels write into host memory (ProgressReport). Reading it costs the device
 // nothing.
 class Progress {
 public:

@@ -15,8 +15,7 @@
 
 namespace pt::cuda {
 
-// Stands for the value in a slot where an algorithm expects a reference to it. Slots have load(slot) and store(slot,
-// value).
+// Stands for the value in a slot where an algorithm expects a reference. Slots have load(slot), store(slot, value).
 template <class Slots>
 class SlotReference {
 public:

@@ -136,9 +136,8 @@ private:
     template <PathField field>
     PT_HD void load_vector(std::uint32_t slot, Vec3<Real>& value) const {
         constexpr std::size_t x = first_column(field);
-        // Addresses of an optional vector start from the first of its three columns, and the second column is stored by
-        // an index of 32 bits: with other forms of the same addresses kernels that carry the vector have other
-        // registers.
+        // An optional vector's addresses start from the first of its three columns, and the second one is stored by an
+        // index of 32 bits: other forms of the same addresses change the registers of kernels that carry the vector.
         if constexpr (info(field).is_optional) {
             const std::size_t step = padded(store_.capacity);
             value = {at<x>()[slot], at<x>()[step + slot], at<x>()[2 * step + slot]};

@@ -1,5 +1,4 @@
-// The sampler pcg4d: one hash of pixel, sample, bounce and dimension for every four numbers, cheap and good enough for
-// every test.
+// The sampler pcg4d: one hash of pixel, sample, bounce and dimension for every four numbers, cheap and good enough.
 #include "variants/registry.h"
 
 namespace pt::sampler::pcg4d {

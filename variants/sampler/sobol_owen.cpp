@@ -1,4 +1,4 @@
-// The sampler sobol_owen: samples of a pixel fill the unit cube evenly, four dimensions at a time
+// The sampler sobol_owen: a pixel's samples fill the unit cube evenly, four dimensions at a time
 // (kernels/sobol_owen.h).
 #include "variants/registry.h"
 

@@ -15,8 +15,8 @@ struct SortKeyTraits {
     bool by_chunk = false;     // the key counts by chunks of slots, of the tunable `chunk`
 
     constexpr bool is_material_alone() const { return has_material && bits == 0 && !by_chunk; }
-    // Whether a counting sort can take the keys: there is one key a material (or a material of a chunk), few enough to
-    // be counted.
+    // Whether a counting sort can take the keys: there is one a material, or one a material of a chunk, few enough to
+    // count.
     constexpr bool is_countable() const { return has_material && bits == 0; }
 };
 

@@ -1,6 +1,5 @@
 // The sort per_material_queue: no sort of one queue but a queue a material. After the intersection each path's slot is
-// appended to the queue of the material that it hit (or one for paths that left the scene), and shading runs once a
-// queue.
+// appended to the queue of the material hit (or one for paths that left the scene), and shading runs once a queue.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The sort thrust_sort_by_key on CUDA: moves the paths and their hits into the order of keys before shading, as cis565
+// The sort thrust_sort_by_key on CUDA: moves paths and their hits into the order of keys before shading, as cis565
 // does.
 #include <stdexcept>
 
@@ -51,8 +51,7 @@ public:
     explicit SortByKey(const CellContext& cell) : cell_(cell), thrust_(cell) {}
 
     // Slots from the count to the bound have the largest key and lie last, so a stable sort leaves them last. For
-    // 32-bit keys Thrust's sort_by_key and stable_sort_by_key are one radix sort; only the latter promises to be
-    // stable.
+    // 32-bit keys Thrust's sort_by_key and stable_sort_by_key are one radix sort; only the latter promises stability.
     void sort(Queue& queue, std::uint32_t) override {
         if (queue.indirect) {
             throw std::logic_error("thrust_sort_by_key needs a contiguous payload");

@@ -1,5 +1,4 @@
-// The choice specialisation=generic: one kernel for every scene, with all shapes, materials and features chosen at run
-// time.
+// The choice specialisation=generic: one kernel for every scene; shapes, materials and features are chosen at run time.
 #include "variants/specialisation/smallest_superset.h"
 
 namespace pt::specialisation::generic {

@@ -1,6 +1,5 @@
 // The choice specialisation=matrix: kernels that intersect every object through its 4x4 matrix, in one loop over all
-// objects, with every branch compiled in. That is what cis565 does, and the price that classifying objects at load
-// saves.
+// objects, with every branch compiled in: what cis565 does, and the price that classifying objects at load saves.
 #include "variants/mesh_reasons.h"
 #include "variants/registry.h"
 

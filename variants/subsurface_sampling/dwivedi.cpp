@@ -1,4 +1,4 @@
-// The choice subsurface_sampling=dwivedi: a share of a walk's steps is drawn towards the nearest surface
+// The choice dwivedi: a share of a subsurface walk's steps is drawn towards the nearest surface
 // (kernels/guided_walk.h).
 #include "variants/registry.h"
 

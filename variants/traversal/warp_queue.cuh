@@ -21,8 +21,7 @@ inline constexpr unsigned every_lane = 0xffffffffu;
 
 __device__ inline std::uint32_t lanes_in(unsigned mask) { return static_cast<std::uint32_t>(__popc(mask)); }
 
-// Lets idle lanes take the next of `count` rays; `next` is the first ray that no warp has fetched. False: no ray is
-// left.
+// Lets idle lanes take the next of `count` rays; `next` is the first ray that no warp has fetched. False: none is left.
 template <class State>
 __device__ inline bool fetch(State& state, std::uint32_t* next, std::uint32_t count, bool& exhausted) {
     const unsigned idle = __ballot_sync(every_lane, !state.active());
