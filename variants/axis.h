@@ -16,7 +16,7 @@ struct Axis {
     bool by_pairs = false;
     // Whether the axis's choices decide the error at a number of samples; those of other axes decide the time alone.
     bool decides_error = false;
-    // Whether the choices decide how often a pixel stays black: how often a sample is, and whether samples are
+    // Whether the axis decides how often a pixel stays black: how often a sample is black, and whether samples are
     // independent.
     bool decides_samples = false;
 };

@@ -30,7 +30,8 @@ inline constexpr BackendSet on_cuda = static_cast<BackendSet>(Backend::cuda);
 inline constexpr BackendSet on_every_backend = on_cpu | on_cuda;
 constexpr bool contains(BackendSet set, Backend backend) { return (set & static_cast<BackendSet>(backend)) != 0; }
 
-// A number that a choice may be tuned by. It never changes what is computed, unless the choice's claim says so.
+// A tunable: a number that a choice may be tuned by. It never changes what is computed, unless the choice's claim says
+// so.
 struct Tunable {
     std::string_view name;
     std::uint32_t default_value = 0;  // the tunable's value where a variant sets none

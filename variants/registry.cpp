@@ -17,7 +17,7 @@ std::string label(const Descriptor& descriptor) {
     return std::string(descriptor.axis) + "=" + std::string(descriptor.name);
 }
 
-// Throws std::logic_error for a descriptor that verification could not work with.
+// Throws std::logic_error for a choice's descriptor that verification could not work with.
 void check_descriptor(const Descriptor& descriptor) {
     const std::size_t axis = Variant::index(descriptor.axis);
     if (!std::holds_alternative<std::monostate>(descriptor.traits) && descriptor.traits.index() != axis + 1) {

@@ -29,7 +29,7 @@ using AddFeatures = std::function<FeatureSet()>;
 struct KernelOffer {
     FeatureSet needed = no_features;     // features that the scene and the variant need
     FeatureSet shortcuts = no_features;  // shortcuts that the scene allows
-    std::vector<FeatureSet> compiled;    // the sets that the integrator is, or can be, compiled for
+    std::vector<FeatureSet> compiled;    // feature sets that the integrator is, or can be, compiled for
 };
 // Picks the feature set of the kernel to run.
 using ChooseFeatures = std::function<FeatureSet(const KernelOffer& offer, const Variant& variant, Backend backend)>;
@@ -67,7 +67,7 @@ public:
     void add_integrator(const Descriptor& descriptor, FeatureSet features, RenderFunction render);
     void add_integrator(const Descriptor& descriptor, FeatureSet features, RenderIn<double> render);
 
-    // The choices of an axis: its baseline first, then by name.
+    // The choices of an axis: the baseline first, the others by name.
     std::vector<const Choice*> choices(std::string_view axis, Backend backend = Backend::cpu) const;
     // Finds a choice; null if there is none of this name.
     const Choice* find(std::string_view axis, std::string_view name, Backend backend = Backend::cpu) const;
@@ -120,7 +120,7 @@ Variant variant_of_mean(const Variant& variant, Backend backend);
 // The variant with the same film whose kernel has every feature and is compiled once for all scenes. A variant is
 // returned unchanged if its film depends on its specialisation (matrix) or on the order of its queue.
 Variant with_every_feature(const Variant& variant, Backend backend);
-// The variant without the tunables that none of its choices has.
+// The variant without the tunables that none of the variant's choices has.
 Variant without_foreign_tunables(Variant variant, Backend backend);
 
 // Whether one of the variant's choices depends on the order of the queue, and whether all its choices have independent
@@ -139,7 +139,7 @@ Tunable tunable_in(const Variant& variant, Tunable tunable, Backend backend);
 std::vector<Tunable> tunables_of(const Variant& variant, Backend backend);
 // Every tunable that some choice of the backend has; each name is listed once.
 std::vector<Tunable> all_tunables(Backend backend);
-// The value of a tunable in a variant. Throws std::logic_error if none of its choices has it.
+// The value of a tunable in a variant. Throws std::logic_error if none of the variant's choices has the tunable.
 std::uint32_t tunable(const Variant& variant, std::string_view name, Backend backend);
 
 // What the choices of a variant left undone in a render of `samples` samples a pixel; empty: all did their work.

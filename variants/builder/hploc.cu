@@ -84,7 +84,7 @@ __global__ void bound_centres(const Box* boxes, std::uint32_t count, CentreBound
     }
 }
 
-// Spreads the bits of a number of 21 bits three apart.
+// Spreads the bits of a number of 21 bits three apart, for a Morton code.
 __device__ std::uint64_t spread(std::uint64_t x) {
     x = (x | x << 32) & 0x1f00000000ffffull;
     x = (x | x << 16) & 0x1f0000ff0000ffull;

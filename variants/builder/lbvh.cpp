@@ -35,7 +35,7 @@ private:
     std::uint32_t node(std::int64_t i, bool is_leaf) const {
         return static_cast<std::uint32_t>(is_leaf ? i : count_ + i);
     }
-    // The number of keys beyond i, in direction d, that node i covers.
+    // The number of keys beyond key i, in direction d, that node i of the radix tree covers.
     std::int64_t length(std::int64_t i, std::int64_t d) const {
         const int delta_min = delta(i, i - d);
         std::int64_t longest = 2;

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::uint32_t task_size = 2048;  // subtrees of at most so many references get no task
 
-// A split of a node's references: the first `left` in the order of an axis go left.
+// A split of a node's references: the first `left` of them in the order of an axis go to the left child.
 struct Split {
     double cost = std::numeric_limits<double>::infinity();  // half area times count, summed over both children
     int axis = 0;

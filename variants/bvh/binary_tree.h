@@ -20,7 +20,7 @@ struct BinaryTree {
     struct Node {
         Box box;
         std::uint32_t first = 0;  // inner node: its left child, whose sibling follows; leaf: its first reference
-        std::uint32_t count = 0;  // references of a leaf; 0: an inner node
+        std::uint32_t count = 0;  // number of references of a leaf; 0: an inner node
 
         bool is_leaf() const { return count != 0; }
     };

@@ -95,7 +95,7 @@ struct BlockSlots {
     std::uint32_t count = 0;  // 0: more than a block holds
     std::uint32_t slot[block_width];
 
-    // Adds `slots` slots; false if there would be more than a block holds.
+    // Adds a leaf's slots to the block's; false if there would be more than a block holds.
     bool take(std::uint32_t first, std::uint32_t slots) {
         if (count + slots > block_width) {
             return false;

@@ -116,7 +116,7 @@ public:
     }
     const Hit<float>& best() const { return best_; }
 
-    // Visits a node or a leaf. Returns whether there is more to visit.
+    // Visits a node or a leaf of the ray's tree. Returns whether there is more to visit.
     bool step() {
         if (is_leaf_link(link_)) {
             meet_leaf(best_, mesh_->blocks.data(), link_, TriangleLanes::of(ray_), ray_);

@@ -26,7 +26,7 @@ struct IsAliveOfClass {
     }
 };
 
-// Appends the second group of paths to the first and adds their counts.
+// Appends the delta-like group of paths to the diffuse-like one and adds their counts.
 __global__ void append_group(std::uint32_t* first, const std::uint32_t* second, const std::uint32_t* counts,
                              std::uint32_t* total) {
     const std::uint32_t begin = counts[0], size = counts[1];

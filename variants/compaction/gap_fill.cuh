@@ -96,7 +96,7 @@ public:
         launch(queue.bound, CountLiveParameters{queue.paths, queue.count, queue.count_spare});
         launch(queue.bound,
                FindGapsParameters{queue.paths, queue.count, queue.count_spare, gaps_, counts_, movers_, counts_ + 1});
-        // At most half of all paths are moved: there are at most as many gaps below n as live paths above it.
+        // At most half of all paths move: each from above the number of live paths into a gap below it.
         launch(queue.bound / 2 + 1, FillGapsParameters{queue.paths, gaps_, movers_, counts_ + 1});
         queue.swap_count();
         queue.indirect = false;

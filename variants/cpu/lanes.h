@@ -22,7 +22,7 @@ struct alignas(64) Lanes {
     const T& operator[](std::size_t lane) const { return of[lane]; }
 };
 
-// A truth value of a lane, 1 or 0, as wide as a number.
+// Truth values of a packet's lanes, 1 or 0, each as wide as a number.
 using Flags = Lanes<std::uint32_t>;
 
 inline bool any(const Flags& flags) {

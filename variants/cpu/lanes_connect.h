@@ -41,7 +41,7 @@ struct Connections {
 template <class Config>
 inline constexpr bool draws_points = face_sampling<Config> != LightSampling::solid_angle&& has_lines_of_sight<Config>;
 
-// The number of an object among the axis boxes.
+// The number of an object among the scene's axis boxes.
 template <class Real>
 inline std::uint32_t box_of(const SceneView<Real>& scene, std::uint32_t object) {
     return object - first_of<ShapeKind::axis_box>(scene);

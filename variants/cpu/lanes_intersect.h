@@ -61,7 +61,7 @@ inline void closest_sphere(Hits<typename Config::Real>& hits, const SceneView<ty
         for (std::uint32_t l = 0; l < width; ++l) {
             const SurfaceId origin_surface{paths.origin_surface[l]};
             const Vec3<Real> origin = at_rest<Config>(scene, object, paths.origin[l], paths.time[l]);
-            // A ray that starts on no surface departs from no object: `nowhere` holds the number of none.
+            // A ray that starts on no surface departs from no object: SurfaceId::nowhere has the number of none.
             keep_nearer(hits, l, lanes::interval(sphere, origin, paths.direction[l]),
                         chord(sphere, origin, paths.direction[l]), object, origin_surface.object() == object,
                         origin_surface);

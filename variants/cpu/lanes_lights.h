@@ -218,7 +218,7 @@ inline SinCos<Real> sin_cos(Real x) {
     return {x < Real(0) ? -sine : sine, is_left ? -across : across};
 }
 
-// SphericalRectangle::point (kernels/solid_angle.h) for lanes.
+// Samples a point in a spherical rectangle, as SphericalRectangle::point (kernels/solid_angle.h) does.
 template <class Real>
 inline Vec2<Real> point_in_rectangle(Real x0, Real x1, Real y0, Real y1, Real height, Real skew, Real solid_angle,
                                      Real u, Real v) {

@@ -6,7 +6,7 @@
 namespace pt {
 
 struct IntegratorTraits {
-    bool has_queue = false;             // paths lie in memory between stages: to be compacted, sorted and laid out
+    bool has_queue = false;             // paths lie in memory between stages, where they can be compacted and sorted
     bool can_loop = false;              // its bounces can be the loop of a CUDA graph
     bool appends_in_kernel = false;     // its own kernel does what a compaction with AppendInKernel does
     bool seeds_by_position = false;     // the sampler is told where in the queue a path lies

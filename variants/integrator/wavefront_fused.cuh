@@ -25,7 +25,7 @@ struct FirstBounceParameters {
     HitCache<Real> cache;
     Totals* totals;
     SegmentCounts segments;
-    PathStore waiting;  // where paths lie that are on a walk: slot i for path i
+    PathStore waiting;  // where paths on a subsurface walk lie: slot i for path i
     WalkerList walkers;
 };
 
@@ -336,7 +336,7 @@ private:
     std::uint32_t* counts_after(std::uint32_t segment) const { return counts_ + segment * words_per_segment(); }
 
     JobOf<Real>& job_;
-    std::uint32_t counters_;           // parts of the queue where the kernel appends
+    std::uint32_t counters_;           // number of parts of the queue, if the kernel appends
     std::uint32_t* counts_ = nullptr;  // in device memory: the counters of every segment
     Walks<Real> walks_;
 };

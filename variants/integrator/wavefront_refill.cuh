@@ -368,8 +368,8 @@ private:
     // Rounds that few subsurface walks take between two segments.
     static constexpr std::uint32_t rounds_of_long_walks = 1024;
 
-    // A path has its slot for at most longest_path rounds, walks aside, and leaves it empty for fewer than
-    // refill_every_. The rounds of the last paths have room in the other half of the 32 bits.
+    // Samples that a go may have for its rounds. A path has its slot for at most longest_path rounds, walks aside, and
+    // leaves it empty for fewer than refill_every_. Half of the 32-bit numbers of rounds are left for the last paths.
     std::uint32_t samples_within(std::uint32_t rounds) const {
         const std::uint64_t longest =
             std::uint64_t{job_.longest_path} * (walkers_.are_apart() ? rounds_of_long_walks : 1);
@@ -389,7 +389,7 @@ private:
         start_queue(std::min(total, job_.pixels * batches().samples_in_flight()));
         supply_ = {next_, total, first_sample};
         paths_before_ += total;
-        // The kernels of the go before have run: its end was seen, or all that it had enqueued is waited for.
+        // Waits for the kernels of the go before, which write the progress.
         PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));
         progress_.start();
         begin(first_sample);

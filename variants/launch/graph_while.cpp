@@ -6,7 +6,7 @@
 namespace pt::launch::graph_while {
 namespace {
 
-// Segments of the shortest path that has a loop: the first one, a round of two, and the last one.
+// Segments of the shortest path for which a graph has a loop: the first one, a round of two, and the last one.
 constexpr std::uint64_t shortest_loop = 4;
 
 Reason why_not_looped(FeatureSet features, const VariantTraits& variant) {

@@ -1,4 +1,4 @@
-// Array of structures on the device: a path's fields lie together, as in cis565 (whose record is not padded).
+// The layout aos on the device, an array of structures: a path's fields lie together, as in cis565 (with no padding).
 #pragma once
 
 #include "variants/cuda/device/path_store.h"

@@ -62,7 +62,7 @@ struct DevicePaths {
         return path;
     }
     PT_HD void store(std::uint32_t slot, const Path<Real>& path) const { put<every_path_field>(slot, path); }
-    // Writes a path that is new in its slot.
+    // Writes all fields of a path that is new in its slot.
     template <PathFields carried>
     PT_HD void put(std::uint32_t slot, const Path<Real>& path) const {
         store_fields<FieldChange::by_bounce, carried>(slot, path);
