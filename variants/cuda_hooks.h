@@ -86,7 +86,7 @@ struct Hooks {
     std::unique_ptr<Compaction> (*compaction)(const CellContext&) = nullptr;
     std::unique_ptr<Sorting> (*sorting)(const CellContext&) = nullptr;
     Layout layout = {};
-    std::vector<KernelSignature> kernels = {};  // from AXIS/NAME.cuh, of a compaction or sorting, by NVRTC
+    std::vector<KernelSignature> kernels = {};  // kernels of a compaction or sorting, compiled from AXIS/NAME.cuh
     IntegratorHook integrator = {};
     std::vector<std::string> options = {};  // compiler options of a choice of the axis arithmetic
     std::string real = "";                  // name of the type that a choice of the axis precision computes in

@@ -42,7 +42,8 @@ struct Tunable {
     // Whether the tunable is a shortcut that leaves the film unchanged. The reference variant (Registry::reference)
     // sets it to `lowest`, which turns the shortcut off.
     bool is_shortcut = false;
-    // For a tunable that came after its choice was measured: the value at which the choice does what it did without.
+    // For a tunable that came after its choice was measured: the value at which the choice does what it did without the
+    // tunable.
     std::optional<std::uint32_t> as_before = {};
     // The tunable's default beside a generic specialisation, whose kernel has every feature and so is another program.
     std::optional<std::uint32_t> generic_value = {};
@@ -86,7 +87,7 @@ struct WorkCounters {
     std::uint64_t compactions = 0;
     std::uint64_t compacted_away = 0;  // ended paths that compactions took out of the queue
     std::uint64_t last_bounces = 0;    // bounces at the last segment that a path may have
-    std::uint64_t last_paths = 0;      // paths alive in those last bounces, where all of them end
+    std::uint64_t last_paths = 0;      // paths alive in the last bounces, where all of them end
     std::uint64_t sorts = 0;
     std::uint64_t sorted = 0;  // paths put in order by the sorts
     std::uint64_t cache_fills = 0;

@@ -109,7 +109,7 @@ struct RenderJobIn {
     FirstBounceCache<Real>* cache = nullptr;  // cached first hits of camera rays; null: every one is traced
     WorkCounters work;
     StageTimes* stages = nullptr;  // stage timer; null: the render is not instrumented
-    HealthRequest health;          // for an integrator that audits its paths
+    HealthRequest health;          // read by an integrator that audits its paths
 };
 using RenderJob = RenderJobIn<float>;
 

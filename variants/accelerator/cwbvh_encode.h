@@ -9,7 +9,7 @@
 
 namespace pt::accelerator::cwbvh {
 
-// SAH costs of visiting a node and of testing a triangle, 10 to 3: as in the paper, and by instructions on an H200.
+// SAH costs of visiting a node and of testing a triangle, 10 to 3: as in the paper and in instructions on an H200.
 inline constexpr float node_cost = 1.0f, reference_cost = 0.3f;
 inline constexpr std::uint32_t no_node = ~0u;
 
@@ -26,7 +26,7 @@ struct alignas(32) Cut {
     // How many of `roots` (2 to 8) subtrees the left child contributes; 0: one subtree fewer costs less.
     PT_HD std::uint32_t left_of(std::uint32_t roots) const { return choices >> (3 * (roots - 2)) & 7u; }
     PT_HD bool is_leaf() const { return (choices >> 21 & 1u) != 0; }
-    PT_HD std::uint32_t references() const { return choices >> 22; }  // counted up to largest_leaf + 1
+    PT_HD std::uint32_t references() const { return choices >> 22; }  // references, counted up to largest_leaf + 1
 
     PT_HD static Cut of_leaf(float area, std::uint32_t count) {
         Cut cut;

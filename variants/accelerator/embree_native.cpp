@@ -78,7 +78,7 @@ void meet_mesh(Hit<float>& best, const MeshInstance<float>& instance, std::uint3
     }
     const LeafTriangle& leaf = instance.geometry.leaves[met.hit.primID];
     const TriangleHit<float> hit = intersect(leaf.triangle<float>(), in_mesh.origin, in_mesh.sheared);
-    if (!hit.hits) {  // at an edge Embree and this test may round to different sides: a few rays in a million
+    if (!hit.hits) {  // at an edge this test and Embree's may round to different sides: a few rays in a million
         pt::meet_mesh<BruteForce>(best, instance, object, origin, ray, enough);
         return;
     }

@@ -218,7 +218,7 @@ struct WarpClusters {
         return w;
     }
 
-    // Returns the lane of the neighbouring cluster whose joint bounding box with this lane's cluster is least; the
+    // Returns the lane of the neighbouring cluster whose joint bounding box with this lane's has the least surface; the
     // first of equal ones, so that some two clusters always choose each other.
     __device__ std::uint32_t nearest(std::uint32_t lane) const {
         std::uint32_t best = none;

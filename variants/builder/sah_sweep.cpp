@@ -15,7 +15,7 @@ namespace pt::builder::sah_sweep {
 
 namespace {
 
-constexpr std::uint32_t task_size = 2048;  // subtrees of at most so many references get no task
+constexpr std::uint32_t task_size = 2048;  // subtrees of no more references are built without an OpenMP task
 
 // A split of a node's references: the first `left` of them in the order of an axis go to the left child.
 struct Split {

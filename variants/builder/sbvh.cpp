@@ -14,7 +14,7 @@ namespace pt::builder::sbvh {
 
 namespace {
 
-constexpr std::size_t task_size = 1024;  // subtrees of at most so many references get no task
+constexpr std::size_t task_size = 1024;  // subtrees of no more references are built without an OpenMP task
 
 using References = std::vector<Reference>;
 

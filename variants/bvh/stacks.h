@@ -68,7 +68,7 @@ public:
         }
         return false;
     }
-    // Leaves of the children that the ray enters those which have not been entered before.
+    // Drops from the children that the ray enters those which have been entered before.
     PT_HD void narrow(Open&) {}
 
 private:

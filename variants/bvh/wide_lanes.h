@@ -30,7 +30,7 @@ using Truths = typename VectorOf<width>::Truths;
 
 template <int width>
 inline Floats<width> broadcast(float value) {
-    return value - Floats<width>{};  // the sum would turn -0 into 0
+    return value - Floats<width>{};  // a sum with 0 would turn -0 into 0
 }
 template <int width>
 inline Floats<width> loaded(const float* from) {
@@ -92,7 +92,7 @@ inline LeafTriangle triangle_in(const TriangleBlock& block, std::uint32_t lane) 
 
 // The slots of the triangles in one block: a leaf's, or a whole subtree's if it has no more than a block holds.
 struct BlockSlots {
-    std::uint32_t count = 0;  // 0: more than a block holds
+    std::uint32_t count = 0;  // number of slots; 0: more than a block holds
     std::uint32_t slot[block_width];
 
     // Adds a leaf's slots to the block's; false if there would be more than a block holds.

@@ -34,7 +34,7 @@ inline void to_mesh(MeshRays& rays, const MeshInstance<float>& instance, const V
         const float before_z = size.x > size.y ? size.x : size.y;
         const bool is_z = !(before_z > size.z);
         const bool is_x = (before_z > size.z) & (size.x > size.y);
-        // The axes kx, ky and kz are xyz, yzx or zxy.
+        // The axes kx, ky and kz of ShearedDirection are xyz, yzx or zxy.
         const auto turned = [&](const Vec3<float>& v) {
             return Vec3<float>{is_z   ? v.x
                                : is_x ? v.y

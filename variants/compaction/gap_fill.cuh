@@ -13,7 +13,7 @@ struct CountLiveParameters {
     std::uint32_t* live;
 };
 
-// Parameters of find_gaps, which lists the gaps (ended paths) below *live and the live paths above it, as many.
+// Parameters of find_gaps, which lists the gaps (ended paths) below *live and the equally many live paths above it.
 struct FindGapsParameters {
     static constexpr const char* kernel = "find_gaps";
     PathStore store;

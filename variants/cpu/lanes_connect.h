@@ -15,9 +15,9 @@ namespace pt::lanes {
 // The surfaces that a packet's rays hit, one a lane, as shading needs them.
 template <class Real>
 struct Surfaces {
-    Vectors<Real> colour, position, normal;  // the normal is on the ray's side
+    Vectors<Real> colour, position, normal;  // the normal points to the side that the ray comes from
     Lanes<std::uint32_t> type;
-    Flags by_surface_at, by_shade;  // lanes to place by surface_at, or to shade by shade, one by one
+    Flags by_surface_at, by_shade;  // lanes whose hits surface_at places, or shade shades, one by one
 };
 
 inline bool is_type(std::uint32_t type, MaterialType asked) { return type == static_cast<std::uint32_t>(asked); }

@@ -74,9 +74,9 @@ template <class Real>
 struct EnclosureExits {
     Lanes<Real> t;
     Lanes<std::uint32_t> side;
-    Flags known;    // EnclosureExit::known, if the ray is in no wall
+    Flags known;    // the exit is known (EnclosureExit::known), and the ray is in no wall
     Flags nothing;  // the ray is past all axis boxes
-    Flags unclear;  // neither known nor nothing
+    Flags unclear;  // the ray is to be intersected by itself: neither of the two is so
 };
 
 // Versions without a branch of three functions of kernels/axis_aligned_enclosure.h. The sums they have in common are

@@ -139,7 +139,7 @@ inline Real corner(Real x, Real y, Real height) {
     return lanes::arc_tangent(x * y / (height * square_root(x * x + y * y + height * height)));
 }
 
-// One component of a vector in every lane.
+// The components of all lanes' vectors along one axis.
 template <int axis, class Real>
 inline Lanes<Real>& along_axis(Vectors<Real>& v) {
     return axis == 0 ? v.x : axis == 1 ? v.y : v.z;

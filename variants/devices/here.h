@@ -9,7 +9,7 @@
 namespace pt {
 
 struct DevicesHere {
-    std::uint32_t count = 0;   // GPUs from the first on that are alike; 0: not known
+    std::uint32_t count = 0;   // number of GPUs, from the first on, that are alike; 0: not known
     std::string missing = {};  // what several GPUs need and the machine lacks
 };
 

@@ -1,4 +1,4 @@
-// What the choices with next-event estimation have in common, and what choices that need next-event estimation ask.
+// What the choices with next-event estimation share, and a check for choices that need next-event estimation.
 #pragma once
 
 #include "variants/registry.h"

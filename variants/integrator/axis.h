@@ -7,8 +7,8 @@ namespace pt {
 
 struct IntegratorTraits {
     bool has_queue = false;             // paths lie in memory between stages, where they can be compacted and sorted
-    bool can_loop = false;              // its bounces can be the loop of a CUDA graph
-    bool appends_in_kernel = false;     // its own kernel does what a compaction with AppendInKernel does
+    bool can_loop = false;              // the integrator's bounces can be the loop of a CUDA graph
+    bool appends_in_kernel = false;     // its own kernel appends as a compaction with AppendInKernel does
     bool seeds_by_position = false;     // the sampler is told where in the queue a path lies
     bool sums_in_order = false;         // a pixel's samples are added in their order
     bool traces_in_own_kernel = false;  // rays are traced in a kernel of their own, whose warps may fetch rays

@@ -17,7 +17,7 @@ struct MegakernelParameters {
     std::uint32_t stride;  // threads per pixel
     HitCache<Real> cache;
     Totals* totals;
-    std::uint64_t* ended;  // paths ended, by their number of segments, or null
+    std::uint64_t* ended;  // paths ended, by their number of segments; null: not counted
 };
 
 }  // namespace pt::cuda

@@ -19,7 +19,7 @@ struct MegakernelRegenParameters {
     std::uint32_t stride;  // warps per strip of pixels
     HitCache<Real> cache;
     Totals* totals;
-    std::uint64_t* ended;  // paths ended, by their number of segments, or null
+    std::uint64_t* ended;  // paths ended, by their number of segments; null: not counted
 };
 
 }  // namespace pt::cuda

@@ -206,7 +206,7 @@ private:
     lanes::Paths<Real> paths_;
     lanes::Hits<Real> hits_{};  // a hit's primitive stays 0 in kernels without meshes
     lanes::Connections<Real> connections_{};
-    lanes::Flags live_;  // lanes with a path; what the others compute nobody reads
+    lanes::Flags live_;  // lanes with a path; what other lanes compute is not used
 };
 
 // Number of pixels that a packet works through: enough paths that the last ones, with lanes idle, weigh little, but

@@ -18,7 +18,7 @@ struct RegroupParameters {
     std::uint32_t samples;
     HitCache<Real> cache;
     Totals* totals;
-    std::uint64_t* ended;  // paths ended, by their number of segments, or null
+    std::uint64_t* ended;  // paths ended, by their number of segments; null: not counted
     std::uint32_t samples_per_piece;
     std::uint64_t* next_piece;
 };

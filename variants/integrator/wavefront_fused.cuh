@@ -297,7 +297,7 @@ private:
 
     void trace(std::uint32_t segment) override {
         if (appends_) {
-            queue_.count = counts_after(segment - 1);  // after the segment before, also after a graph's loop
+            queue_.count = counts_after(segment - 1);  // counts after the segment before, even one of a graph's loop
         }
         const PathStore out = appends_ ? queue_.spare : queue_.paths;
         std::uint32_t* const out_count = appends_ ? counts_after(segment) : queue_.count;

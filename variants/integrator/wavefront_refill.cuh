@@ -37,7 +37,7 @@ struct FillQueueParameters {
     std::uint32_t* count;
     std::uint32_t slots;
     PathSupply supply;
-    HitCache<Real> cache;  // an argument that first_path wants; empty
+    HitCache<Real> cache;  // first_path takes a cache: an empty one
     StoredHit<Real>* hits;
 };
 
@@ -53,7 +53,7 @@ struct IntersectQueueParameters {
     StoredHit<Real>* hits;
     std::uint32_t* keys;
     std::uint32_t bits;
-    std::uint32_t chunk;  // slots in a chunk, for sort keys by chunk only
+    std::uint32_t chunk;  // slots in a chunk, read for sort keys by chunk only
     std::uint32_t last_key;
     KeyBounds bounds;
     PathSupply supply;
@@ -369,7 +369,7 @@ private:
     static constexpr std::uint32_t rounds_of_long_walks = 1024;
 
     // Samples that a go may have for its rounds. A path has its slot for at most longest_path rounds, walks aside, and
-    // leaves it empty for fewer than refill_every_. Half of the 32-bit numbers of rounds are left for the last paths.
+    // leaves it empty for fewer than refill_every_. Half of the 32-bit round numbers is left for the last paths.
     std::uint32_t samples_within(std::uint32_t rounds) const {
         const std::uint64_t longest =
             std::uint64_t{job_.longest_path} * (walkers_.are_apart() ? rounds_of_long_walks : 1);

@@ -1,4 +1,5 @@
-// The layout aos on the device, an array of structures: a path's fields lie together, as in cis565 (with no padding).
+// The layout aos on the device, an array of structures: a path's fields lie together, as in cis565 (whose record has no
+// padding).
 #pragma once
 
 #include "variants/cuda/device/path_store.h"

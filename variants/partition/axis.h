@@ -6,7 +6,7 @@
 namespace pt {
 
 struct PartitionTraits {
-    bool is_by_rows = false;  // each device renders all samples of its own rows of pixels, not some samples of all
+    bool is_by_rows = false;  // each device renders all samples of its own rows of pixels; else some of every pixel
     bool is_dynamic = false;  // a device that is done takes more samples
 };
 

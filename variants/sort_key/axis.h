@@ -7,12 +7,12 @@
 
 namespace pt {
 
-// A sort key is (material << bits) + rest, or rest alone; rest is below 2^bits. With by_chunk, bits is 0 and the key
-// counts the materials of one chunk of the queue's slots after those of another.
+// A sort key is (material << bits) + rest, or rest alone; rest is below 2^bits. With by_chunk, a key numbers the
+// materials of each chunk of the queue's slots, chunk by chunk, and bits is 0.
 struct SortKeyTraits {
     std::uint32_t bits = 0;
     bool has_material = true;  // the key needs the hit's material; other keys sort paths before they are traced
-    bool by_chunk = false;     // the key counts by chunks of slots, of the tunable `chunk`
+    bool by_chunk = false;     // keys number the materials of each chunk of slots (tunable `chunk`)
 
     constexpr bool is_material_alone() const { return has_material && bits == 0 && !by_chunk; }
     // Whether a counting sort can take the keys: there is one a material, or one a material of a chunk, few enough to

@@ -18,8 +18,9 @@ inline constexpr Tunable feature_tunables[] = {
 
 inline constexpr FeatureSet only_where_asked = formulas | traversals | mesh_levels | path_trees;
 
-// Returns every feature of scenes and estimators, meshes only where the scene has one; of formulas and path trees only
-// those that the variant asks for, and the fewest samplings that serve it, since neither depends on the scene.
+// Returns the set of every feature of scenes and estimators (meshes only where the scene has one). Of formulas and path
+// trees it has those that the variant asks for, and the fewest samplings that serve the variant, since neither depends
+// on the scene.
 inline FeatureSet every_feature(const KernelOffer& offer) {
     FeatureSet best = all_features | samplings | (offer.needed & only_where_asked);
     for (const FeatureSet candidate : offer.compiled) {
