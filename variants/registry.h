@@ -69,7 +69,7 @@ public:
 
     // The choices of an axis: the baseline first, the others by name.
     std::vector<const Choice*> choices(std::string_view axis, Backend backend = Backend::cpu) const;
-    // Finds a choice; null if there is none of this name.
+    // Finds a choice of an axis; null if none has this name.
     const Choice* find(std::string_view axis, std::string_view name, Backend backend = Backend::cpu) const;
     const Choice& at(std::string_view axis, const Variant& variant, Backend backend = Backend::cpu) const;
 

@@ -16,7 +16,7 @@ namespace {
 constexpr float smallest = 0x1p-40f, largest = 0x1p40f;
 
 struct Query {
-    RTCIntersectContext context;  // first member: Embree's callback is given its address
+    RTCIntersectContext context;  // first member: Embree's callback is given the context's address
     Hit<float>* best;
     const LeafTriangle* leaves;
     MeshRay<float> ray;

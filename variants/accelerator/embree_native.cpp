@@ -14,7 +14,7 @@ namespace {
 namespace embree = accelerator::embree;
 
 struct Query {
-    RTCIntersectContext context;  // first member: Embree's filter is given its address
+    RTCIntersectContext context;  // first member: Embree's filter is given the context's address
     std::uint32_t origin_primitive;
 };
 static_assert(offsetof(Query, context) == 0);

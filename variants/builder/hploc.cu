@@ -136,7 +136,7 @@ struct BuildView {
     std::uint32_t* root;
 };
 
-// A range of leaves on its way up the tree of Morton codes.
+// A range of leaves, which joins its sibling's on the way up the tree of Morton codes.
 struct Range {
     std::uint32_t left, right, split;
 

@@ -13,9 +13,9 @@ inline constexpr std::uint32_t max_width = 8;
 
 struct WideTree {
     struct Node {
-        std::uint32_t child[max_width];  // binary nodes that are the children
+        std::uint32_t child[max_width];  // binary nodes that become the wide node's children
         std::uint32_t inner[max_width];  // number of the wide node that an inner child becomes; 0 for a leaf
-        std::uint32_t count;             // number of children
+        std::uint32_t count;             // number of the wide node's children
     };
     std::vector<Node> nodes;  // depth first; nodes[0] is the root; a tree of one leaf has it as the root's one child
 };

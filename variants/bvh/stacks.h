@@ -273,7 +273,7 @@ public:
             if (place[child] == first) {
                 link = links[child];
             }
-            const std::uint32_t above = place[child] - first - 1;  // entries that will lie above this child's
+            const std::uint32_t above = place[child] - first - 1;  // stack entries that will lie above this child's
             if (above < waiting && above < entries) {
                 const Real entry = absolute(entries_of[child]);  // a distance of 0 may have a sign
                 memory_.set((top_ + waiting - 1 - above) % entries,

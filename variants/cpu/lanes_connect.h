@@ -17,7 +17,7 @@ template <class Real>
 struct Surfaces {
     Vectors<Real> colour, position, normal;  // the normal points to the side that the ray comes from
     Lanes<std::uint32_t> type;
-    Flags by_surface_at, by_shade;  // lanes whose hits surface_at places, or shade shades, one by one
+    Flags by_surface_at, by_shade;  // lanes left to the scalar surface_at() and shade()
 };
 
 inline bool is_type(std::uint32_t type, MaterialType asked) { return type == static_cast<std::uint32_t>(asked); }

@@ -264,7 +264,7 @@ struct LightDirections {
     Vectors<Real> direction;
     Lanes<Real> inverse_pdf;
     Lanes<Real> distance;            // distance to the sampled point; 0: not known
-    Lanes<std::uint32_t> primitive;  // triangle of the sampled point, on a mesh
+    Lanes<std::uint32_t> primitive;  // mesh triangle that the sampled point is on
 };
 
 // Loads a number at a lane's own index. The index is signed, as a gathering load wants it.

@@ -33,8 +33,8 @@ struct Pieces {
     std::uint32_t strips, count, width, first_sample, samples, samples_per_piece;
     Totals* totals;
     std::uint64_t* next;
-    Round round = {};        // the round that comes next
-    std::uint32_t left = 0;  // rounds left in the piece
+    Round round = {};        // the warp's next round: a strip of pixels and a sample
+    std::uint32_t left = 0;  // rounds left in the warp's piece of the image
     bool are_done = false;
 
     __device__ bool take(Round& taken, ThreadCounters& counters) {

@@ -365,7 +365,7 @@ private:
     static constexpr std::uint32_t rounds_between_looks = 64;
     // Rounds between two looks where walks take rounds of their own: how many rounds are left is not known then.
     static constexpr std::uint32_t rounds_between_looks_at_walks = 8;
-    // Rounds that few subsurface walks take between two segments.
+    // More rounds than almost any subsurface walk takes between two segments of a path.
     static constexpr std::uint32_t rounds_of_long_walks = 1024;
 
     // Samples that a go may have for its rounds. A path has its slot for at most longest_path rounds, walks aside, and
