@@ -1,6 +1,6 @@
-// The axes, and what a variant's choices tell each other. A choice that depends on another one asks for a trait, never
-// for a name, so a new choice works with all others by its traits alone. An axis is a folder with an axis.h: its facts
-// and its traits, whose defaults are those of its usual choice.
+// The list of all axes, and what a variant's choices may ask of each other. A choice that depends on another one asks
+// for a trait, never for a name, so a new choice works with all others by its traits alone. An axis is a folder
+// variants/AXIS whose axis.h declares the axis's facts and its traits; the traits default to those of the usual choice.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@
 
 namespace pt {
 
-// The keys of the axes, for code that means a certain one: a misspelt key is an error of the compiler.
+// String constants with the names of the axes, for code that means a certain axis: a misspelt name does not compile.
 namespace axes {
 #define PT_KEY(name) inline constexpr char name[] = #name;
 PT_AXES(PT_KEY)
@@ -30,7 +30,7 @@ constexpr Axis keyed(std::string_view key, Axis facts) {
     return facts;
 }
 
-// In the order in which a variant's name spells them.
+// All axes, in the order in which a variant's name spells them.
 #define PT_AXIS(name) keyed(#name, name::axis_facts),
 inline constexpr Axis axis_table[] = {PT_AXES(PT_AXIS)};
 #undef PT_AXIS
@@ -45,31 +45,31 @@ inline constexpr std::array<std::string_view, axis_count> axis_names = [] {
     return names;
 }();
 
-// What a descriptor holds: nothing (the defaults of its axis), or the traits of its axis; in the order of axis_table.
+// The traits in a choice's descriptor: std::monostate (the defaults of its axis), or the traits of its axis.
 #define PT_TRAITS(name) , name::Traits
 using Traits = std::variant<std::monostate PT_AXES(PT_TRAITS)>;
 #undef PT_TRAITS
 static_assert(std::variant_size_v<Traits> == axis_count + 1);
 
-// The name of the choice that a variant has, for messages alone, and its traits.
+// The traits of the choice that a variant has on an axis, and the choice's name, which is for messages alone.
 template <class AxisTraits>
 struct Chosen : AxisTraits {
     std::string_view name;
 };
 
-// A variant as its choices see it: the traits of each axis's choice, by the name of the axis.
+// A variant as its choices see it: the traits of its choice on each axis, in a member named after the axis.
 struct VariantTraits {
 #define PT_CHOSEN(name) Chosen<name::Traits> name;
     PT_AXES(PT_CHOSEN)
 #undef PT_CHOSEN
-    std::map<std::string, std::uint32_t, std::less<>> tuning;  // Variant::tuning
+    std::map<std::string, std::uint32_t, std::less<>> tuning;  // the variant's tunables (Variant::tuning)
 };
 
-// Why something does not apply: a key for programs and a text for people; empty: it applies.
+// Why a variant or one of its choices cannot run: a short code for programs and a sentence for people.
 struct Reason {
-    std::string_view code = {};  // a short word that stays, for programs: "needs_queue"; empty: it applies
-    std::string text = {};       // the sentence, for people
-    std::string_view axis = {};  // of the choice that does not apply; empty: no choice's own (a tunable, a depth)
+    std::string_view code = {};  // a short word that stays the same: "needs_queue"; empty: the variant can run
+    std::string text = {};       // the reason as a sentence for people
+    std::string_view axis = {};  // axis of the choice that cannot run; empty if the reason is a tunable or the depth
 
     bool empty() const { return code.empty(); }
 };

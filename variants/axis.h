@@ -1,4 +1,4 @@
-// What an axis says of itself, in variants/AXIS/axis.h beside its choices.
+// The facts that an axis states of itself in variants/AXIS/axis.h, beside its choices.
 #pragma once
 
 #include <string_view>
@@ -6,17 +6,17 @@
 namespace pt {
 
 struct Axis {
-    std::string_view key = {};        // the name of its folder, which need not say it
-    std::string_view what;            // in a line
-    int order = 0;                    // a variant's name spells axes from the lowest one on; no two have the same
-    std::string_view since = "";      // the commit that brought it; empty: the first one. Older result files lack it.
-    std::string_view as_before = "";  // what every variant was until then; empty: of the first axes
-    // Whether `ptbench verify` has the choices meet all others two by two alone: with a product of all it would take
-    // hundreds of times as long.
+    std::string_view key = {};        // name of the axis, filled in from the name of its folder
+    std::string_view what;            // what the axis decides, in one line
+    int order = 0;                    // place of the axis in a variant's name, lowest first; no two axes share one
+    std::string_view since = "";      // commit that added the axis, which older result files lack; empty: the first
+    std::string_view as_before = "";  // what every variant had before the axis was added; empty: a first axis
+    // Whether `ptbench verify` combines the axis's choices with those of other axes in pairs only: the product of all
+    // axes would take hundreds of times as long.
     bool by_pairs = false;
-    // Whether the choices decide the error at a number of samples; those of the other axes decide the time alone.
+    // Whether the axis's choices decide the error at a number of samples; those of other axes decide the time alone.
     bool decides_error = false;
-    // Whether the choices decide how often a pixel stays black: how often a sample is, and whether samples are
+    // Whether the axis decides how often a pixel stays black: how often a sample is black, and whether samples are
     // independent.
     bool decides_samples = false;
 };

@@ -1,5 +1,5 @@
-// What a choice brings on the CUDA backend. Names no CUDA header, so that the registry and the tests of the CPU side
-// compile without a toolkit.
+// What a choice brings to the CUDA backend: factories, kernels, compiler options. No CUDA header is included, so that
+// the registry and the CPU tests compile without a toolkit.
 #pragma once
 
 #include <cstddef>
@@ -17,22 +17,23 @@ class Variant;
 
 namespace pt::cuda {
 
-class Compaction;        // variants/cuda/stages.h
-class Integrator;        // variants/cuda/integrator.h
-class Sorting;           // variants/cuda/stages.h
-struct CellContext;      // variants/cuda/stages.h
-struct IntegratorNeeds;  // variants/cuda/integrator.h
+class Compaction;
+class Integrator;
+class Sorting;
+struct CellContext;
+struct IntegratorNeeds;
 template <class Real>
-struct JobOf;  // variants/cuda/job.h
+struct JobOf;
 
 struct Layout {
-    // Bytes of a store of `capacity` paths that carry these fields; a layout may give them more.
+    // Size in bytes of a path store for `capacity` paths that carry `fields`; a layout may store further fields.
     std::size_t (*bytes)(std::uint32_t capacity, std::size_t real_bytes, const PathFields& fields) = nullptr;
-    FieldView (*segment)(const PathStore& store, std::size_t real_bytes) = nullptr;         // Path::segment
-    FieldView (*origin_surface)(const PathStore& store, std::size_t real_bytes) = nullptr;  // Path::origin_surface
+    // Where a store keeps Path::segment and Path::origin_surface.
+    FieldView (*segment)(const PathStore& store, std::size_t real_bytes) = nullptr;
+    FieldView (*origin_surface)(const PathStore& store, std::size_t real_bytes) = nullptr;
 };
 
-// What a layout on the device says of itself, for both sizes of a Real, which the host knows at run time only.
+// The layout functions of a device path store `Paths`, for both sizes of a Real, which the host knows at run time only.
 template <template <class Real> class Paths>
 constexpr Layout layout_hooks() {
     return {.bytes =
@@ -51,30 +52,30 @@ constexpr Layout layout_hooks() {
                 }};
 }
 
-// A number that the kernels of an integrator are compiled with: tuned::NAME in their program.
+// A compile-time constant of an integrator's kernels, which their program reads as tuned::NAME.
 struct KernelConstant {
     std::string name;
     std::uint32_t value = 0;
 };
 
-// A source with one kernel, which only some of an integrator's programs have.
+// A source file with one further kernel, which only some of an integrator's programs contain.
 struct KernelPart {
-    const char* source = nullptr;  // embedded; null: the integrator has none such
+    const char* source = nullptr;  // embedded source file; null: the integrator has no such kernel
     KernelSignature single_kernel = {};
     KernelSignature double_kernel = {};
 };
 
-// What an integrator compiles, and how it is made for a cell.
+// What NVRTC compiles for an integrator, and how the integrator is made for a cell.
 struct IntegratorHook {
     std::unique_ptr<Integrator> (*make_single)(JobOf<float>& job, IntegratorNeeds&& needs) = nullptr;
     std::unique_ptr<Integrator> (*make_double)(JobOf<double>& job, IntegratorNeeds&& needs) = nullptr;
     std::vector<KernelSignature> (*single_kernels)() = nullptr;
     std::vector<KernelSignature> (*double_kernels)() = nullptr;
-    std::vector<KernelConstant> (*constants)(const Variant& variant) = nullptr;  // may be null
-    const char* source = nullptr;  // embedded; null: variants/integrator/NAME.cuh
-    KernelPart walks = {};         // takes subsurface walks, where the scene has some and walks_apart is not 0
-    KernelPart meshes = {};        // takes rays through meshes, where the traversal needs a kernel of its own
-    bool stores_hits = false;      // they lie in device memory between kernels, as the paths of a queue do
+    std::vector<KernelConstant> (*constants)(const Variant& variant) = nullptr;  // null: the kernels have no constants
+    const char* source = nullptr;  // embedded source file; null: variants/integrator/NAME.cuh
+    KernelPart walks = {};         // kernel for subsurface walks, if the scene has some and walks_apart is not 0
+    KernelPart meshes = {};        // kernel for rays through meshes, if the traversal needs one of its own
+    bool stores_hits = false;      // hits lie in device memory between kernels, as a queue's paths do
 
     std::vector<KernelSignature> kernels(std::size_t real_bytes) const {
         return real_bytes == sizeof(float) ? single_kernels() : double_kernels();
@@ -85,11 +86,11 @@ struct Hooks {
     std::unique_ptr<Compaction> (*compaction)(const CellContext&) = nullptr;
     std::unique_ptr<Sorting> (*sorting)(const CellContext&) = nullptr;
     Layout layout = {};
-    std::vector<KernelSignature> kernels = {};  // of a compaction or sorting that NVRTC compiles: of AXIS/NAME.cuh
+    std::vector<KernelSignature> kernels = {};  // kernels of a compaction or sorting, compiled from AXIS/NAME.cuh
     IntegratorHook integrator = {};
-    std::vector<std::string> options = {};  // arithmetic: for the compiler
-    std::string real = "";                  // precision: the type's name
-    bool bakes_scene = false;               // specialisation: the scene's numbers are constants of the kernel
+    std::vector<std::string> options = {};  // compiler options of a choice of the axis arithmetic
+    std::string real = "";                  // name of the type that a choice of the axis precision computes in
+    bool bakes_scene = false;               // a specialisation makes the scene's numbers constants of the kernel
 };
 
 }  // namespace pt::cuda

@@ -10,7 +10,7 @@ namespace pt {
 
 inline constexpr std::uint64_t fnv1a_start = 0xcbf29ce484222325ull;
 
-// `hash` with one more byte, or any other unit.
+// Extends an FNV-1a hash by one byte, or by any other unit.
 constexpr std::uint64_t fnv1a_step(std::uint64_t hash, std::uint64_t unit) { return (hash ^ unit) * 0x100000001b3ull; }
 
 constexpr std::uint64_t fnv1a(std::string_view text, std::uint64_t start = fnv1a_start) {
@@ -25,8 +25,8 @@ inline std::uint64_t fnv1a_of_bytes(const void* data, std::size_t bytes, std::ui
     return fnv1a(std::string_view(static_cast<const char*>(data), bytes), start);
 }
 
-// `hash` with one more word of 64 bits, whose upper half is folded into the lower one: an eighth of the steps, for
-// films and meshes of hundreds of megabytes.
+// Extends an FNV-1a hash by a 64-bit word and folds the upper half of the result into the lower one: an eighth of the
+// steps of single bytes, for films and meshes of hundreds of megabytes.
 constexpr std::uint64_t fnv1a_word(std::uint64_t hash, std::uint64_t word) {
     const std::uint64_t next = fnv1a_step(hash, word);
     return next ^ next >> 32;

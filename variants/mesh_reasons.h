@@ -10,8 +10,7 @@ inline Reason needs_meshes(FeatureSet scene, const VariantTraits&) {
                                           : Reason{"needs_meshes", "has nothing to do: the scene has no mesh"};
 }
 
-// Why a choice that searches all objects with meshes together, as by a top-level tree, does not apply; empty: it
-// applies.
+// Why a choice that searches all mesh objects together, as by a top-level tree, does not apply; empty: it applies.
 inline Reason needs_search(FeatureSet scene, const VariantTraits& variant) {
     if (Reason reason = needs_meshes(scene, variant); !reason.empty()) {
         return reason;
@@ -22,7 +21,7 @@ inline Reason needs_search(FeatureSet scene, const VariantTraits& variant) {
                : Reason{};
 }
 
-// Why a choice that meets shapes by formulas of its own does not apply: it has no traversal for meshes. Empty: it
+// Why a choice that meets shapes by formulas of its own, with no traversal for meshes, does not apply; empty: it
 // applies.
 inline Reason meets_no_mesh(FeatureSet scene) {
     return contains(scene, Feature::mesh)
@@ -44,7 +43,7 @@ inline Reason needs_tree(FeatureSet scene, const VariantTraits& variant) {
                         "has nothing to do: accelerator=" + std::string(variant.accelerator.name) + " needs no tree"};
 }
 
-// Why a choice that orders the steps of a traversal in its own way does not apply; empty: it applies.
+// Why a choice that orders the steps of a mesh traversal in its own way does not apply; empty: it applies.
 inline Reason needs_steps(FeatureSet scene, const VariantTraits& variant) {
     Reason reason = needs_tree(scene, variant);
     if (reason.empty() && !variant.accelerator.has_steps) {

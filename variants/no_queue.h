@@ -1,15 +1,15 @@
-// What the integrators without a queue cannot be combined with.
+// Which choices the integrators without a path queue cannot be combined with.
 #pragma once
 
 #include "variants/descriptor.h"
 
 namespace pt {
 
-// Why an integrator without a queue cannot run with these choices; `where` it keeps paths instead of in an array.
-// Empty: it can.
+// Why an integrator without a path queue cannot run with these choices; empty if it can. `where` tells, in the message,
+// where the integrator keeps its paths instead of in an array.
 inline Reason needs_no_queue(const VariantTraits& variant, std::string_view where) {
-    // The text is appended step by step: of sums of strings g++ 12 warns of bounds, depending on what else a unit
-    // holds.
+    // The text is appended step by step: for concatenated strings g++ 12 warns of array bounds, depending on what else
+    // the translation unit holds.
     const auto no_queue = [](std::string_view text, std::string_view name) -> Reason {
         std::string whole(text);
         whole.append(", not ").append(name);

@@ -17,7 +17,7 @@ std::string label(const Descriptor& descriptor) {
     return std::string(descriptor.axis) + "=" + std::string(descriptor.name);
 }
 
-// Throws std::logic_error for a descriptor that verification could not work with.
+// Throws std::logic_error for a choice's descriptor that verification could not work with.
 void check_descriptor(const Descriptor& descriptor) {
     const std::size_t axis = Variant::index(descriptor.axis);
     if (!std::holds_alternative<std::monostate>(descriptor.traits) && descriptor.traits.index() != axis + 1) {
@@ -42,11 +42,10 @@ const Descriptor& descriptor_at(std::string_view axis, const Variant& variant, B
     return Registry::instance().at(axis, variant, backend).descriptor;
 }
 
-// What the variant's choices say of themselves, in the order of the axes; null: no backend has the choice.
+// Descriptors of a variant's choices, in the order of the axes; null where no backend has the choice.
 using Descriptors = std::array<const Descriptor*, axis_count>;
 
-// The descriptors of a variant's choices, in the order of the axes. A choice that the backend lacks has the other
-// backend's; null: no backend has it.
+// Finds the descriptors of a variant's choices; a choice that the backend lacks has the other backend's descriptor.
 Descriptors descriptors_of(const Variant& variant, Backend backend) {
     Descriptors descriptors{};
     for (std::size_t axis = 0; axis < axis_count; ++axis) {
@@ -78,7 +77,8 @@ VariantTraits traits_of(const Descriptors& descriptors, const Variant& variant) 
     };
 }
 
-// The first of the variant's choices, all there on the backend, that does not go with the others or with the scene.
+// Finds the first of a variant's choices that does not go with the others or with the scene, and says why. Every choice
+// must exist on the backend.
 Reason reason_of_a_choice(const Descriptors& descriptors, const Variant& variant, FeatureSet scene) {
     const VariantTraits traits = traits_of(descriptors, variant);
     for (const Descriptor* const descriptor : descriptors) {
@@ -156,7 +156,8 @@ const Choice* Registry::find(std::string_view axis, std::string_view name, Backe
     if (axes == backends_.end() || place == axis_count) {
         return nullptr;
     }
-    // A few names, most of other lengths: faster than a search by their order, and suites ask millions of times.
+    // An axis has few names, most of different lengths: a linear search beats std::map's, and suites ask millions of
+    // times.
     for (const auto& [other, choice] : axes->second[place]) {
         if (other == name) {
             return &choice;

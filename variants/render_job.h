@@ -1,4 +1,4 @@
-// What an integrator is handed: a scene, a film, the samples to take, and the choices of the other axes as objects.
+// What a CPU integrator is handed: a scene, a film, the samples to take, and the choices of the other axes as objects.
 #pragma once
 
 #include <array>
@@ -16,18 +16,18 @@
 
 namespace pt {
 
-// The paths of a wavefront. A path lives in a slot; the paths in play are slots 0..count-1, or, if `indirect`, the
-// slots order[0..count-1] in that order.
+// The path queue of a wavefront on the CPU. A path lives in a slot; the paths in play are slots 0..count-1, or, if
+// `indirect`, the slots order[0..count-1] in that order.
 struct PathQueue {
     AnyPaths paths;
-    std::vector<Hit<float>> hits;      // by slot: where the path's current segment ends
-    std::vector<std::uint32_t> order;  // capacity entries
+    std::vector<Hit<float>> hits;      // by slot: closest hit of the path's current segment
+    std::vector<std::uint32_t> order;  // slots of the paths in play, if `indirect`; capacity entries
     bool indirect = false;
     std::size_t count = 0;
-    std::vector<std::uint32_t> keys;     // by position in play; filled for a sort only
-    std::vector<std::uint32_t> scratch;  // for choices that need a second index array
+    std::vector<std::uint32_t> keys;     // sort keys by position in play; filled for a sort only
+    std::vector<std::uint32_t> scratch;  // a second index array, for choices that need one
 
-    // Makes room for `capacity` paths; keeps its memory between renders, so that a timed render touches no fresh page.
+    // Makes room for `capacity` paths. Memory is kept between renders, so that a timed render touches no fresh page.
     void reserve(std::size_t capacity);
     std::uint32_t slot(std::size_t i) const { return indirect ? order[i] : static_cast<std::uint32_t>(i); }
 };
@@ -36,7 +36,8 @@ struct PathQueue {
 class Compaction {
 public:
     virtual ~Compaction() = default;
-    // Sets queue.count to how many paths are in play afterwards. `none` leaves the queue as it is.
+    // Sets queue.count to the number of paths in play after the compaction; the choice `none` leaves the queue as it
+    // is.
     virtual void compact(PathQueue& queue) = 0;
     virtual bool is_active() const { return true; }
 };
@@ -45,7 +46,7 @@ public:
 class Sorting {
 public:
     virtual ~Sorting() = default;
-    // Sorts the paths in play by queue.keys, which holds a key below key_count for each of them.
+    // Sorts the paths in play by queue.keys, which holds a sort key below key_count for each path.
     virtual void sort(PathQueue& queue, std::uint32_t key_count) = 0;
     virtual bool is_active() const { return true; }
 };
@@ -53,21 +54,21 @@ public:
 // The first hits of a few camera rays of every pixel, kept between samples: sample s uses ray s mod rays.
 template <class Real>
 struct FirstBounceCache {
-    std::vector<Hit<Real>> hits;  // pixel-major
+    std::vector<Hit<Real>> hits;  // hits by pixel, then by ray of the pixel
     std::uint32_t rays = 1;
-    std::uint32_t samples_seen = 0;  // a ray is there once the first sample that uses it has been traced
+    std::uint32_t samples_seen = 0;  // samples traced so far; the first `rays` of them fill the cache
 
     std::size_t index(std::uint32_t pixel, std::uint32_t sample) const {
         return std::size_t{pixel} * rays + sample % rays;
     }
-    // Whether the hit of the sample numbered `turn` (from 0, since the cache was made) is there already.
+    // Whether the cache already has the hit for the sample numbered `turn`, counted from 0 since the cache was made.
     bool has(std::uint32_t turn) const { return turn >= rays; }
 };
 
 // Time of a render by stage. Only instrumented renders have one: it is never part of a timed sample.
 struct StageTimes {
-    std::vector<std::pair<std::string_view, double>> milliseconds;  // by stage, in order of first use
-    std::vector<std::uint64_t> live_paths;                          // [k]: paths that traced segment k + 1
+    std::vector<std::pair<std::string_view, double>> milliseconds;  // time of each stage, in order of first use
+    std::vector<std::uint64_t> live_paths;  // entry k: number of paths that traced segment k + 1
 
     void add(std::string_view stage, double ms);
     void add_live(std::size_t segment, std::uint64_t paths);
@@ -95,20 +96,20 @@ private:
     std::chrono::steady_clock::time_point start_;
 };
 
-// The queue, and with it what works on one, is in single precision.
+// A render as an integrator takes it. The path queue, and so compaction and sorting, exists in single precision only.
 template <class Real>
 struct RenderJobIn {
     SceneView<Real> scene;
     FilmView film;
     std::uint32_t first_sample = 0;
-    std::uint32_t samples = 1;  // a pixel
+    std::uint32_t samples = 1;  // samples per pixel
     PathQueue* queue = nullptr;
     Compaction* compaction = nullptr;
     Sorting* sorting = nullptr;
-    FirstBounceCache<Real>* cache = nullptr;  // null: the first bounce is computed
+    FirstBounceCache<Real>* cache = nullptr;  // cached first hits of camera rays; null: every one is traced
     WorkCounters work;
-    StageTimes* stages = nullptr;  // null: not instrumented
-    HealthRequest health;          // for an integrator that inspects
+    StageTimes* stages = nullptr;  // stage timer; null: the render is not instrumented
+    HealthRequest health;          // read by an integrator that audits its paths
 };
 using RenderJob = RenderJobIn<float>;
 

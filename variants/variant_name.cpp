@@ -38,7 +38,7 @@ std::string joined(const Variant& variant, Backend backend, char between, char i
     return text;
 }
 
-// The values of all tunables of the variant's choices that the backend has; one that a choice lacks there has no value.
+// Names and values of the tunables of the variant's choices on the backend, but for those at Tunable::as_before.
 Pairs tunable_values(const Variant& variant, Backend backend) {
     Pairs values;
     for (const std::string_view axis : axis_names) {

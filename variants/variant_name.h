@@ -1,5 +1,5 @@
-// What a variant is called, and what it is known by. Names say the integrator and what differs from the baseline, so
-// they change where a baseline does; the identity is a hash of all choices and tunables, which does not.
+// The names of a variant and its identity. Names say the integrator and what differs from the baseline, so they change
+// where a baseline does; the identity is a hash of all choices and tunables, which does not.
 #pragma once
 
 #include <string>
@@ -8,15 +8,15 @@
 
 namespace pt {
 
-// "wavefront compaction=thrust_remove_if layout=soa jitters=4": the integrator, the axes that are not at the backend's
-// baseline, and the tunables that are not at their default.
+// The name of a variant as people see it, "wavefront compaction=thrust_remove_if layout=soa jitters=4": the integrator,
+// the axes that are not at the backend's baseline, and the tunables that are not at their default.
 std::string shown_name(const Variant& variant, Backend backend);
 
 // The variant as the beginning of a benchmark's name: "wavefront/compaction:thrust_remove_if/layout:soa/jitters:4".
 std::string benchmark_name(const Variant& variant, Backend backend);
 
-// A hash of every choice and of every tunable of the choices, at whatever value, as 16 hexadecimal digits. An axis or a
-// tunable that came later has no part in it where it is as it was before (Axis::as_before, Tunable::as_before).
+// The identity of a variant: a hash of every choice and tunable, as 16 hexadecimal digits. An axis or tunable that was
+// added later is left out at the value that stands for its absence (Axis::as_before, Tunable::as_before).
 std::string variant_id(const Variant& variant, Backend backend);
 
 }  // namespace pt

@@ -1,5 +1,5 @@
-// What compactions and sorts must have done by the end of a render, told from its counters. At a path's last possible
-// segment nothing is sorted before shading or compacted after it: no later stage would gain.
+// Checks by a render's counters that compactions and sorts did their work. At a path's last possible segment nothing is
+// sorted before shading or compacted after it: no later stage would gain.
 #pragma once
 
 #include <cstddef>
@@ -9,8 +9,8 @@
 
 namespace pt {
 
-// Checks the count of a queue after `stage`, which held `before` paths and now says that it holds `now`. Nobody may
-// look at more: what lies behind is no path. Throws std::runtime_error.
+// Checks the number of paths in a queue after `stage`: `now` may not exceed `before`, the number the stage was given,
+// since what lies behind is no path. Throws std::runtime_error.
 inline void check_count_after(const char* stage, std::size_t before, std::size_t now) {
     if (now > before) {
         throw std::runtime_error("the " + std::string(stage) + " returned a count of " + std::to_string(now) +
@@ -19,8 +19,7 @@ inline void check_count_after(const char* stage, std::size_t before, std::size_t
     }
 }
 
-// Reports a compaction that missed a bounce: every path is taken out by one or ends in the last segment. Empty: none
-// did.
+// Reports a compaction that missed a bounce: every path must be compacted away or end in the last segment. Empty: none.
 inline std::string compacted_every_bounce(const WorkCounters& work, std::uint64_t) {
     if (work.compactions != work.bounces - work.last_bounces) {
         return std::to_string(work.compactions) + " compactions in " + std::to_string(work.bounces) + " bounces, " +

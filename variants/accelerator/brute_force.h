@@ -1,4 +1,4 @@
-// Every triangle in turn: what the other accelerators are held against.
+// The accelerator brute_force tests every triangle of a mesh in turn; the other accelerators are verified against it.
 #pragma once
 
 #include "kernels/intersect.h"

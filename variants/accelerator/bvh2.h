@@ -1,5 +1,5 @@
-// Binary tree, nodes of 64 bytes with both children's boxes, so that one read decides on two; the nearer child first.
-// Aila and Laine, "Understanding the Efficiency of Ray Traversal on GPUs", HPG 2009.
+// The accelerator bvh2: a binary tree of 64-byte nodes with both children's bounding boxes, so that one read decides on
+// two; the nearer child comes first. Aila and Laine, "Understanding the Efficiency of Ray Traversal on GPUs", 2009.
 #pragma once
 
 #include "kernels/math.h"
@@ -10,17 +10,17 @@
 namespace pt::accelerator::bvh2 {
 
 struct alignas(16) Node {
-    float low_x[2], high_x[2], low_y[2], high_y[2], low_z[2], high_z[2];  // of the children
-    std::uint32_t link[2];                                                // variants/bvh/link.h
+    float low_x[2], high_x[2], low_y[2], high_y[2], low_z[2], high_z[2];  // bounds of the two children
+    std::uint32_t link[2];  // links to the two children (variants/bvh/link.h)
     std::uint32_t padding[2];
 };
 static_assert(sizeof(Node) == 64);
 
-// Most edges from the root to the deepest leaf: each inner node on the way leaves one child on the stack.
+// Entries of the traversal stack: each inner node on the way to the deepest leaf leaves one child on the stack.
 inline constexpr std::uint32_t stack_size = 64;
 
 #if !defined(__CUDACC_RTC__)
-// Encodes a binary tree. Throws std::length_error for one that is too deep, too large, or has too large leaves.
+// Encodes a binary tree as bvh2 nodes. Throws std::length_error for one too deep, too large, or with too large leaves.
 EncodedTree encode(const BinaryTree& tree);
 #endif
 
@@ -41,8 +41,8 @@ PT_HD inline Real child_entry(const Node& node, int child, const BoxRay<Real>& r
                      {x ? low.x : high.x, y ? low.y : high.y, z ? low.z : high.z}, best_t);
 }
 
-// Calls leaf(first_slot, count) for the leaves that the ray enters before best_t, nearer child first. The call may
-// lower the variable that best_t refers to; below 0 nothing more is visited.
+// Calls leaf(first_slot, count) for each leaf that the ray enters before best_t, nearer child first. The callback may
+// lower best_t to a closer hit; a best_t below 0 ends the traversal.
 template <class Real, class Leaf, class Counter>
 PT_HD void traverse(const TreeView& tree, const Vec3<Real>& origin, const Vec3<Real>& direction, const Real& best_t,
                     Leaf&& leaf, Counter& counter) {

@@ -1,5 +1,6 @@
-// Tree of eight children a node, boxes in single precision, nodes of 256 bytes; the nearest child first. Wald, Benthin,
-// Boulos, "Getting Rid of Packets", RT 2008; Ernst and Greiner, "Multi Bounding Volume Hierarchies", RT 2008.
+// The accelerator bvh8: a tree of eight children a node, single-precision boxes, 256-byte nodes; the nearest child
+// first. Wald, Benthin, Boulos, "Getting Rid of Packets", RT 2008; Ernst and Greiner, "Multi Bounding Volume
+// Hierarchies", 2008.
 #pragma once
 
 #include "variants/bvh/wide_nodes.h"
@@ -10,8 +11,7 @@ using Node = WideNode<8>;
 static_assert(sizeof(Node) == 256);
 
 #if !defined(__CUDACC_RTC__)
-// Encodes a binary tree as one of 8 children a node. Throws std::length_error for one that is too deep, too large, or
-// has too large leaves.
+// Encodes a binary tree as bvh8 nodes. Throws std::length_error for one too deep, too large, or with too large leaves.
 inline EncodedTree encode(const BinaryTree& tree) { return encode_wide<8>(tree); }
 #endif
 

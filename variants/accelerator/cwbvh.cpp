@@ -1,5 +1,4 @@
-// Compressed wide trees from binary ones on the host. Every box is rounded outward, exactly: planes are found in
-// double.
+// Builds compressed wide trees (cwbvh) from binary ones on the host. Boxes are rounded outward, exactly, in double.
 #include "variants/accelerator/cwbvh.h"
 
 #include <cstring>
@@ -19,7 +18,7 @@ namespace {
 static_assert(std::is_trivially_default_constructible_v<NodeGroup>,
               "a ray would write its whole stack before it begins");
 
-// The tree with leaves that a node can hold: larger ones are halved.
+// Nodes of the binary tree after every leaf too large for a cwbvh node is halved.
 std::vector<BinaryTree::Node> with_small_leaves(const BinaryTree& tree) {
     std::vector<BinaryTree::Node> nodes = tree.nodes;
     for (std::size_t i = 0; i < nodes.size(); ++i) {

@@ -1,6 +1,7 @@
-// Compressed wide tree: 80-byte nodes of 8 children with boxes in 8 bits, visited by the octant of the direction.
-// Ylitie, Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", HPG 2017. What
-// differs: the slots of a child stand at fixed bits of one mask, and no box that a hit lies in is missed by rounding.
+// The accelerator cwbvh, a compressed wide BVH: 80-byte nodes of 8 children with boxes in 8 bits a plane, visited by
+// the octant of the ray's direction. Ylitie, Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through
+// Compressed Wide BVHs", HPG 2017. Unlike there, the slots of a child stand at fixed bits of one mask, and no box that
+// a hit lies in is missed by rounding.
 #pragma once
 
 #include "kernels/in_range.h"
@@ -16,33 +17,34 @@ namespace pt::accelerator::cwbvh {
 
 inline constexpr std::uint32_t width = 8;
 inline constexpr std::uint32_t largest_leaf = 3;
-// Room that every box is given, in steps of its node's grid: distances to planes are rounded as numbers near 2^15 steps
-// are, by less than this.
+// Margin by which every child's box is widened, in steps of its node's grid. Distances to planes are rounded as numbers
+// near 2^15 steps are, by less than this.
 inline constexpr double plane_room = 1.0 / 128.0;
-// Most levels of nodes that a traversal can hold open: encode() refuses a deeper tree.
+// Size of the traversal stack, one entry for each level of nodes: encode() refuses a deeper tree.
 inline constexpr std::uint32_t largest_depth = 64;
 
-// The bits of 2^15, whose second byte counts units: see plane_number. Nodes hold it, for read with them it costs
-// nothing, and a constant would take the place of the instruction's other one.
+// Bits of the float 2^15, into which plane_number splices a plane's byte. Nodes hold them: loaded with a node they cost
+// nothing, and a constant would take the instruction's one place for constants, which the byte selector needs.
 inline constexpr std::uint32_t plane_splice = 0x47000000u;
 
-// Child i lies at one of the corners of its node: bit k of i is 1 at the high end of axis k. `contents` has bit 24 + i
-// for a child that is a node, and bits 3 i to 3 i + 2, the lowest first, for the slots of one that is a leaf.
+// A compressed wide node. Child i lies at one of the node's corners: bit k of i is 1 at the high end of axis k. Bit 24
+// + i of `contents` stands for a child that is a node, bits 3 i to 3 i + 2, lowest first, for the slots of one that is
+// a leaf.
 struct alignas(16) Node {
     float origin[3];
-    std::uint8_t exponent[3];  // of the step between planes of an axis, as a float's exponent field
+    std::uint8_t exponent[3];  // step between planes on each axis, as a float's exponent field
     std::uint8_t unused = 0;
-    std::uint32_t child_base;  // the first child that is a node; the others follow in the order of i
-    std::uint32_t slot_base;   // the first slot of its leaves, likewise
+    std::uint32_t child_base;  // number of the first child that is a node; the others follow in the order of i
+    std::uint32_t slot_base;   // first slot of the node's leaves; the others follow in the order of i
     std::uint32_t contents;
     std::uint32_t splice = plane_splice;
-    // The low and the high planes of the children on each axis, in steps from the origin, at least plane_room outside
-    // of the child.
+    // The low and the high planes of the children's boxes on each axis, in steps from the node's origin, at least
+    // plane_room outside of the child.
     std::uint8_t plane[3][2][width];
 };
 static_assert(sizeof(Node) == 80);
 
-// A node as a traversal holds it: read as words, 16 bytes at once.
+// A compressed node as a traversal holds it: loaded as words, 16 bytes at once.
 struct LoadedNode {
     std::uint32_t word[20];
 
@@ -68,7 +70,7 @@ struct LoadedNode {
     PT_HD std::uint32_t child_base() const { return word[4]; }
     PT_HD std::uint32_t slot_base() const { return word[5]; }
     PT_HD std::uint32_t contents() const { return word[6]; }
-    // Four planes of an axis: the low ones, or the high ones, of children 0 to 3 or of 4 to 7.
+    // Planes of four children on an axis, one a byte: the low ones, or the high ones, of children 0 to 3 or of 4 to 7.
     PT_HD std::uint32_t low(int axis, int half) const { return word[8 + 4 * axis + half]; }
     PT_HD std::uint32_t high(int axis, int half) const { return word[10 + 4 * axis + half]; }
 };
@@ -103,7 +105,7 @@ PT_HD inline float multiply_add(float a, float b, float c) {
 #endif
 }
 
-// 2^15 + byte i of a word, which puts the byte in the middle of the number's fraction without a conversion.
+// Returns 2^15 + byte i of `word`: the byte is put in the middle of the float's fraction, without a conversion.
 PT_HD inline float plane_number(std::uint32_t word, std::uint32_t i, [[maybe_unused]] std::uint32_t splice) {
 #if defined(__CUDA_ARCH__)
     return __uint_as_float(__byte_perm(word, splice, 0x7504u | (i << 4)));
@@ -112,8 +114,8 @@ PT_HD inline float plane_number(std::uint32_t word, std::uint32_t i, [[maybe_unu
 #endif
 }
 
-// Distances are compared as the integers of their bits: of numbers that are not negative the order is the same, and one
-// that is counts as 0 where a ray enters and as a miss where it leaves.
+// Slab distances are compared as the integers of their bits: for floats that are not negative the order is the same,
+// and a negative one counts as 0 where a ray enters and as a miss where it leaves.
 PT_HD inline std::int32_t latest_entry(float x, float y, float z) {
 #if defined(__CUDA_ARCH__)
     return __vimax3_s32_relu(__float_as_int(x), __float_as_int(y), __float_as_int(z));
@@ -129,23 +131,23 @@ PT_HD inline std::int32_t earliest_exit(float x, float y, float z, float limit) 
 #endif
 }
 
-// A ray as nodes see it: in float, with the room that rounding needs. A triangle's test moves vertices, relative to the
-// ray, by less than 8 u M along each axis, and a slab's distances are off by less than 8 u M over the direction, M
-// being the farthest coordinate from the origin of the ray to a corner of the tree: together 2^-20 M.
+// A ray prepared for box tests: in float, with a margin for rounding. A triangle's test moves vertices, relative to the
+// ray, by less than 8 u M along each axis, and a slab's distances are off by less than 8 u M over the direction,
+// together 2^-20 M; M is the largest distance along an axis from the ray origin to a corner of the tree.
 struct BoxRay {
     float origin[3];
     float inverse[3];
-    float room[3];       // in units of t
-    std::uint32_t flip;  // bit k: the ray goes up axis k, so the low end comes first
+    float room[3];       // margin of slab distances, in units of t
+    std::uint32_t flip;  // bit k: the ray goes up axis k, so it meets low planes first
 
     template <class Real>
     PT_HD static BoxRay of(const LoadedNode& root, const Vec3<Real>& from, const Vec3<Real>& direction) {
-        // The direction's least component is bounded by the largest one: what it then strays from the ray is within the
-        // room too.
+        // A direction component near 0 is replaced by 2^-60 of the largest one, or by 2^-100: how far the ray then
+        // strays is within the margin, too.
         const float largest =
             max(absolute(static_cast<float>(direction[0])),
                 max(absolute(static_cast<float>(direction[1])), absolute(static_cast<float>(direction[2]))));
-        const float least = max(largest * 8.67361737988403547e-19f, 7.88860905221011805e-31f);  // 2^-60, 2^-100
+        const float least = max(largest * 8.67361737988403547e-19f, 7.88860905221011805e-31f);
         BoxRay ray;
         ray.flip = 0;
         float farthest = 0.0f;
@@ -170,7 +172,7 @@ struct BoxRay {
     }
 };
 
-// The bits of a node's `contents` whose boxes the ray meets before the limit.
+// Returns the bits of a node's `contents` that stand for boxes which the ray enters before `limit`.
 PT_HD inline std::uint32_t boxes_hit(const LoadedNode& node, const BoxRay& ray, float limit) {
     float step[3], near_offset[3], far_offset[3];
     std::uint32_t near_words[3][2], far_words[3][2];
@@ -205,14 +207,14 @@ PT_HD inline std::uint32_t boxes_hit(const LoadedNode& node, const BoxRay& ray, 
     return hits & node.contents();
 }
 
-// A triangle's t is rounded too: less than 4 u away from where a box is entered.
+// Rounds best_t up for box tests: a triangle's t is rounded, too, by less than 4 u from where its box is entered.
 template <class Real>
 PT_HD inline float limit_of(const Real& best_t) {
     return static_cast<float>(best_t) * 1.000000476837158203125f;
 }
 
-// Eight bits in slot order, into the order in which a ray of this octant visits: bit i goes to i ^ flip, and the
-// highest is the first. The map is its own inverse.
+// Permutes eight bits from slot order into the order in which a ray of this octant visits the children: bit i goes to i
+// ^ flip, and the highest bit comes first. The permutation is its own inverse.
 PT_HD inline std::uint32_t by_octant(std::uint32_t bits, std::uint32_t flip) {
     std::uint32_t swap = (bits ^ (bits >> 1)) & ((flip & 1u) != 0 ? 0x55u : 0u);
     bits ^= swap * 3u;
@@ -222,8 +224,8 @@ PT_HD inline std::uint32_t by_octant(std::uint32_t bits, std::uint32_t flip) {
     return bits ^ (swap * 17u);
 }
 
-// Children of one node that are yet to be visited: bits 24 to 31 in the order of the octant; bits 0 to 7: which
-// children are nodes. Without values of its own: an array of them, which waits on a stack, would be written whole for
+// Children of one node that are yet to be visited: bits 24 to 31 in the order of the octant; bits 0 to 7 tell which
+// children are nodes. There are no default values: the traversal stack, an array of groups, would be written whole for
 // every ray, 512 bytes a lane.
 struct NodeGroup {
     std::uint32_t base;
@@ -246,7 +248,8 @@ struct NodeGroup {
     }
 };
 
-// Slot by slot, though leaves hold up to three: one loop for all of a node's, in which lanes of a warp stay together.
+// Passes leaves on slot by slot, though they hold up to three: one loop for all of a node keeps a warp's lanes
+// together.
 template <class Leaf, class Counter>
 PT_HD void visit_leaves(const LoadedNode& node, std::uint32_t hits, Leaf& leaf, Counter& counter) {
     for (std::uint32_t left = hits & 0xffffffu; left != 0;) {
@@ -257,8 +260,8 @@ PT_HD void visit_leaves(const LoadedNode& node, std::uint32_t hits, Leaf& leaf, 
     }
 }
 
-// Calls leaf(first slot, count) for the leaves that the ray enters before best_t. The call may lower the variable that
-// best_t refers to; below 0 nothing more is visited.
+// Calls leaf(first slot, count) for the leaves that the ray enters before best_t. The callback may lower best_t to a
+// closer hit; a best_t below 0 ends the traversal.
 template <class Real, class Leaf, class Counter>
 PT_HD void traverse(const TreeView& tree, const Vec3<Real>& origin, const Vec3<Real>& direction, const Real& best_t,
                     Leaf&& leaf, Counter& counter) {
@@ -292,7 +295,7 @@ PT_HD void traverse(const TreeView& tree, const Vec3<Real>& origin, const Vec3<R
 
 // The triangles of one node's leaves that are yet to be tested.
 struct SlotGroup {
-    std::uint32_t bits = 0;  // as in boxes_hit
+    std::uint32_t bits = 0;  // bits of slots yet to be tested, as boxes_hit returns them
     std::uint32_t contents = 0, base = 0;
 
     PT_HD bool empty() const { return bits == 0; }
@@ -303,7 +306,7 @@ struct SlotGroup {
     }
 };
 
-// The traversal in steps (variants/bvh/walk.h). A group of nodes is empty only where none is left.
+// The cwbvh traversal in steps (variants/bvh/walk.h). Its group of nodes is empty only once no node is left to visit.
 template <class Real>
 class Walk {
 public:
@@ -363,9 +366,9 @@ struct Traversal {
 };
 
 #if !defined(__CUDACC_RTC__)
-// Leaves of at most 3 references, cut so that the tree's SAH cost is least (the paper's section 3.1), and children put
-// where their octants visit them in order (3.2). Throws std::length_error for a tree that is too deep, too large, or
-// has too large leaves.
+// Encodes a binary tree as cwbvh nodes: leaves of at most 3 references, cut so that the tree's SAH cost is least (the
+// paper's section 3.1), and children put where their octants visit them in order (3.2). Throws std::length_error for a
+// tree that is too deep, too large, or has too large leaves.
 EncodedTree encode(const BinaryTree& tree);
 #endif
 

@@ -9,25 +9,24 @@
 
 namespace pt::accelerator::cwbvh {
 
-// Costs of a node visited and of a triangle tested: 10 to 3 as in the paper, which instructions on an H200 come to as
-// well.
+// SAH costs of visiting a node and of testing a triangle, 10 to 3: as in the paper and in instructions on an H200.
 inline constexpr float node_cost = 1.0f, reference_cost = 0.3f;
 inline constexpr std::uint32_t no_node = ~0u;
 
-PT_HD inline float box_area(const Box& box) {  // half of it
+PT_HD inline float box_area(const Box& box) {  // half of the box's surface area
     const float x = box.high[0] - box.low[0], y = box.high[1] - box.low[1], z = box.high[2] - box.low[2];
     return x * y + y * z + z * x;
 }
 
-// A binary subtree as the subtrees below one wide node: the least cost as 1 to 7 of them, and how it comes about.
+// How a binary subtree is cut into 1 to 7 subtrees below one wide node: the least SAH costs, and how they come about.
 struct alignas(32) Cut {
     float cost[width - 1];
     std::uint32_t choices;
 
-    // How many of `roots` (2 to 8) subtrees the left child gives; 0: one subtree fewer costs less.
+    // How many of `roots` (2 to 8) subtrees the left child contributes; 0: one subtree fewer costs less.
     PT_HD std::uint32_t left_of(std::uint32_t roots) const { return choices >> (3 * (roots - 2)) & 7u; }
     PT_HD bool is_leaf() const { return (choices >> 21 & 1u) != 0; }
-    PT_HD std::uint32_t references() const { return choices >> 22; }  // at most one more than a leaf holds
+    PT_HD std::uint32_t references() const { return choices >> 22; }  // references, counted up to largest_leaf + 1
 
     PT_HD static Cut of_leaf(float area, std::uint32_t count) {
         Cut cut;
@@ -66,7 +65,8 @@ struct alignas(32) Cut {
     }
 };
 
-// Requirements on a Tree: left(node), right(node), is_leaf(node), box(node) and cut(node).
+// The binary subtrees that become a wide node's children. A Tree has left(node), right(node), is_leaf(node), box(node),
+// cut(node).
 struct Children {
     std::uint32_t node[width];
     std::uint32_t count = 0;
@@ -135,7 +135,7 @@ struct Children {
     }
 
 private:
-    // The free corner towards which a child lies farthest out.
+    // The free corner of a wide node towards which a child lies farthest out.
     struct Wish {
         float from_centre[3], reach;
         std::uint32_t corner;
@@ -154,7 +154,7 @@ private:
     };
 };
 
-// 2^exponent as a float, for exponents from -126 to 127.
+// Returns 2^exponent for the exponents of a float, -126 to 127.
 PT_HD inline double power_of_two(int exponent) { return number_of(static_cast<std::int64_t>(exponent + 1023) << 52); }
 
 PT_HD inline float next_below(double x) {
@@ -169,11 +169,12 @@ PT_HD inline float next_below(double x) {
                             : number_of(std::int32_t(0x80000001u));
 }
 
-// The origin, and the least power of two as the step, with which the planes of a box stand in 0 to 255 with their room.
+// Sets a node's origin and its step: the least power of two with which the planes of the box, widened by plane_room,
+// fit in 0 to 255.
 PT_HD inline void set_frame(Node& node, const Box& box) {
     for (int k = 0; k < 3; ++k) {
         const double low = static_cast<double>(box.low[k]), high = static_cast<double>(box.high[k]);
-        // The exponent of (high - low) / 256, rounded down; 0 has the least.
+        // Exponent of (high - low) / 256, rounded down; an extent of 0 gives the least exponent.
         int exponent = static_cast<int>(bits_of(high - low) >> 52) - 1023 - 8;
         for (exponent = clamp(exponent, -126, 127);; ++exponent) {
             const double step = power_of_two(exponent);
@@ -196,7 +197,7 @@ PT_HD inline void set_box(Node& node, std::uint32_t corner, const Box& box) {
     }
 }
 
-// Encodes a node, but for the numbers at which its children and slots begin.
+// Encodes a compressed node, but for the numbers at which its children and slots begin (child_base, slot_base).
 template <class Tree>
 PT_HD inline Node make_node(const Tree& tree, const Box& box, const std::uint32_t (&at)[width]) {
     Node node{};

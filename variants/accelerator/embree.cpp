@@ -1,6 +1,6 @@
-// Embree's tree over boxes, with this program's triangle test: a user geometry, whose callbacks give each triangle's
-// box and meet it. Embree's boxes know nothing of the rounding of that test, which grows with the distance of the ray's
-// origin, so the boxes handed to it are wider by a bound on it.
+// The accelerator embree: Embree's tree with this program's triangle test, as a user geometry whose callbacks give each
+// triangle's bounding box and intersect the triangle. Embree's box test knows nothing of the rounding of that triangle
+// test, which grows with the distance of the ray origin, so the boxes handed to Embree are wider by a bound on it.
 #include <array>
 #include <mutex>
 
@@ -12,11 +12,11 @@
 namespace pt::accelerator::embree {
 namespace {
 
-// Embree keeps off numbers near the ends of float's range: it takes 1e-18 for 0 and 1.8e18 for infinity.
+// Bounds on the numbers handed to Embree, which takes 1e-18 for 0 and 1.8e18 for infinity.
 constexpr float smallest = 0x1p-40f, largest = 0x1p40f;
 
 struct Query {
-    RTCIntersectContext context;  // first: the callback is given its address
+    RTCIntersectContext context;  // first member: Embree's callback is given the context's address
     Hit<float>* best;
     const LeafTriangle* leaves;
     MeshRay<float> ray;
@@ -24,8 +24,8 @@ struct Query {
 };
 static_assert(offsetof(Query, context) == 0);
 
-// The distance beyond which Embree need not look. It is a little beyond best_t, since Embree leaves out what it enters
-// at tfar, and rounds where it enters.
+// The tfar for Embree, a little beyond best_t: Embree leaves out boxes entered at tfar, and rounds the distance of
+// entry.
 float limit(float best_t) { return best_t * (1.0f + gamma<float>(64)) + std::numeric_limits<float>::min(); }
 
 void meet(const RTCIntersectFunctionNArguments* arguments) {
@@ -38,7 +38,7 @@ void meet(const RTCIntersectFunctionNArguments* arguments) {
     RTCRayN_tfar(RTCRayHitN_RayN(arguments->rayhit, 1), 1, 0) = limit(query.best->t);
 }
 
-// A mesh's triangles, for boxes that are wider by `margin`.
+// A mesh's triangles, whose bounding boxes are wider by `margin`.
 struct Widened {
     const LeafTriangle* leaves;
     float margin;
@@ -56,7 +56,8 @@ void bounds(const RTCBoundsFunctionArguments* arguments) {
     *arguments->bounds_o = {low[0], low[1], low[2], 0, high[0], high[1], high[2], 0};
 }
 
-// Holds one tree for rays that start near the mesh, and others, made when a ray asks for one, for rays from afar.
+// A mesh for Embree: a tree for rays that start near the mesh, and trees of wider boxes, made when a ray asks for one,
+// for rays from afar.
 class Mesh : public HostMesh {
 public:
     explicit Mesh(std::span<const LeafTriangle> leaves) : leaves_(leaves) {
@@ -72,7 +73,8 @@ public:
         }
     }
 
-    // The tree that finds all that this ray meets; null: none is good enough, and every triangle is to be met in turn.
+    // Returns the Embree tree that finds all triangles that this ray meets; null: no tree's boxes are wide enough, and
+    // every triangle is to be tested in turn.
     RTCScene scene_for(const MeshRay<float>& ray) const {
         const Vec3<float>& d = ray.direction;
         const float length = max(absolute(d.x), max(absolute(d.y), absolute(d.z)));
@@ -97,8 +99,8 @@ private:
         Scene scene;
     };
 
-    // The margin is twice what BoxRay allows for, and as much again for Embree's rounding of side * (1 / d) - origin *
-    // (1 / d).
+    // The margin of boxes for rays from this origin: twice what BoxRay allows for, and as much again for Embree's
+    // rounding of side * (1 / d) - origin * (1 / d).
     float margin_for(const Vec3<float>& origin) const {
         float reach = 0, from_zero = 0;
         for (int axis = 0; axis < 3; ++axis) {
@@ -123,7 +125,7 @@ private:
         return level.scene.get();
     }
 
-    std::span<const LeafTriangle> leaves_;  // of the MeshTree that keeps this, too
+    std::span<const LeafTriangle> leaves_;  // owned by the MeshTree that owns this mesh, too
     float low_[3] = {largest, largest, largest}, high_[3] = {-largest, -largest, -largest};
     float size_ = 0;
     mutable std::array<Level, 5> levels_;

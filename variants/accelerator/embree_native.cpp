@@ -1,6 +1,6 @@
-// Embree's tree and triangle test: what a renderer gets that leaves rays to a library. Its distances differ from this
-// program's in the last bits, and at edges its triangles do; a point on a surface is still formed by this program's
-// test, which has to agree that the triangle is met.
+// The accelerator embree_native: Embree's tree and triangle test, as in a renderer that leaves rays to a library. Hit
+// distances differ from this program's in the last bits, and at edges the triangles hit do; a point on a surface is
+// still computed by this program's test, which has to agree that the triangle is hit.
 #include <cstring>
 
 #include "kernels/intersect.h"
@@ -14,7 +14,7 @@ namespace {
 namespace embree = accelerator::embree;
 
 struct Query {
-    RTCIntersectContext context;  // first: the filter is given its address
+    RTCIntersectContext context;  // first member: Embree's filter is given the context's address
     std::uint32_t origin_primitive;
 };
 static_assert(offsetof(Query, context) == 0);
@@ -60,8 +60,8 @@ void meet_mesh(Hit<float>& best, const MeshInstance<float>& instance, std::uint3
     const Vec3<float>&o = in_mesh.origin, &d = in_mesh.direction;
     const RTCScene scene = mesh_of<Mesh>(instance).scene.get();
     if (enough > 0) {
-        // Any hit before `enough` ends the search. Embree tells it by its own distance, and includes `enough` itself,
-        // which is within the choice's claim.
+        // An occlusion test ends at any hit before `enough`. Embree decides by its own distance, and includes `enough`
+        // itself, which is within the choice's claim.
         RTCRay any{o.x, o.y, o.z, 0, d.x, d.y, d.z, 0, enough, ~0u, 0, 0};
         rtcOccluded1(scene, &query.context, &any);
         if (any.tfar < 0) {
@@ -78,7 +78,7 @@ void meet_mesh(Hit<float>& best, const MeshInstance<float>& instance, std::uint3
     }
     const LeafTriangle& leaf = instance.geometry.leaves[met.hit.primID];
     const TriangleHit<float> hit = intersect(leaf.triangle<float>(), in_mesh.origin, in_mesh.sheared);
-    if (!hit.hits) {  // at an edge the two tests may round to different sides: a few rays in a million
+    if (!hit.hits) {  // at an edge this test and Embree's may round to different sides: a few rays in a million
         pt::meet_mesh<BruteForce>(best, instance, object, origin, ray, enough);
         return;
     }

@@ -11,7 +11,7 @@
 
 namespace pt::accelerator::embree {
 
-// The whole program's one Embree device, made when it is first asked for.
+// Returns the program's only Embree device, made at the first call.
 RTCDevice device();
 // Throws std::runtime_error if Embree has reported an error on this thread.
 void require_no_error(const char* doing);
@@ -21,7 +21,7 @@ struct ReleaseScene {
 };
 using Scene = std::unique_ptr<std::remove_pointer_t<RTCScene>, ReleaseScene>;
 
-// Returns a committed scene with this one geometry, whose number is 0; takes the geometry over.
+// Returns a committed Embree scene that owns this one geometry, whose number is 0.
 Scene scene_of(RTCGeometry geometry, RTCSceneFlags flags);
 
 inline Reason needs_embree_rays(FeatureSet scene, const VariantTraits& variant) {

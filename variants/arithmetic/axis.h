@@ -6,7 +6,7 @@
 namespace pt {
 
 struct ArithmeticTraits {
-    bool is_approximate = false;  // division and square root are approximate: tolerances of cases do not cover that
+    bool is_approximate = false;  // division and square root are approximate, which tolerances of cases do not cover
 };
 
 namespace arithmetic {

@@ -1,5 +1,5 @@
-// Every rounding as the source says: IEEE division and square root, no contraction. Kernels that call the same stages
-// agree bit for bit, on a GPU and on a CPU.
+// Exact arithmetic: every rounding as the source says, by IEEE division and square root and no contraction. Kernels
+// that call the same stages agree bit for bit, on a GPU and on a CPU.
 #include "variants/registry.h"
 
 namespace pt::arithmetic::exact {

@@ -1,6 +1,6 @@
-// Approximate division, square root and reciprocal, denormals flushed to zero, contraction. What closed bodies and
-// meshes rest on is given up: an edge function that is flushed to zero has no sign, and the bounds on rounding that
-// keep a path on its side of a surface do not cover approximate divisions.
+// Fast arithmetic: approximate division, square root and reciprocal, denormals flushed to zero, contraction. The
+// guarantees for closed bodies and meshes are given up: an edge function that is flushed to zero has no sign, and the
+// bounds on rounding that keep a path on its side of a surface do not cover approximate divisions.
 #include "variants/registry.h"
 
 namespace pt::arithmetic::fast {

@@ -1,7 +1,7 @@
-// nvcc's default: IEEE division and square root, but where random directions are drawn and spheres are met; the
-// compiler contracts a multiplication and an addition where it likes, so two kernels of one formula may differ in the
-// last bit, and a path that grazes an edge may go elsewhere. Not where closed meshes rest on rounding: the triangle
-// test and what takes rays to it round alike in every arithmetic (rounded_product in kernels/math.h).
+// Precise arithmetic, nvcc's default: IEEE division and square root, but where random directions are drawn and spheres
+// are intersected. The compiler contracts multiplications and additions as it likes, so two kernels of one formula may
+// differ in the last bit, and a path that grazes an edge may go elsewhere. The triangle test and what takes rays to it,
+// on which closed meshes rest, round alike in every arithmetic (rounded_product in kernels/math.h).
 #include "variants/registry.h"
 
 namespace pt::arithmetic::precise {
@@ -21,8 +21,8 @@ const Registration registration(
         .fp_relaxed = true,
         .backends = on_cuda,
     },
-    // Kernels approximate where an error of a few units in the last place moves a sample, or a point along its ray, and
-    // nothing else (kernels/in_range.h).
+    // PT_APPROXIMATE has kernels approximate where an error of a few units in the last place moves a sample, or a point
+    // along its ray, and nothing else (kernels/in_range.h).
     {.cuda = {.options = {"-DPT_APPROXIMATE=1"}}});
 
 }  // namespace

@@ -1,5 +1,5 @@
-// The best plane that parts references by their centres, from bins. Wald, "On fast Construction of SAH-based Bounding
-// Volume Hierarchies", RT 2007.
+// Finds the plane that best parts references by their centres, from bins (binned SAH). Wald, "On fast Construction of
+// SAH-based Bounding Volume Hierarchies", RT 2007.
 #pragma once
 
 #include <algorithm>
@@ -10,13 +10,14 @@
 
 namespace pt::builder {
 
-// A primitive's box, or a part of it, travels with its number: the passes over a node read memory in order.
+// A reference to a primitive: the primitive's bounding box, or a part of it, beside the primitive's number, so that the
+// passes over a node read memory in order.
 struct Reference {
     Box box;
     std::uint32_t primitive;
 };
 
-// The box that holds some references, and the box that holds their centres.
+// The bounding box of some references, and the bounding box of their centres.
 struct Bounds {
     Box box, centres;
 
@@ -50,21 +51,20 @@ struct Binning {
     int of(const Box& box, int axis) const {
         return std::clamp(static_cast<int>((centre(box, axis) - low) * scale), 0, bins - 1);
     }
-    // Whether the scale is finite: one that overflows would make numbers that no bin has.
+    // Whether the scale from centres to bins is finite: one that overflows would give bin numbers out of range.
     bool is_usable() const { return scale > 0 && scale < std::numeric_limits<float>::max(); }
 };
 
 struct ObjectSplit {
-    double cost = std::numeric_limits<double>::infinity();  // half area times count, of both children
-    int axis = -1;                                          // -1: no plane parts the centres
-    int first_right = 0;                                    // bin
+    double cost = std::numeric_limits<double>::infinity();  // half area times count, summed over both children
+    int axis = -1;                                          // axis of the plane; -1: no plane parts the centres
+    int first_right = 0;                                    // first bin to the right of the plane
     Box left, right;
 };
 
 ObjectSplit best_object_split(std::span<const Reference> references, const Bounds& bounds);
 
-// Puts the first half of the references, by number and in the order of their centres along the longest axis, to the
-// front.
+// Moves half of the references, by number, to the front: those whose centres come first along the longest axis.
 void halve_by_centre(std::span<Reference> references, const Bounds& bounds);
 
 }  // namespace pt::builder

@@ -1,6 +1,6 @@
-// Embree's builder of other people's trees (rtcBuildBVH: binned surface area heuristic, of medium quality), two
-// children a node and one primitive a leaf. Wald, Woop, Benthin, Johnson, Ernst, "Embree: A Kernel Framework for
-// Efficient CPU Ray Tracing", SIGGRAPH 2014.
+// The builder embree: Embree's builder for trees in the caller's format (rtcBuildBVH: binned surface area heuristic, of
+// medium quality), two children a node and one primitive a leaf. Wald, Woop, Benthin, Johnson, Ernst, "Embree: A Kernel
+// Framework for Efficient CPU Ray Tracing", SIGGRAPH 2014.
 #include <new>
 
 #include "variants/accelerator/embree_scene.h"
@@ -25,7 +25,7 @@ void set_children(void* node, void** children, unsigned count, void*) {
         static_cast<Node*>(node)->child[i] = static_cast<Node*>(children[i]);
     }
 }
-// Embree tells a node its children's boxes here; they are not needed, since `assemble` joins boxes itself.
+// Embree's callback with the boxes of a node's children. They are not needed, since `assemble` joins boxes itself.
 void ignore_bounds(void*, const RTCBounds**, unsigned, void*) {}
 void* make_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* primitives, std::size_t, void*) {
     auto* leaf = new (rtcThreadLocalAlloc(allocator, sizeof(Node), alignof(Node))) Node;
@@ -42,7 +42,7 @@ std::vector<RTCBuildPrimitive> primitives_of(const PrimitiveBoxes& boxes) {
     return primitives;
 }
 
-// Nodes are numbered depth first, so that where Embree's threads have put them does not matter.
+// Numbers Embree's nodes depth first, so that where Embree's threads have put them does not matter.
 class Numbering {
 public:
     explicit Numbering(std::size_t primitives) : primitives_(static_cast<std::uint32_t>(primitives)) {}

@@ -1,4 +1,4 @@
-// A builder of hploc.h as a choice of the axis `builder` has it: boxes on the host in, a tree on the host out.
+// Runs a GPU builder of hploc.h as a choice of the axis `builder`: boxes on the host in, a tree on the host out.
 #pragma once
 
 #include "variants/builder/hploc.h"

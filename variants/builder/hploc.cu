@@ -1,5 +1,5 @@
-// LBVH and H-PLOC on the GPU. The trees are the same on every run: keys are sorted by (Morton code, primitive), merges
-// depend on the boxes of a range alone, and a node's number follows from the leaves that it joins.
+// The builders LBVH and H-PLOC on the GPU. A tree is the same on every run: keys are sorted by (Morton code,
+// primitive), merges depend on the boxes of a range alone, and a node's number follows from the leaves that it joins.
 #include "variants/builder/hploc.h"
 
 #include <stdexcept>
@@ -15,7 +15,7 @@ namespace pt::builder {
 namespace {
 
 constexpr std::uint32_t none = ~0u, block = 128;
-constexpr std::uint32_t merge_to = 16;  // clusters that a range keeps on its way up
+constexpr std::uint32_t merge_to = 16;  // most clusters that a range keeps on its way up the tree
 constexpr int search_radius = 8;
 using cuda::all_lanes;
 
@@ -38,7 +38,7 @@ private:
     T* data_ = nullptr;
 };
 
-// A cluster of a range of leaves: its node, and the first of its leaves.
+// A cluster in a range of leaves: the number of its node, and of the first of its leaves.
 struct alignas(8) Cluster {
     std::uint32_t node, first;
 };
@@ -61,7 +61,7 @@ __global__ void clear_bounds(CentreBounds* bounds) {
     }
 }
 
-// Twice a box's centre along an axis, which every use here works with.
+// Twice a box's centre along an axis; the factor cancels in every use.
 __device__ float centre_of(const Box& box, int axis) { return box.low[axis] + box.high[axis]; }
 
 __global__ void bound_centres(const Box* boxes, std::uint32_t count, CentreBounds* bounds) {
@@ -84,7 +84,7 @@ __global__ void bound_centres(const Box* boxes, std::uint32_t count, CentreBound
     }
 }
 
-// Spreads the bits of a number of 21 bits three apart.
+// Spreads the bits of a number of 21 bits three apart, for a Morton code.
 __device__ std::uint64_t spread(std::uint64_t x) {
     x = (x | x << 32) & 0x1f00000000ffffull;
     x = (x | x << 16) & 0x1f0000ff0000ffull;
@@ -93,7 +93,7 @@ __device__ std::uint64_t spread(std::uint64_t x) {
     return (x | x << 2) & 0x1249249249249249ull;
 }
 
-// One cell size for all axes, so that cells are cubes.
+// Computes the Morton codes of the boxes' centres. One cell size serves all axes, so that cells are cubes.
 __global__ void morton_codes(const Box* boxes, std::uint32_t count, const CentreBounds* bounds, std::uint64_t* codes,
                              std::uint32_t* primitives) {
     const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
@@ -132,11 +132,11 @@ struct BuildView {
     const std::uint64_t* codes;
     GpuNode* nodes;
     Cluster* clusters;
-    std::uint32_t* other_end;  // [i]: of the range that ends between i and i + 1 and came first, its other end
+    std::uint32_t* other_end;  // [i]: the other end of the first range to arrive that ends between i and i + 1
     std::uint32_t* root;
 };
 
-// A range of leaves on its way up the tree of Morton codes.
+// A range of leaves, which joins its sibling's on the way up the tree of Morton codes.
 struct Range {
     std::uint32_t left, right, split;
 
@@ -146,7 +146,7 @@ struct Range {
         const std::uint64_t a = view.codes[i] ^ view.codes[i + 1], b = view.codes[j] ^ view.codes[j + 1];
         return a != b ? a < b : (i ^ (i + 1)) < (j ^ (j + 1));
     }
-    // Joins the sibling's range; false where the sibling has yet to come, and will then go on.
+    // Joins this range with its sibling's; false if the sibling has yet to arrive, which will then go on upwards.
     __device__ bool rise(const BuildView& view) {
         const bool with_next = left == 0 || (right + 1 < view.count && is_closer(view, right, left - 1));
         __threadfence();
@@ -177,7 +177,7 @@ __device__ void store_node(GpuNode* node, const GpuNode& value) {
     words[1] = make_float4(value.high[0], value.high[1], value.high[2], __uint_as_float(value.right));
 }
 
-// The clusters of a range as a warp holds them, one a lane.
+// The clusters of a range of leaves as a warp holds them, one cluster a lane.
 struct WarpClusters {
     Cluster cluster;
     float low[3], high[3];
@@ -194,7 +194,7 @@ struct WarpClusters {
         }
     }
 
-    // Loads up to 16 clusters of each half of a range; what a half holds stands at its front.
+    // Loads up to 16 clusters of each half of a range, packed into the lowest lanes.
     __device__ static WarpClusters load(const BuildView& view, const Range& range, std::uint32_t lane) {
         WarpClusters w;
         const std::uint32_t from = lane < merge_to ? range.left : range.split, at = lane % merge_to;
@@ -218,8 +218,8 @@ struct WarpClusters {
         return w;
     }
 
-    // The lane of the neighbouring cluster whose box together with this one's is least; the first of equal ones, so
-    // that somewhere two clusters choose each other.
+    // Returns the lane of the neighbouring cluster whose joint bounding box with this lane's has the least surface; the
+    // first of equal ones, so that some two clusters always choose each other.
     __device__ std::uint32_t nearest(std::uint32_t lane) const {
         std::uint32_t best = none;
 #pragma unroll
@@ -242,7 +242,7 @@ struct WarpClusters {
         return best & 31u;
     }
 
-    // Joins the pairs of clusters that chose each other.
+    // Merges the pairs of clusters that chose each other as nearest.
     __device__ void merge(const BuildView& view, std::uint32_t lane, std::uint8_t* source_of) {
         const std::uint32_t other = nearest(lane);
         const bool mutual = __shfl_sync(all_lanes, other, other) == lane && lane < count && other < count;
@@ -257,7 +257,7 @@ struct WarpClusters {
             }
             node.left = cluster.node;
             node.right = partner.cluster.node;
-            // Every leaf but the first of all is the later first one of just one merge.
+            // A node's number is used once: every leaf but leaf 0 is the later first leaf of just one merge.
             cluster.node = view.count - 1 + max(cluster.first, partner.cluster.first);
             cluster.first = min(cluster.first, partner.cluster.first);
             store_node(view.nodes + cluster.node, node);
@@ -323,7 +323,8 @@ __global__ void __launch_bounds__(block) lbvh(const __grid_constant__ BuildView 
         return;
     }
     Range range{index, index, 0};
-    // The node of a range stands in clusters at one of its ends: where its parent will look for it.
+    // A range's node number stands at both of its ends, in clusters[left].node and clusters[right].first, for the
+    // parent.
     while (range.right - range.left + 1 != view.count && range.rise(view)) {
         const std::uint32_t left = __ldcg(&view.clusters[range.split - 1].first);
         const std::uint32_t right = __ldcg(&view.clusters[range.split].node);
@@ -370,7 +371,7 @@ struct GpuTreeMemory {
         return bytes;
     }
 
-    // Leaves in the order of (code, primitive): the sort is stable.
+    // Sorts leaves by (Morton code, primitive): the radix sort is stable.
     BuildView sort(const Box* boxes) {
         const std::uint32_t blocks = (count + block - 1) / block;
         clear_bounds<<<1, 32>>>(bounds.data());
@@ -435,7 +436,7 @@ BinaryTree GpuTree::download() const {
     tree.nodes.reserve(nodes.size());
     tree.references.reserve(count);
     tree.nodes.push_back({box_of(nodes[root]), 0, 0});
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> open{{root, 0}};  // a node and its place
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> open{{root, 0}};  // number of a GPU node, place in tree.nodes
     while (!open.empty()) {
         const auto [number, place] = open.back();
         open.pop_back();

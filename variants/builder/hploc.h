@@ -1,4 +1,4 @@
-// Builders on the GPU: they make a binary tree in device memory of boxes there, which can be copied to the host.
+// BVH builders on the GPU: from boxes in device memory they build a binary tree there, which can be copied to the host.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@ namespace pt::builder {
 
 struct GpuTreeMemory;
 
-// Holds memory for one size; a build allocates nothing. Every call is queued on the default stream.
+// A GPU builder for one number of primitives: a build allocates nothing. Every call is queued on the default stream.
 class GpuTree {
 public:
     explicit GpuTree(std::uint32_t primitives);
@@ -20,16 +20,15 @@ public:
     GpuTree(const GpuTree&) = delete;
     GpuTree& operator=(const GpuTree&) = delete;
 
-    // Builds the LBVH of Lauterbach et al. 2009 in the way of Apetrei 2014: in the order of the Morton codes, from the
-    // leaves up.
+    // Builds the LBVH of Lauterbach et al. 2009 as Apetrei 2014 does: in the order of Morton codes, from the leaves up.
     void build_lbvh(const Box* device_boxes);
-    // Benthin et al., "H-PLOC: Hierarchical Parallel Locally-Ordered Clustering", HPG 2024: on that tree's way up,
-    // warps merge the nearest of up to 32 neighbours until 16 are left.
+    // Builds a tree by H-PLOC: on the way up the LBVH, warps merge the nearest of up to 32 neighbours until 16 clusters
+    // are left. Benthin et al., "H-PLOC: Hierarchical Parallel Locally-Ordered Clustering", HPG 2024.
     void build_hploc(const Box* device_boxes);
 
     std::uint32_t primitives() const;
     const GpuNode* device_nodes() const;
-    const std::uint32_t* device_root() const;  // the root's number, on the device
+    const std::uint32_t* device_root() const;  // number of the root node, in device memory
     BinaryTree download() const;
 
 private:

@@ -13,8 +13,8 @@ namespace pt::builder::lbvh {
 
 namespace {
 
-// Names in this class are Karras's: delta(i, j) is the length of the common prefix of keys i and j, -1 out of range;
-// keys are distinct.
+// Karras's radix tree over distinct keys, by the names of the paper: delta(i, j) is the length of the common prefix of
+// keys i and j, -1 out of range.
 class RadixTree {
 public:
     explicit RadixTree(const std::vector<std::uint64_t>& keys)
@@ -35,7 +35,7 @@ private:
     std::uint32_t node(std::int64_t i, bool is_leaf) const {
         return static_cast<std::uint32_t>(is_leaf ? i : count_ + i);
     }
-    // The number of keys beyond i, in direction d, that node i covers.
+    // The number of keys beyond key i, in direction d, that node i of the radix tree covers.
     std::int64_t length(std::int64_t i, std::int64_t d) const {
         const int delta_min = delta(i, i - d);
         std::int64_t longest = 2;
@@ -50,7 +50,7 @@ private:
         }
         return covered;
     }
-    // The last key of node i's left child.
+    // Returns the last key that the left child of node i covers.
     std::int64_t split(std::int64_t i, std::int64_t j, std::int64_t d) const {
         const int delta_node = delta(i, j);
         std::int64_t covered = 0, step = (j - i) * d;

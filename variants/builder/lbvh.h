@@ -1,5 +1,5 @@
-// The radix tree of the primitives' Morton codes, all inner nodes at once. Karras, "Maximizing Parallelism in the
-// Construction of BVHs, Octrees, and k-d Trees", HPG 2012; on the host.
+// The builder lbvh on the host: the radix tree of the primitives' Morton codes, all inner nodes in parallel. Karras,
+// "Maximizing Parallelism in the Construction of BVHs, Octrees, and k-d Trees", HPG 2012.
 #pragma once
 
 #include "variants/builder/sah.h"

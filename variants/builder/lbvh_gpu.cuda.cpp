@@ -1,5 +1,5 @@
-// Kernels in hploc.cu. Cells are cubes of 63 bits, where those of `lbvh` on the host have 30, and leaves hold one
-// primitive: another tree over the same kind of codes.
+// The builder lbvh_gpu, whose kernels are in hploc.cu. Its Morton codes have 63 bits and cubic cells, where those of
+// `lbvh` on the host have 30 bits, and its leaves hold one primitive, so the two trees differ.
 #include "variants/builder/gpu_build.h"
 #include "variants/mesh_reasons.h"
 #include "variants/registry.h"

@@ -1,4 +1,4 @@
-// Primitives along the Morton curve: where bottom-up builders start.
+// Primitives in Morton order, from which bottom-up builders start.
 #pragma once
 
 #include <cstdint>

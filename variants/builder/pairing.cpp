@@ -38,7 +38,7 @@ private:
     struct Subtree {
         Box box;
         std::uint32_t count = 1, height = 0;
-        double cost = 0;  // half area times cost, of all nodes
+        double cost = 0;  // half area times cost, summed over the subtree's nodes
         bool is_leaf = true;
     };
     struct Open {
@@ -48,7 +48,7 @@ private:
     std::uint32_t left(std::uint32_t node) const { return pairing_.left[node - leaves_]; }
     std::uint32_t right(std::uint32_t node) const { return pairing_.right[node - leaves_]; }
 
-    // Computes boxes, counts and costs of subtrees from the primitives up.
+    // Computes bounding boxes, counts and SAH costs of all subtrees from the primitives up.
     void measure() {
         for (std::uint32_t i = 0; i < leaves_; ++i) {
             subtrees_[i].box = boxes_[pairing_.leaf[i]];
@@ -142,8 +142,8 @@ private:
     BinaryTree tree_;
 };
 
-// Lists the siblings of a whole tree. The pairing's leaves are the tree's references, and those of one leaf are
-// siblings in a row.
+// Converts a finished tree back to a Pairing. The pairing's leaves are the tree's references; the references of one
+// leaf are joined one after the other.
 Pairing siblings_in(const BinaryTree& tree) {
     Pairing pairing;
     pairing.leaf = tree.references;

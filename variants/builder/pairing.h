@@ -1,4 +1,4 @@
-// What bottom-up builders find: which nodes are siblings. `assemble` makes of it the tree that accelerators take up.
+// The result of a bottom-up builder: which nodes are siblings. `assemble` makes a tree of it for accelerators.
 #pragma once
 
 #include <cstdint>
@@ -11,16 +11,16 @@ namespace pt::builder {
 // The siblings that a builder found: nodes 0 to n - 1 are the primitives `leaf[i]`, node n + k is the inner node k.
 struct Pairing {
     std::vector<std::uint32_t> leaf;
-    std::vector<std::uint32_t> left, right;  // of inner nodes
+    std::vector<std::uint32_t> left, right;  // children of the inner nodes
     std::uint32_t root = 0;
 };
 
-// Subtrees of at most `leaf_size` primitives become leaves where that is no dearer (Meister and Bittner 2018, section
-// 3.3); subtrees that go deeper than max_tree_depth are halved by number instead, in the order of their leaves.
+// Makes a tree of siblings. Subtrees of at most `leaf_size` primitives become leaves where that is no dearer (Meister
+// and Bittner 2018, section 3.3); subtrees deeper than max_tree_depth are halved by number, in leaf order.
 BinaryTree assemble(const Pairing& pairing, const PrimitiveBoxes& boxes, std::uint32_t leaf_size,
                     const SahCosts& costs);
 
-// Returns the tree itself if it is no deeper than max_tree_depth, else one assembled from its siblings.
+// Returns the given tree if it is no deeper than max_tree_depth, else one assembled from its siblings.
 BinaryTree within_depth(BinaryTree tree, const PrimitiveBoxes& boxes, std::uint32_t leaf_size = 4);
 
 }  // namespace pt::builder

@@ -17,8 +17,9 @@ struct Cluster {
     std::uint32_t node;
 };
 
-// The neighbour whose union has the least surface. Of equal ones the one whose place differs least in its bits: a total
-// order on pairs, so that some pair always chooses each other, and of equal boxes all pairs do.
+// Finds the neighbour whose joint bounding box with cluster i has the least surface. Of equal ones it is that whose
+// index differs least from i in its bits: a total order on pairs, so that some pair always chooses each other, and of
+// equal boxes all pairs do.
 std::uint32_t nearest(const std::vector<Cluster>& clusters, std::uint32_t i, std::uint32_t radius) {
     const auto last = static_cast<std::uint32_t>(std::min<std::size_t>(std::size_t(i) + radius, clusters.size() - 1));
     double least = std::numeric_limits<double>::infinity();
@@ -35,7 +36,7 @@ std::uint32_t nearest(const std::vector<Cluster>& clusters, std::uint32_t i, std
     return chosen;
 }
 
-// Merges the pairs that chose each other; a union takes the place of the pair's first cluster.
+// Merges the pairs of clusters that chose each other; a union takes the place of the pair's first cluster.
 void merge(std::vector<Cluster>& clusters, const std::vector<std::uint32_t>& neighbour, std::uint32_t leaves,
            Pairing& pairing) {
     std::size_t kept = 0;

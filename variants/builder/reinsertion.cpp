@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint32_t no_node = ~0u;
 
-// A node, where it is put back, as the sibling of `to`, and by how much that lessens the sum of surfaces.
+// A move of a reinsertion round: a node, its new sibling `to`, and by how much that lessens the sum of surface areas.
 struct Move {
     float gain = 0;
     std::uint32_t node = no_node, to = no_node;
@@ -46,7 +46,7 @@ public:
         }
     }
 
-    // Half the surfaces of all inner nodes.
+    // Half the surface area of all inner nodes, summed.
     double surface() const {
         double sum = 0;
         for (std::size_t node = leaves_; node < areas_.size(); ++node) {
@@ -94,8 +94,8 @@ private:
         parents_[by] = parent;
     }
 
-    // The best place for a node among all others, sought from its parent up to the root; what the way saves so far
-    // bounds what a subtree can bring.
+    // Finds the best new place for a node, searching from its parent up to the root; what the way up saves so far
+    // bounds the gain within a subtree.
     Move best_move(std::uint32_t node) const {
         Move best;
         if (node == pairing_.root || parents_[node] == pairing_.root) {
@@ -142,7 +142,7 @@ private:
         }
     }
 
-    // Makes a move unless one before it has taken a node that it changes.
+    // Makes a move unless an earlier move of the round has taken a node that this move changes.
     void apply(const Move& move, std::vector<bool>& is_taken, std::vector<std::uint32_t>& changed) {
         const std::uint32_t parent = parents_[move.node], beside = sibling(move.node), above = parents_[parent],
                             target_parent = parents_[move.to];
@@ -166,7 +166,8 @@ private:
         changed.push_back(parent);
         changed.push_back(above);
     }
-    // Earlier moves of a round may have brought the place below the node.
+    // Whether `node` is in the subtree of `top`: an earlier move of the round may have brought a new place below the
+    // node.
     bool is_below(std::uint32_t node, std::uint32_t top) const {
         for (; node != no_node; node = parents_[node]) {
             if (node == top) {
@@ -176,7 +177,7 @@ private:
         return false;
     }
 
-    // Fits the boxes above the nodes that moves have changed, children first.
+    // Refits the bounding boxes above the nodes that moves have changed, children first.
     void refit(const std::vector<std::uint32_t>& changed) {
         std::vector<bool> is_stale(boxes_.size());
         for (std::uint32_t node : changed) {

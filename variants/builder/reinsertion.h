@@ -1,6 +1,6 @@
-// Betters a finished tree: subtrees are taken out and put back where the surfaces of all boxes add up to least. Meister
-// and Bittner, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization", Eurographics 2018. Places are sought
-// in parallel; moves that would meet are left for the next round, in an order that does not depend on the threads.
+// Improves a finished tree: subtrees are taken out and put back where the surface areas of all boxes add up to least.
+// Meister and Bittner, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization", Eurographics 2018. Places are
+// sought in parallel; conflicting moves are left for the next round, in an order that does not depend on the threads.
 #pragma once
 
 #include "variants/builder/pairing.h"

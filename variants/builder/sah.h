@@ -8,20 +8,20 @@
 
 namespace pt::builder {
 
-// Costs of a node visited and of a triangle tested, as in Stich et al. 2009 and Meister, Bittner 2018.
+// SAH costs of a visited node and of a tested triangle, as in Stich et al. 2009 and Meister, Bittner 2018.
 struct SahCosts {
-    double traversal = 1.2;     // a visit of an inner node
-    double intersection = 1.0;  // a primitive's test
+    double traversal = 1.2;     // cost of visiting an inner node
+    double intersection = 1.0;  // cost of testing a primitive
 };
 
-// Whether an inner node over children of this cost (half area times count, of both) is cheaper than a leaf.
+// Whether an inner node is cheaper than a leaf by the SAH. `split_cost`: half area times count, of both children.
 inline bool split_pays(const SahCosts& costs, double area, std::size_t count, double split_cost) {
     return costs.traversal * area + costs.intersection * split_cost <
            costs.intersection * static_cast<double>(count) * area;
 }
 
-// Expected cost of a line through the root's box: sum of area / root's area x cost over nodes. 0 for an empty tree;
-// where the root has no area, each node counts in full.
+// Expected cost of a line through the root's bounding box: sum of area / root's area x cost over nodes. 0 for an empty
+// tree; where the root has no area, each node counts in full.
 double tree_cost(const BinaryTree& tree, const SahCosts& costs = {});
 
 // Throws std::logic_error that says what is wrong with a tree over `boxes`: a primitive no leaf refers to, a reference

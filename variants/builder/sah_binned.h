@@ -1,5 +1,5 @@
-// Top down, the best of 16 planes an axis by the surface area heuristic, from bins of centres. Wald, "On fast
-// Construction of SAH-based Bounding Volume Hierarchies", RT 2007. On all cores; the tree is the same on any number.
+// The builder sah_binned, top down: the best of 16 planes an axis by the SAH, from bins of centres. Wald, "On fast
+// Construction of SAH-based Bounding Volume Hierarchies", RT 2007. The tree is the same on any number of cores.
 #pragma once
 
 #include "variants/builder/sah.h"

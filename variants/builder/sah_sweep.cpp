@@ -15,16 +15,16 @@ namespace pt::builder::sah_sweep {
 
 namespace {
 
-constexpr std::uint32_t task_size = 2048;  // references below which a subtree is one thread's
+constexpr std::uint32_t task_size = 2048;  // subtrees of no more references are built without an OpenMP task
 
-// A split of a node's references: the first `left` in the order of an axis go left.
+// A split of a node's references: the first `left` of them in the order of an axis go to the left child.
 struct Split {
-    double cost = std::numeric_limits<double>::infinity();  // half area times count, of both children
+    double cost = std::numeric_limits<double>::infinity();  // half area times count, summed over both children
     int axis = 0;
     std::uint32_t left = 0;
 };
 
-// References stay sorted along all axes from the root down: a node's partition keeps the order of each.
+// A builder whose references stay sorted along all axes from the root down: a node's partition keeps the order of each.
 class Builder {
 public:
     Builder(const PrimitiveBoxes& boxes, std::uint32_t leaf_size, const SahCosts& costs)
@@ -72,7 +72,8 @@ private:
                 sweep(begin, end, axis, split);
             }
         }
-        // Rounding aside, no partition is better than none: of equal boxes any would do, halves leave the lowest tree.
+        // Where no partition is cheaper than none, rounding aside, references are halved: of equal boxes any partition
+        // would do, and halves leave the lowest tree.
         if (!(split.cost < area * count * (1 - 1e-9))) {
             split.axis = longest_axis(centres);
             split.left = count / 2;
@@ -129,7 +130,7 @@ private:
     std::array<std::vector<std::uint32_t>, 3> order_;
     std::vector<double> right_costs_;
     std::vector<std::uint32_t> scratch_;
-    std::vector<std::uint8_t> is_left_;  // by primitive
+    std::vector<std::uint8_t> is_left_;  // by primitive: whether it goes to the left child
     std::vector<BinaryTree::Node> slots_;
 };
 

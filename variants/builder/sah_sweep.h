@@ -1,4 +1,4 @@
-// Top down, the best by the surface area heuristic of all partitions in the order of centres along an axis. Wald,
+// The builder sah_sweep, top down: of all partitions in the order of centres along an axis the best by the SAH. Wald,
 // Boulos, Shirley, "Ray Tracing Deformable Scenes using Dynamic Bounding Volume Hierarchies", ACM TOG 26 (1), 2007.
 #pragma once
 

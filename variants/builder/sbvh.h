@@ -1,6 +1,6 @@
-// Top down by the surface area heuristic, with spatial splits: where an object split's children overlap, triangles may
-// be parted by a plane, and both children refer to them. Stich, Friedrich, Dietrich, "Spatial Splits in Bounding Volume
-// Hierarchies", HPG 2009.
+// The builder sbvh, top down by the SAH with spatial splits: where children of an object split overlap, a plane may
+// part triangles, to which both children refer. Stich, Friedrich, Dietrich, "Spatial Splits in Bounding Volume
+// Hierarchies", 2009.
 #pragma once
 
 #include <span>
@@ -11,10 +11,10 @@
 namespace pt::builder::sbvh {
 
 struct Settings {
-    std::uint32_t leaf_size = 4;  // the most references of a leaf
+    std::uint32_t leaf_size = 4;  // most references of a leaf
     SahCosts costs = {};
     double overlap = 1e-5;    // spatial splits are tried above this share of the root's area (Stich's alpha)
-    double duplicates = 0.5;  // references beyond the first of each primitive, as a share of primitives
+    double duplicates = 0.5;  // duplicate references allowed, as a share of the primitives
 };
 
 BinaryTree build(std::span<const Triangle<float>> triangles, const Settings& settings = {});

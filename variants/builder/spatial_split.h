@@ -1,4 +1,4 @@
-// The best plane that parts space, triangles with it. Stich, Friedrich, Dietrich, HPG 2009, section 4.1.
+// Finds the plane that best parts space, and triangles with it. Stich, Friedrich, Dietrich, HPG 2009, section 4.1.
 #pragma once
 
 #include <limits>
@@ -11,17 +11,17 @@
 namespace pt::builder {
 
 struct SpatialSplit {
-    double cost = std::numeric_limits<double>::infinity();  // half area times count, of both children
-    int axis = -1;                                          // -1: none
+    double cost = std::numeric_limits<double>::infinity();  // half area times count, summed over both children
+    int axis = -1;                                          // axis of the plane; -1: no split
     float plane = 0;
     Bin left, right;
 };
 
-// Finds the best spatial split of some references; `box` is the one round all of them.
+// Finds the best spatial split of some references; `box` is their bounding box.
 SpatialSplit best_spatial_split(std::span<const Triangle<float>> triangles, std::span<const Reference> references,
                                 const Box& box);
 
-// The parts of a reference's box, conservative, that hold the triangle's parts below and above a plane; empty: none.
+// Bounding boxes, conservative, of a triangle's parts below and above a plane within a reference's box; empty: no part.
 std::pair<Box, Box> part(const Triangle<float>& triangle, const Box& box, int axis, float plane);
 
 }  // namespace pt::builder

@@ -1,5 +1,5 @@
-// Binary trees on the host as nodes that hold both children's boxes and links: bvh2's, and those of the tree over
-// objects. A Node has low_x[2] .. high_z[2] and link[2].
+// Converts binary trees on the host to nodes that hold both children's boxes and links: those of bvh2, and those of the
+// tree over objects. A Node has low_x[2] .. high_z[2] and link[2].
 #pragma once
 
 #include <vector>
@@ -19,8 +19,7 @@ void set_child(Node& node, std::uint32_t child, const Box& box, std::uint32_t li
     node.link[child] = link;
 }
 
-// Inner nodes in the tree's order, so the root stays first; their links are their numbers. leaf_link_of(node): a
-// leaf's.
+// Returns the inner nodes in the tree's order, the root first. A link is an inner node's number, or leaf_link_of(node).
 template <class Node, class LeafLinkOf>
 std::vector<Node> binary_nodes(const BinaryTree& tree, const LeafLinkOf& leaf_link_of) {
     std::vector<std::uint32_t> links;
@@ -38,7 +37,7 @@ std::vector<Node> binary_nodes(const BinaryTree& tree, const LeafLinkOf& leaf_li
             }
         }
     }
-    // A leaf alone: the second child's empty box is entered by none but a ray of NaNs, which must come to an end too.
+    // A tree of one leaf: only a ray of NaNs enters the root's empty second child, and must come to an end too.
     if (nodes.empty() && !tree.nodes.empty()) {
         nodes.emplace_back();
         set_child(nodes[0], 0, tree.nodes[0].box, links[0]);

@@ -8,7 +8,7 @@
 
 namespace pt {
 
-// A closed box; `none` is empty and the identity of `join`.
+// A closed bounding box. A default one is empty and the identity of `join`.
 struct Box {
     float low[3] = {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity(),
                     std::numeric_limits<float>::infinity()};
@@ -19,16 +19,16 @@ struct Box {
 struct BinaryTree {
     struct Node {
         Box box;
-        std::uint32_t first = 0;  // inner: the left child, whose sibling follows it; leaf: its first reference
-        std::uint32_t count = 0;  // references of a leaf; 0: an inner node
+        std::uint32_t first = 0;  // inner node: its left child, whose sibling follows; leaf: its first reference
+        std::uint32_t count = 0;  // number of references of a leaf; 0: an inner node
 
         bool is_leaf() const { return count != 0; }
     };
-    std::vector<Node> nodes;                // the root is nodes[0]; empty: a tree of nothing
+    std::vector<Node> nodes;                // the root is nodes[0]; empty: no primitives
     std::vector<std::uint32_t> references;  // primitives in the order of the leaves; spatial splits repeat some
 };
 
-// What a leaf holds, one a primitive: boxes round whole primitives, conservative (rounded outward).
+// Bounding boxes of whole primitives, rounded outward, one for each primitive: what a builder builds a tree over.
 using PrimitiveBoxes = std::vector<Box>;
 
 }  // namespace pt

@@ -1,4 +1,4 @@
-// What builders ask of boxes: union, surface, centre.
+// Operations on bounding boxes for builders: union, surface area, centre.
 #pragma once
 
 #include "variants/bvh/binary_tree.h"
@@ -27,7 +27,7 @@ inline bool contains(const Box& outer, const Box& inner) {
     return all;
 }
 
-// Half the surface; in double, where no finite box overflows. 0 for an empty one.
+// Half the surface area of a box, 0 for an empty one; in double, where no finite box overflows.
 inline double half_area(const Box& box) {
     if (is_empty(box)) {
         return 0;
@@ -38,7 +38,7 @@ inline double half_area(const Box& box) {
     return x * y + y * z + z * x;
 }
 
-// Halved before the sum: the centre of any finite box is finite.
+// The centre of a box along an axis. Bounds are halved before the sum: the centre of any finite box is finite.
 inline float centre(const Box& box, int axis) { return 0.5f * box.low[axis] + 0.5f * box.high[axis]; }
 
 inline Box centre_box(const Box& box) {

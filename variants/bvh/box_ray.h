@@ -1,6 +1,6 @@
-// A ray as box tests want it. Slabs of Kay and Kajiya (SIGGRAPH 1986), made to err only towards yes: the relative
-// rounding by a factor (Ize, "Robust BVH Ray Traversal", JCGT 2 (2), 2013), the triangle test's own rounding, which is
-// relative to the distance of the farthest vertex, by shifted origins (Woop, Benthin, Wald, JCGT 2 (1), 2013).
+// A ray prepared for box tests. The slab test of Kay and Kajiya (SIGGRAPH 1986) is made to err only towards a hit:
+// relative rounding is covered by a factor (Ize, "Robust BVH Ray Traversal", JCGT 2 (2), 2013), the triangle test's own
+// rounding, relative to the farthest vertex, by shifted ray origins (Woop, Benthin, Wald, JCGT 2 (1), 2013).
 #pragma once
 
 #include "kernels/triangle.h"
@@ -14,8 +14,8 @@ struct BoxSpan {
 
 template <class Real>
 struct BoxRay {
-    Vec3<Real> near_origin, far_origin;  // one box further and one box nearer than the ray's origin
-    Vec3<Real> inverse;                  // of the direction; infinite along an axis that the ray does not move on
+    Vec3<Real> near_origin, far_origin;  // ray origins shifted so that boxes are entered early and left late
+    Vec3<Real> inverse;  // reciprocal of the direction; infinite along an axis that the ray does not move on
 
     // Prepares a ray for the box tests of a tree. Every operation has a rounding of its own in every arithmetic, so
     // that a ray enters the same boxes on a GPU as on a CPU.
@@ -33,7 +33,7 @@ struct BoxRay {
             if (axis == s.kz) {
                 continue;
             }
-            // The reach covers six roundings of a sheared vertex, of the shear and of this sum, and two of the shifted
+            // The margin covers six roundings of a sheared vertex, of the shear and of this sum, and two of the shifted
             // origin.
             const Real sheared = rounded_product(absolute(axis == s.kx ? s.shear.x : s.shear.y), along);
             const Real margin = rounded_product(gamma<Real>(8), reach[axis] + sheared) +
@@ -45,7 +45,7 @@ struct BoxRay {
         return ray;
     }
 
-    // Whether the side of the box where the ray enters is the high one. -0 counts as negative, as its inverse does.
+    // Whether the ray enters boxes at the high side of an axis. -0 counts as negative, as its inverse does.
     PT_HD bool is_reversed(int axis) const { return inverse[axis] < Real(0); }
 
     // The ray parameter, at least 0, at which the ray enters a box, or `no_entry` if it misses the box or enters it
@@ -57,7 +57,7 @@ struct BoxRay {
             nearest = keep_larger(nearest, (entry_sides[axis] - near_origin[axis]) * inverse[axis]);
             farthest = keep_smaller(farthest, (exit_sides[axis] - far_origin[axis]) * inverse[axis]);
         }
-        // The entry is brought forward by three roundings of each side, and by those of a triangle's t.
+        // The distance of entry is lessened by three roundings of each side, and by those of a triangle's t.
         nearest = nearest * (Real(1) - gamma<Real>(16));
         return nearest <= farthest ? nearest : no_entry;
     }

@@ -1,5 +1,5 @@
-// A binary tree as a wide one: each wide node takes in the inner nodes below it, largest first, until it has `width`
-// children. Wald, Benthin, Boulos, "Getting Rid of Packets", RT 2008; by area: Dammertz, Hanika, Keller, EGSR 2008.
+// Collapses a binary tree into a wide one: a wide node takes in the inner nodes below it, largest first, until it has
+// `width` children. Wald, Benthin, Boulos, "Getting Rid of Packets", 2008; by area: Dammertz, Hanika, Keller 2008.
 #pragma once
 
 #include <cstdint>
@@ -13,15 +13,15 @@ inline constexpr std::uint32_t max_width = 8;
 
 struct WideTree {
     struct Node {
-        std::uint32_t child[max_width];  // numbers of binary nodes
-        std::uint32_t inner[max_width];  // the wide node that an inner child is; of a leaf 0
-        std::uint32_t count;             // children
+        std::uint32_t child[max_width];  // binary nodes that become the wide node's children
+        std::uint32_t inner[max_width];  // number of the wide node that an inner child becomes; 0 for a leaf
+        std::uint32_t count;             // number of the wide node's children
     };
-    std::vector<Node> nodes;  // depth first; the root is nodes[0]; a leaf alone is the one child of a root
+    std::vector<Node> nodes;  // depth first; nodes[0] is the root; a tree of one leaf has it as the root's one child
 };
 
-// Most entries that wait on the stack of a traversal that pushes all children of a node and takes one up. Children that
-// do not exist count too, as rays of NaNs enter them.
+// Most entries on the stack of a traversal that pushes all children of a node and pops one. Children that do not exist
+// count too, as rays of NaNs enter them.
 std::uint32_t stack_need(const WideTree& tree, std::uint32_t width);
 
 // Collapses a binary tree into one of up to `width` children a node, largest area first. Where this would need a

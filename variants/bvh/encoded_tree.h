@@ -1,5 +1,5 @@
-// A tree in the format of one accelerator, and what its traversal is handed. Formats hold no pointers: the same bytes
-// serve host and device.
+// A tree in the node format of one accelerator, and the view of it that a traversal is handed. Formats hold no
+// pointers: the same bytes serve host and device.
 #pragma once
 
 #include "kernels/mesh_view.h"
@@ -27,7 +27,7 @@ struct EncodedTree {
     TreeView view() const {
         return {nodes.data(), node_count, static_cast<std::uint32_t>(references.size()), node_bytes()};
     }
-    // Size of one node in bytes; 0 if there is none.
+    // Size of one node of the tree in bytes; 0 if the tree has no node.
     std::uint32_t node_bytes() const {
         return node_count == 0 ? 0 : static_cast<std::uint32_t>(nodes.size() * sizeof(NodePiece) / node_count);
     }

@@ -1,4 +1,4 @@
-// What the encoders of accelerators share on the host.
+// Checks and conversions that the encoders of accelerators share on the host.
 #pragma once
 
 #include <cstring>
@@ -18,7 +18,7 @@ inline void require_at_most(std::size_t found, std::size_t allowed, const char* 
     }
 }
 
-// What links can express and a traversal's stack can hold.
+// Throws std::length_error for a tree that links cannot express or a traversal stack cannot hold.
 inline void require_encodable(const BinaryTree& tree, std::uint32_t max_depth = max_tree_depth) {
     require_at_most(tree.references.size(), max_slots, "references");
     require_at_most(tree.nodes.size(), std::size_t(2) * max_slots, "nodes");
@@ -28,7 +28,7 @@ inline void require_encodable(const BinaryTree& tree, std::uint32_t max_depth = 
     require_at_most(tree_depth(tree), max_depth, "levels");
 }
 
-// The bytes of an accelerator's nodes, whose size is a multiple of 16.
+// Copies an accelerator's nodes, whose size is a multiple of 16 bytes, into an EncodedTree.
 template <class Node>
 EncodedTree encoded(const std::vector<Node>& nodes, const std::vector<std::uint32_t>& references) {
     static_assert(sizeof(Node) % sizeof(NodePiece) == 0 && std::is_trivially_copyable_v<Node>);

@@ -1,4 +1,4 @@
-// A binary tree as it lies in a GPU's memory between a builder and an encoder there.
+// A binary tree in GPU memory, as a GPU builder hands it to a GPU encoder.
 #pragma once
 
 #include <cstdint>
@@ -8,9 +8,9 @@ namespace pt {
 // Nodes 0 to n - 1 are the leaves, in the order of their Morton codes, one primitive each; inner nodes follow.
 struct alignas(32) GpuNode {
     float low[3];
-    std::uint32_t left;  // inner: a node; leaf: the primitive
+    std::uint32_t left;  // inner node: its left child; leaf: its primitive
     float high[3];
-    std::uint32_t right;  // inner: a node
+    std::uint32_t right;  // inner node: its right child
 };
 
 }  // namespace pt

@@ -1,4 +1,4 @@
-// What a choice of the axes `accelerator` and `builder` brings, as functions that the harness calls.
+// The functions of a choice of the axes `accelerator`, `builder` and `levels`, for the harness to call.
 #pragma once
 
 #include <memory>
@@ -11,47 +11,46 @@
 namespace pt {
 
 struct BuilderHook {
-    // Builds a tree over boxes, the same on any number of cores. `triangles`: those that the boxes are round, for
-    // builders that split them.
+    // Builds a tree over boxes, the same on any number of cores. `triangles` in the boxes are for builders that split
+    // them.
     BinaryTree (*build)(const PrimitiveBoxes& boxes, std::span<const Triangle<float>> triangles) = nullptr;
 };
 
-// What an accelerator of the host, such as Embree, makes of a mesh for itself (MeshView::native).
+// What an accelerator on the host, such as Embree, makes of a mesh for itself (MeshView::native).
 struct NativeMesh {
     std::shared_ptr<const HostMesh> data;
     std::uint64_t bytes = 0;
 };
 
-// What the accelerator prepared of an object's mesh, as the type that its `prepare` made.
+// Returns what the accelerator prepared for an object's mesh, as the type that its `prepare` made.
 template <class Mesh>
 const Mesh& mesh_of(const MeshInstance<float>& instance) {
     return static_cast<const Mesh&>(*static_cast<const HostMesh*>(instance.geometry.native));
 }
 
 struct AcceleratorHook {
-    // Encodes a binary tree in the accelerator's format; null: it needs no tree, and slots are primitives.
+    // Encodes a binary tree in the accelerator's format; null: the accelerator needs no tree, and slots are primitives.
     EncodedTree (*encode)(const BinaryTree& tree) = nullptr;
     // Prepares a mesh on the host; null: the tree and its leaves are enough.
     NativeMesh (*prepare)(const EncodedTree& tree, std::span<const LeafTriangle> leaves) = nullptr;
     MeetMesh<float> meet_single = nullptr;
     MeetMesh<double> meet_double = nullptr;
-    // Searches all objects that show meshes by one tree over their triangles; null: the accelerator has its trees by
-    // itself.
+    // Searches all objects with meshes by one tree over their triangles; null: the accelerator has trees of its own.
     MeetMeshes<float> meet_flat_single = nullptr;
     MeetMeshes<double> meet_flat_double = nullptr;
 };
 
-// What a choice of the axis `levels` brings: how the objects that show meshes are searched, as by a two-level BVH.
+// What a choice of the axis `levels` brings: how a ray searches the objects with meshes, as by a two-level BVH.
 struct LevelsHook {
     // Builds the top-level tree (TLAS) over the boxes of objects, one object a leaf; null: there is no such tree.
     std::vector<ObjectNode> (*build)(const PrimitiveBoxes& boxes) = nullptr;
     MeetMeshes<float> meet_single = nullptr;
     MeetMeshes<double> meet_double = nullptr;
-    bool is_flat = false;  // met as the accelerator has it
+    bool is_flat = false;  // one tree over all objects' triangles, searched by the accelerator's meet_flat
 };
 
-// Kernels of the host are compiled for motion or without it, their search through meshes for motion always: on an
-// object at rest both leave the same hit.
+// Configuration of mesh searches on the host. Kernels are compiled for motion or without it, their mesh search always
+// for motion: on an object at rest both find the same hit.
 template <class Traversal, class Real>
 using SearchConfig = Config<Real, Feature::mesh | Feature::motion, Traversal>;
 
@@ -60,7 +59,7 @@ void meet_flat(Hit<Real>& best, const SceneView<Real>& scene, const Ray<Real>& r
     closest_by_flat_tree<SearchConfig<Traversal, Real>>(best, scene, scene.meshes, ray, NearerThan<Real>{enough});
 }
 
-// Traces a ray through a mesh on the host, by the accelerator's traversal that kernels of a device have compiled in.
+// Traces a ray through a mesh on the host, by the traversal that the kernels of a GPU have compiled in.
 template <class Traversal, class Real>
 void meet_mesh(Hit<Real>& best, const MeshInstance<Real>& mesh, std::uint32_t object, const Vec3<Real>& origin,
                const Ray<Real>& ray, Real enough) {

@@ -1,4 +1,4 @@
-// What a node knows of a child in 32 bits: an inner node's number, or a leaf's slots.
+// A link: what a node knows of a child in 32 bits, either an inner node's number or a leaf's slots.
 #pragma once
 
 #include "kernels/config.h"

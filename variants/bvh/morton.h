@@ -1,13 +1,12 @@
-// The order of a Z-shaped curve: ten bits of each coordinate of a box's centre, interleaved, over the primitive's
-// number. Distinct keys, so that one order exists. Lauterbach et al., "Fast BVH Construction on GPUs", CGF 28 (2),
-// 2009.
+// Morton keys: ten bits of each coordinate of a box's centre, interleaved, over the primitive's number. Keys are
+// distinct, so that one order exists. Lauterbach et al., "Fast BVH Construction on GPUs", CGF 28 (2), 2009.
 #pragma once
 
 #include "kernels/math.h"
 
 namespace pt {
 
-// Two zero bits behind each of ten bits.
+// Spreads ten bits: two zero bits follow each.
 PT_HD constexpr std::uint32_t spread_bits(std::uint32_t x) {
     x = (x | (x << 16)) & 0x030000ffu;
     x = (x | (x << 8)) & 0x0300f00fu;
@@ -15,7 +14,7 @@ PT_HD constexpr std::uint32_t spread_bits(std::uint32_t x) {
     return (x | (x << 2)) & 0x09249249u;
 }
 
-// A centre's cell among 1024 along one axis of the box of all centres; an axis without extent is one cell.
+// The cell of a box's centre, of 1024 along an axis of the box of all centres; an axis without extent is one cell.
 PT_HD inline std::uint32_t morton_cell(float centre, float low, float high) {
     const float extent = high - low;
     const float cell = extent > 0 ? (centre - low) / extent * 1024.0f : 0.0f;

@@ -1,4 +1,4 @@
-// The nodes of a binary tree in an order to go down by, and from its end to come up by: breadth first.
+// Lists the nodes of a binary tree breadth first: forwards for passes down the tree, backwards for passes up.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,7 @@
 
 namespace pt {
 
-// The numbers of all nodes below the root, nodes[0], and its own, each after its parent's. In `nodes` children come in
-// any order.
+// The numbers of all nodes, each after its parent, nodes[0] (the root) first. `nodes` may hold children in any order.
 inline std::vector<std::uint32_t> parents_first(std::span<const BinaryTree::Node> nodes) {
     std::vector<std::uint32_t> order(nodes.empty() ? 0 : 1, 0u);
     order.reserve(nodes.size());

@@ -1,4 +1,4 @@
-// The boxes that builders are given of triangles: exact for single precision, rounded outward from double.
+// Bounding boxes of triangles for builders: exact for single precision, rounded outward from double.
 #pragma once
 
 #include "kernels/triangle.h"

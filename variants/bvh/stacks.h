@@ -1,4 +1,4 @@
-// Stacks of a traversal in steps (walk.h). Their entries lie in their Memory, by get(i) and set(i, open).
+// Traversal stacks for a traversal in steps (walk.h). A stack's entries lie in its Memory, by get(i) and set(i, open).
 #pragma once
 
 #include "kernels/math.h"
@@ -14,8 +14,8 @@ struct LocalMemory {
     PT_HD void set(std::uint32_t i, const Open& open) { entries[i] = open; }
 };
 
-// A stack that holds all that can wait. Its memory is a separate object: an array that is indexed at run time would
-// keep its neighbours in memory too.
+// A traversal stack that holds all that can wait. Its memory is a separate object: an array that is indexed at run time
+// would keep the other members of its object in memory, too.
 template <class Open, class MemoryT>
 class FullStack {
 public:
@@ -34,7 +34,7 @@ public:
     }
 
     // Pushes the children of a wide node that the ray enters (entries of 0 or more), the nearest on top. Returns
-    // whether `link` is the child to enter; on this stack the walk takes it from the top, as all others.
+    // whether `link` is the child to enter: never on this stack, from whose top the walk takes that child, too.
     template <class Real, int width>
     PT_HD bool enters_nearest(const Real (&entries)[width], const std::uint32_t (&links)[width], std::uint32_t&) {
         const std::uint32_t bottom = size_;
@@ -52,8 +52,8 @@ public:
         return false;
     }
 
-    // Pushes the further child of a binary node whose children the ray both enters, and returns whether to enter the
-    // nearer one.
+    // Pushes the further one of a binary node's children, both of which the ray enters; whether to enter the nearer
+    // one.
     PT_HD bool enters_nearer(const Open& further) {
         push(further);
         return true;
@@ -61,14 +61,14 @@ public:
     PT_HD bool enters_only_child() { return true; }
 
     // Enters the child at `position` of a node whose children wait in one group, in an order that the ray's octant
-    // fixes; `rest` waits. Returns whether the triangles of the node that is entered have been tested before.
+    // fixes; `rest`, the others, wait. Returns whether the triangles of the entered node have been tested before.
     PT_HD bool enter(std::uint32_t, const Open& rest) {
         if (!rest.empty()) {
             push(rest);
         }
         return false;
     }
-    // Narrows the children that were met to those which have not been entered before.
+    // Drops from the children that the ray enters those which have been entered before.
     PT_HD void narrow(Open&) {}
 
 private:
@@ -76,10 +76,10 @@ private:
     std::uint32_t size_ = 0;
 };
 
-// Holds the last few that wait, of a binary tree. Where it has forgotten one, the walk starts again at the root and
-// finds its way by the trail: a bit for each level, 1 where all below the nearer child has been visited or the ray
-// meets one child alone. Laine, "Restart Trail for Stackless BVH Traversal", HPG 2010. A tree of 64 levels has a bit
-// for each inner node on a way, and a carry out of the last says that nothing is left.
+// A short stack for binary trees, which holds the last few children that wait. Where it has dropped one, the walk
+// restarts at the root and finds its way by the trail: a bit for each level, 1 where all below the nearer child has
+// been visited or the ray enters one child alone. Laine, "Restart Trail for Stackless BVH Traversal", HPG 2010. A tree
+// of 64 levels has a bit for each inner node on a way, and a carry out of the last bit says that nothing is left.
 template <class Open, class MemoryT, std::uint32_t entries>
 class ShortStack {
 public:
@@ -137,16 +137,16 @@ private:
 
     Memory& memory_;
     std::uint64_t trail_ = 0;
-    std::uint64_t level_ = 0;          // of the choice that led to the node at hand; 0: it is the root
-    std::uint64_t restarted_for_ = 0;  // of the choice that the last one taken up belongs to
+    std::uint64_t level_ = 0;          // level of the choice that led to the current node; 0: that is the root
+    std::uint64_t restarted_for_ = 0;  // level of the choice that the last popped entry belongs to
     std::uint32_t size_ = 0, top_ = 0;
 };
 
 // A short stack for trees whose children wait in groups (FullStack::enter), up to 8 in a node, in 64 levels of groups
-// below the root; where it has forgotten an entry, the walk restarts at the root and follows its trail. The trail has
-// four bits a level, each in a word of its own: which child was entered last, and whether others of its group wait. It
-// is that of the wide trees of Vaidyanathan, Woop, Benthin, "Wide BVH Traversal with a Short Stack", HPG 2019, which
-// counts children in the order of their distances; here the order is the octant's, which no hit changes.
+// below the root. Where it has dropped an entry, the walk restarts at the root and follows its trail, four bits a
+// level, each in a word of its own: which child was entered last, and whether others of its group wait. Vaidyanathan,
+// Woop, Benthin, "Wide BVH Traversal with a Short Stack", HPG 2019, count children in the order of their distances;
+// here the order is the octant's, which no hit changes.
 template <class Open, class MemoryT, std::uint32_t entries>
 class ShortGroupStack {
 public:
@@ -165,7 +165,7 @@ public:
         if (level == 0) {
             return target_ != 0;
         }
-        // The hit has come nearer than the child that leads back on the trail, so what waits below that is out of
+        // The best hit has come nearer than the child that the trail leads to: what waits below the child is out of
         // reach.
         if (target_ != 0 && position != position_at(level)) {
             leave_trail(level);
@@ -216,27 +216,27 @@ private:
         return ((position_[0] & level) != 0 ? 1u : 0u) | ((position_[1] & level) != 0 ? 2u : 0u) |
                ((position_[2] & level) != 0 ? 4u : 0u);
     }
-    // Ends the restart: the walk has come to where it has not been, and nothing waits at this level or below.
+    // Ends a restart: the walk has come to where it has not been, and nothing waits at this level or below.
     PT_HD void leave_trail(std::uint64_t level) {
         target_ = 0;
         waits_ &= ~(level | (level - 1));
     }
 
     Memory& memory_;
-    // The bits of the words stand for levels, the highest for the first level below the root.
+    // Each bit of these words stands for a level, the highest for the first level below the root.
     std::uint64_t waits_ = 0;
     std::uint64_t position_[3] = {0, 0, 0};
-    std::uint64_t level_ = 0;   // of the group in hand; 0: it is the root, or below the last
-    std::uint64_t target_ = 0;  // of the group that the walk finds its way back to
+    std::uint64_t level_ = 0;   // level of the current group; 0: the root, or below the last level
+    std::uint64_t target_ = 0;  // level of the group that a restarted walk finds its way back to
     std::uint32_t size_ = 0, top_ = 0;
 };
 
-// A short stack for trees of up to 8 children a node that are entered by their distances, in 32 levels of inner nodes
-// at most; where it has forgotten an entry, the walk restarts at the root and follows its trail. A ray enters each box
-// at a place of its own, whatever it has hit: a nearer hit takes away the last of a node's children and leaves the
-// order of the others, so that their count finds the one to go on with. The trail has for each level the place in this
-// order of the child that was entered last, and whether others wait. Vaidyanathan, Woop, Benthin, "Wide BVH Traversal
-// with a Short Stack", HPG 2019.
+// A short stack for trees of up to 8 children a node that are entered by their distances, in at most 32 levels of inner
+// nodes. Where it has dropped an entry, the walk restarts at the root and follows its trail. The distance at which a
+// ray enters a box does not depend on hits: a nearer hit takes away the last of a node's children and leaves the order
+// of the others, so that their count finds the one to go on with. The trail has for each level the place in this order
+// of the child that was entered last, and whether others wait. Vaidyanathan, Woop, Benthin, "Wide BVH Traversal with a
+// Short Stack", HPG 2019.
 template <class Open, class MemoryT, std::uint32_t entries>
 class ShortOrderStack {
 public:
@@ -262,7 +262,7 @@ public:
             target_ = 0;
         }
         waits_ &= ~(level_ | (level_ - 1));
-        // Nothing is met, or the hit has come nearer than the child that leads back: what waits below is out of reach.
+        // The ray enters no child, or the best hit is nearer than the trail's child: what waits below is out of reach.
         if (met <= first) {
             return false;
         }
@@ -273,9 +273,9 @@ public:
             if (place[child] == first) {
                 link = links[child];
             }
-            const std::uint32_t above = place[child] - first - 1;  // entries that will lie above it
+            const std::uint32_t above = place[child] - first - 1;  // stack entries that will lie above this child's
             if (above < waiting && above < entries) {
-                const Real entry = absolute(entries_of[child]);  // a zero may have a sign
+                const Real entry = absolute(entries_of[child]);  // a distance of 0 may have a sign
                 memory_.set((top_ + waiting - 1 - above) % entries,
                             {above == waiting - 1 ? -entry : entry, links[child]});
             }
@@ -312,8 +312,8 @@ private:
     static constexpr std::uint32_t highest_level = 1u << 31;
     static_assert(Open::width <= 8);
 
-    // Ranks the children by where the ray enters them, in FullStack's order where two are equal; those that it misses
-    // come last. Returns how many it enters.
+    // Ranks a node's children by where the ray enters them, in FullStack's order where two are equal; those that it
+    // misses come last. Returns how many the ray enters.
     template <class Real, int width>
     PT_HD static std::uint32_t put_in_order(const Real (&entries_of)[width], std::uint32_t (&place)[width]) {
         std::uint32_t met = 0;
@@ -353,12 +353,12 @@ private:
     }
 
     Memory& memory_;
-    // The bits of the words stand for levels, the highest for the root. In memory the last child of a node has its
-    // entry negated.
+    // Each bit of these words stands for a level, the highest for the root. The last waiting child of a node is marked
+    // in memory by a negated distance.
     std::uint32_t waits_ = 0;
     std::uint32_t place_[place_bits] = {};
-    std::uint32_t level_ = 0;   // of the choice that led to the node at hand; 0: it is the root
-    std::uint32_t target_ = 0;  // of the choice that the walk finds its way back to
+    std::uint32_t level_ = 0;   // level of the choice that led to the current node; 0: that is the root
+    std::uint32_t target_ = 0;  // level of the choice that a restarted walk finds its way back to
     std::uint32_t size_ = 0, top_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// A ray's way through a tree, in steps that others put in order: the axis `traversal` makes loops of them, the axis
+// The traversal of a tree by one ray, in steps: the axis `traversal` makes loops of the steps, the axis
 // `traversal_stack` keeps what waits. An accelerator that has steps has a `Traversal::Walk<Real>` with
 //   Open, most_open                          what waits on the stack, and how many of them at most;
 //   Leaf                                     triangles to test: empty(), take() for the slot of the next;
@@ -24,7 +24,8 @@ struct SlotRange {
     }
 };
 
-// A child that waits, of a node with up to `width` of them, and where the ray enters it: 0 or more.
+// An entry of the traversal stack: a child that waits, of a node with up to `width` children, and the distance, 0 or
+// more, at which the ray enters it.
 template <class Real, int width_of_nodes = 2>
 struct OpenLink {
     static constexpr int width = width_of_nodes;
@@ -34,10 +35,10 @@ struct OpenLink {
     PT_HD static OpenLink root() { return {Real(0), 0}; }
 };
 
-// A link that is above every inner node's number and below every leaf's link.
+// A link that is above every inner node's number and below every leaf's link: the walk is over.
 inline constexpr std::uint32_t no_link = leaf_flag - 1;
 
-// The steps of a traversal that trees with links share, and its state: where the walk is.
+// The steps of a traversal that trees with links share, and its state: the link of the current node or leaf.
 template <class Real, int width = 2>
 class LinkWalk {
 public:
@@ -53,7 +54,7 @@ public:
     }
 
 protected:
-    // Takes the next child that waits and that the ray enters before the best hit.
+    // Pops the next waiting child that the ray enters before the best hit.
     template <class Stack>
     PT_HD void take_open(const Real& best_t, Stack& stack) {
         Open open;

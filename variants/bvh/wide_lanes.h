@@ -1,5 +1,5 @@
-// Wide trees on the host: one ray against all boxes of a node, or four triangles of a leaf, in one vector. Only what
-// certainly misses is left out; the triangles that remain take the one test (kernels/triangle.h), so the bits stay.
+// Wide trees on the host: one ray against all boxes of a node, or against four triangles of a leaf, in one vector. Only
+// certain misses are left out; the triangles that remain take the scalar test (kernels/triangle.h), so the bits stay.
 // Wald, Benthin, Boulos, "Getting Rid of Packets", RT 2008; boxes and stack as in Wald et al., "Embree", SIGGRAPH 2014.
 #pragma once
 
@@ -17,7 +17,7 @@
 
 namespace pt::lanes {
 
-// GNU vectors (g++, clang): an operation is one of each lane, by IEEE; a comparison is -1 or 0 in each.
+// GNU vectors (g++, clang): an operation applies to each lane, by IEEE; a comparison gives -1 or 0 in each.
 template <int width>
 struct VectorOf {
     typedef float Floats __attribute__((vector_size(width * sizeof(float))));
@@ -30,7 +30,7 @@ using Truths = typename VectorOf<width>::Truths;
 
 template <int width>
 inline Floats<width> broadcast(float value) {
-    return value - Floats<width>{};  // whose sum would turn -0 round
+    return value - Floats<width>{};  // a sum with 0 would turn -0 into 0
 }
 template <int width>
 inline Floats<width> loaded(const float* from) {
@@ -61,7 +61,7 @@ struct alignas(32) TriangleBlock {
 };
 static_assert(sizeof(TriangleBlock) == 160);
 
-// Aligned for whole vectors. A leaf's link holds the number of its first block and its count of triangles.
+// A wide node, aligned for whole vectors. A leaf's link holds the number of its first block and its count of triangles.
 template <int width>
 struct alignas(64) Node : WideNode<width> {};
 
@@ -69,7 +69,7 @@ template <int width>
 struct Mesh : HostMesh {
     std::vector<Node<width>> nodes;
     std::vector<TriangleBlock> blocks;
-    BoxSpan spans[3];  // of the root
+    BoxSpan spans[3];  // extents of the root's bounding box
 
     std::uint64_t bytes() const { return nodes.size() * sizeof(Node<width>) + blocks.size() * sizeof(TriangleBlock); }
 };
@@ -90,12 +90,12 @@ inline LeafTriangle triangle_in(const TriangleBlock& block, std::uint32_t lane) 
     return {{row(0), row(1), row(2)}};
 }
 
-// The slots of triangles that one block takes: a leaf's, or a whole subtree's if it has no more than a block holds.
+// The slots of the triangles in one block: a leaf's, or a whole subtree's if it has no more than a block holds.
 struct BlockSlots {
-    std::uint32_t count = 0;  // 0: more than a block's
+    std::uint32_t count = 0;  // number of slots; 0: more than a block holds
     std::uint32_t slot[block_width];
 
-    // Adds `slots` slots; false if there would be more than a block holds.
+    // Adds a leaf's slots to the block's; false if there would be more than a block holds.
     bool take(std::uint32_t first, std::uint32_t slots) {
         if (count + slots > block_width) {
             return false;
@@ -107,8 +107,8 @@ struct BlockSlots {
     }
 };
 
-// For each node the slots of its subtree where they fit one block: then the block's test costs less than the visit of
-// the node. The root is never taken so.
+// For each node, the slots of its subtree if they fit one block: then a test of the block costs less than a visit of
+// the node. The root always stays a node.
 template <int width>
 std::vector<BlockSlots> subtrees_of_a_block(std::span<const WideNode<width>> nodes) {
     std::vector<BlockSlots> fits(nodes.size());
@@ -194,7 +194,7 @@ private:
     Mesh<width> mesh_;
 };
 
-// What the box tests of a ray need, one lane a child; the numbers are BoxRay's.
+// The numbers of BoxRay for the box tests of one ray, one lane a child.
 template <int width>
 struct BoxLanes {
     Floats<width> near_origin[3], far_origin[3], inverse[3];
@@ -212,7 +212,7 @@ struct BoxLanes {
         return lanes;
     }
 
-    // BoxRay::entry of every child: where it enters, and a bit for each that it does.
+    // BoxRay::entry for every child of a node: sets `entries` to the distances; returns a bit for each child entered.
     std::uint32_t entered(const Node<width>& node, float best_t, Floats<width>& entries) const {
         Floats<width> nearest{}, farthest = broadcast<width>(best_t);
         for (int axis = 0; axis < 3; ++axis) {
@@ -226,10 +226,10 @@ struct BoxLanes {
     }
 };
 
-// What the triangle tests of a ray need, one lane a triangle.
+// The numbers for the triangle tests of one ray, one lane a triangle.
 struct TriangleLanes {
     using Lane = Floats<block_width>;
-    Lane origin[3], shear_x, shear_y;  // the origin along kx, ky, kz
+    Lane origin[3], shear_x, shear_y;  // ray origin along kx, ky, kz
     std::uint32_t axis[3];
 
     static TriangleLanes of(const MeshRay<float>& ray) {
@@ -241,8 +241,8 @@ struct TriangleLanes {
                 {s.kx, s.ky, s.kz}};
     }
 
-    // A bit for each triangle whose rounded edge functions are not of both signs, none being zero: the first
-    // operations of `intersect`, which turns all others away.
+    // Returns a bit for each triangle that may be hit. The others have rounded edge functions of both signs and none
+    // that is zero: the first operations of `intersect` turn them away.
     std::uint32_t candidates(const TriangleBlock& block) const {
         Lane x[3], y[3];
         for (int k = 0; k < 3; ++k) {
@@ -259,7 +259,7 @@ struct TriangleLanes {
 };
 
 struct Waiting {
-    std::uint64_t of;  // the entry's bits above the link: both are not negative, so the nearer is the smaller number
+    std::uint64_t of;  // the distance's bits above the link: no distance is negative, so the nearer is the smaller
 
     static Waiting make(float entry, std::uint32_t link) {
         return {static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(entry)) << 32 | link};
@@ -268,7 +268,7 @@ struct Waiting {
     std::uint32_t link() const { return static_cast<std::uint32_t>(of); }
 };
 
-// Puts an entry on a stack, whose entries from `bottom` on are kept so that the nearest is on top.
+// Puts an entry on a traversal stack, whose entries from `bottom` on are kept so that the nearest is on top.
 inline void put_by_distance(Waiting*& top, const Waiting* bottom, const Waiting& next) {
     Waiting* at = top++;
     for (; at > bottom && at[-1].of < next.of; --at) {
@@ -277,8 +277,8 @@ inline void put_by_distance(Waiting*& top, const Waiting* bottom, const Waiting&
     *at = next;
 }
 
-// The link of the nearest of a node's children that a ray enters, one or more; the others wait on the stack.
-// `found`: a bit for each, `entries`: where it enters.
+// Returns the link of the nearest child of a node among those that a ray enters, one or more; the others wait on the
+// stack. `found` has a bit for each child entered, `entries` the distances.
 template <int width>
 inline std::uint32_t take_nearest(std::uint32_t found, const float* entries, const Node<width>& node, Waiting*& top) {
     const auto take = [&] {
@@ -313,7 +313,7 @@ inline void meet_leaf(Hit<float>& best, const TriangleBlock* blocks, std::uint32
     }
 }
 
-// Takes one ray through the tree.
+// Takes one ray through the wide tree of a mesh on the host.
 template <int width>
 inline void traverse(Hit<float>& best, const Mesh<width>& mesh, const MeshRay<float>& ray, const BoxRay<float>& box_ray,
                      float enough) {

@@ -14,13 +14,13 @@
 
 namespace pt {
 
-// Rows of sides: 2 axis for the low ones, 2 axis + 1 for the high ones. A child that is not there has an empty box,
-// which none but a ray of NaNs enters; that one comes to the leaf `no_child_link` and to an end.
+// A wide node. Row 2 axis of `side` has the children's low planes, row 2 axis + 1 the high ones. A child that does not
+// exist has an empty box, which only a ray of NaNs enters; such a ray comes to the leaf `no_child_link` and to an end.
 template <int width>
 struct alignas(16) WideNode {
     float side[6][width];
-    std::uint32_t link[width];     // variants/bvh/link.h
-    std::uint32_t padding[width];  // to whole lines of 128 bytes
+    std::uint32_t link[width];     // links to the children: variants/bvh/link.h
+    std::uint32_t padding[width];  // fills whole lines of 128 bytes
 
     PT_HD bool has_child(int child) const { return side[0][child] <= side[1][child]; }
     PT_HD BoxSpan span(int axis) const {
@@ -33,8 +33,7 @@ struct alignas(16) WideNode {
     }
 };
 
-// The link of a child that does not exist: a leaf of the first slot, which every tree has, since a triangle more
-// changes no hit.
+// The link of a child that does not exist: the leaf of slot 0, since one more triangle to test changes no hit.
 inline constexpr std::uint32_t no_child_link = leaf_link(0, 1);
 
 // Stack entries that suffice for a tree of max_tree_depth levels in any shape (collapse.h).
@@ -63,7 +62,7 @@ EncodedTree encode_wide(const BinaryTree& tree) {
 }
 #endif
 
-// The ray parameters at which the ray enters each child; BoxRay::no_entry where it misses it.
+// Sets `entries` to the ray parameter at which the ray enters each child, or to BoxRay::no_entry where it misses it.
 template <class Real, int width>
 PT_HD inline void child_entries(const WideNode<width>& node, const BoxRay<Real>& ray, const Real& best_t,
                                 Real (&entries)[width]) {
@@ -81,8 +80,8 @@ PT_HD inline void child_entries(const WideNode<width>& node, const BoxRay<Real>&
     }
 }
 
-// Calls leaf(first_slot, count) for the leaves that the ray enters before best_t, nearest first. The call may lower the
-// variable that best_t refers to; below 0 nothing more is visited.
+// Calls leaf(first_slot, count) for the leaves that the ray enters before best_t, nearest first. The callback may lower
+// best_t to a closer hit; a best_t below 0 ends the traversal.
 template <int width, class Real, class Leaf, class Counter>
 PT_HD void traverse_wide(const TreeView& tree, const Vec3<Real>& origin, const Vec3<Real>& direction,
                          const Real& best_t, Leaf&& leaf, Counter& counter) {
@@ -110,7 +109,7 @@ PT_HD void traverse_wide(const TreeView& tree, const Vec3<Real>& origin, const V
                 if (entries[child] < Real(0)) {
                     continue;
                 }
-                std::uint32_t at = waiting++;  // the nearest on top
+                std::uint32_t at = waiting++;  // nearest child on top of the stack
                 for (; at > bottom && entry_stack[at - 1] < entries[child]; --at) {
                     entry_stack[at] = entry_stack[at - 1];
                     link_stack[at] = link_stack[at - 1];
@@ -128,7 +127,7 @@ PT_HD void traverse_wide(const TreeView& tree, const Vec3<Real>& origin, const V
     }
 }
 
-// traverse_wide as a traversal in steps (walk.h).
+// The traversal of wide trees in steps (walk.h), as traverse_wide takes them.
 template <int width, class Real>
 class WideWalk : public LinkWalk<Real, width> {
 public:

@@ -1,6 +1,6 @@
-// Wide trees on the host for packets of rays: all lanes are prepared at once, those that may enter the root go through
-// the tree one by one, and by turns in a tree that no cache near a core holds: while a ray waits for its next node,
-// others are at work. Each ray visits what it visits alone.
+// Wide trees on the host for packets of rays. All lanes are prepared at once; the rays that may enter the root then go
+// through the tree one by one or, in a tree too large for the caches near a core, by turns: while a ray waits for its
+// next node, others are at work. Each ray visits what it visits alone.
 #pragma once
 
 #include "variants/bvh/wide_lanes.h"
@@ -8,7 +8,7 @@
 
 namespace pt::lanes {
 
-// The rays of a packet in the space of a mesh, as MeshRay and BoxRay have them, one a lane.
+// The rays of a packet in the space of a mesh, with the numbers of MeshRay and BoxRay, one ray a lane.
 struct MeshRays {
     Vectors<float> origin, direction, along, shear;
     Lanes<std::uint32_t> kx, ky, kz;
@@ -21,7 +21,7 @@ struct MeshRays {
     BoxRay<float> box_ray(std::uint32_t l) const { return {near_origin[l], far_origin[l], inverse[l]}; }
 };
 
-// Prepares all lanes with the operations of MeshRay::of, in their order; only branches are selections here.
+// Takes a packet's rays into a mesh's space by the operations of MeshRay::of, in their order, with no branch.
 template <bool is_placed>
 inline void to_mesh(MeshRays& rays, const MeshInstance<float>& instance, const Vectors<float>& origin,
                     const Vectors<float>& direction) {
@@ -30,11 +30,11 @@ inline void to_mesh(MeshRays& rays, const MeshInstance<float>& instance, const V
         const Vec3<float> o = is_placed ? origin[l] : instance.point_in(origin[l]);
         const Vec3<float> d = is_placed ? direction[l] : instance.direction_in(direction[l]);
         const Vec3<float> size{absolute(d.x), absolute(d.y), absolute(d.z)};
-        // kz as ShearedDirection::of has it, as the largest component of all, and of equal ones the later.
+        // kz as in ShearedDirection::of: the axis of the largest component, and of equal ones the later axis.
         const float before_z = size.x > size.y ? size.x : size.y;
         const bool is_z = !(before_z > size.z);
         const bool is_x = (before_z > size.z) & (size.x > size.y);
-        // The axes kx, ky and kz are xyz, yzx or zxy.
+        // The axes kx, ky and kz of ShearedDirection are xyz, yzx or zxy.
         const auto turned = [&](const Vec3<float>& v) {
             return Vec3<float>{is_z   ? v.x
                                : is_x ? v.y
@@ -58,7 +58,7 @@ inline void to_mesh(MeshRays& rays, const MeshInstance<float>& instance, const V
     }
 }
 
-// Prepares all lanes for box tests as BoxRay::of does, and asks which may enter the tree's root.
+// Prepares a packet's rays for box tests as BoxRay::of does, and finds those that may enter the tree's root.
 inline void to_boxes(MeshRays& rays, const BoxSpan (&spans)[3], const Hits<float>& hits) {
     const Vec3<float> low{spans[0].low, spans[1].low, spans[2].low}, high{spans[0].high, spans[1].high, spans[2].high};
 #pragma GCC ivdep
@@ -96,8 +96,8 @@ inline void to_boxes(MeshRays& rays, const BoxSpan (&spans)[3], const Hits<float
     }
 }
 
-// A ray on its way through a tree, which stops after each node and each leaf. Several take turns: while one waits for
-// its next node to come from memory, the others are at work.
+// A ray's traversal that stops after each node and each leaf, so that several rays take turns: while one waits for its
+// next node to come from memory, the others are at work.
 template <int width>
 class Walk {
 public:
@@ -116,7 +116,7 @@ public:
     }
     const Hit<float>& best() const { return best_; }
 
-    // Visits a node or a leaf. Returns whether there is more to visit.
+    // Visits a node or a leaf of the ray's tree. Returns whether there is more to visit.
     bool step() {
         if (is_leaf_link(link_)) {
             meet_leaf(best_, mesh_->blocks.data(), link_, TriangleLanes::of(ray_), ray_);
@@ -126,7 +126,7 @@ public:
     }
 
 private:
-    // Takes the nearest child that the ray enters, and has the others wait. Returns whether there is one.
+    // Goes to the nearest child that the ray enters, and has the others wait. Returns false if the ray enters none.
     bool visit(const Node<width>& node) {
         alignas(sizeof(Floats<width>)) float entries[width];
         const std::uint32_t found = entered(node, *reinterpret_cast<Floats<width>*>(entries));
@@ -136,7 +136,7 @@ private:
         go_to(take_nearest<width>(found, entries, node, top_));
         return true;
     }
-    // BoxRay::entry of every child: where it enters, and a bit for each that it does.
+    // BoxRay::entry for every child of a node: sets `entries` to the distances; returns a bit for each child entered.
     std::uint32_t entered(const Node<width>& node, Floats<width>& entries) const {
         Floats<width> nearest{}, farthest = broadcast<width>(best_.t);
         for (int axis = 0; axis < 3; ++axis) {
@@ -182,7 +182,7 @@ private:
     Waiting stack_[wide_stack_size<width>];
 };
 
-// Rays that take turns, in trees of which not much lies in the nearest caches.
+// How many rays take turns, and the bytes of a tree from which they do: not much of it lies in the nearest caches.
 inline constexpr std::uint32_t walks_at_once = 8;
 inline constexpr std::size_t most_bytes_at_hand = 1u << 19;
 
@@ -272,7 +272,7 @@ NativeMesh prepare(const EncodedTree& tree, std::span<const LeafTriangle> leaves
     return {mesh, mesh->bytes()};
 }
 
-// The hooks of an accelerator of the host. `Traversal` is used for rays in double, and through a tree over all objects.
+// The hooks of an accelerator on the host. `Traversal` is for rays in double, and for a tree over all objects.
 template <int width, class Traversal>
 AcceleratorHook accelerator_hook(EncodedTree (*encode)(const BinaryTree& tree)) {
     return {encode,

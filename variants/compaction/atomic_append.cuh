@@ -1,8 +1,8 @@
-// Live paths are appended to the next queue, with one atomic operation a warp. In wavefront a kernel after shading; in
-// wavefront_fused part of the bounce's kernel.
+// The compaction atomic_append: live paths are appended to the next queue, with one atomic operation a warp. In the
+// integrator wavefront it is a kernel after shading, in wavefront_fused a part of the bounce's kernel.
 #pragma once
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
 
 #include "variants/cuda/device/append.cuh"
 
@@ -14,7 +14,7 @@ __device__ inline std::uint32_t append(std::uint32_t* count, bool keep) {
 
 #endif
 
-#if defined(PT_HOST)  // what launches them, and what the choice says of itself
+#if defined(PT_HOST)  // host code: kernel launches and the choice's descriptor
 
 #include "variants/cuda/append_compaction.h"
 

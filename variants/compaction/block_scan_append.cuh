@@ -1,7 +1,8 @@
-// Live paths are appended to the next queue, with a scan in shared memory and one atomic operation a block.
+// The compaction block_scan_append: live paths are appended to the next queue, with a scan in shared memory and one
+// atomic operation a thread block.
 #pragma once
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
 
 #include "variants/cuda/device/append.cuh"
 
@@ -13,7 +14,7 @@ __device__ inline std::uint32_t append(std::uint32_t* count, bool keep) {
 
 #endif
 
-#if defined(PT_HOST)  // what launches them, and what the choice says of itself
+#if defined(PT_HOST)  // host code: kernel launches and the choice's descriptor
 
 #include "variants/cuda/append_compaction.h"
 

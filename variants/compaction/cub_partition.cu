@@ -1,5 +1,5 @@
-// cub::DevicePartition::If: like cub_select_if, but the slots of ended paths are written too, behind the live ones.
-// What keeping them costs.
+// The compaction cub_partition: cub::DevicePartition::If writes the slots of ended paths, too, behind the live ones.
+// Against cub_select_if it shows what keeping them costs.
 #include <cub/device/device_partition.cuh>
 
 #include "variants/cuda/cub_compaction.h"

@@ -1,4 +1,5 @@
-// cub::DeviceSelect::Flagged: one flag a position says whether its path is kept. The count stays on the device.
+// The compaction cub_select_flagged: cub::DeviceSelect::Flagged reads one flag a position that says whether the path is
+// kept. The count stays on the device.
 #include <cub/device/device_select.cuh>
 
 #include "variants/cuda/cub_compaction.h"

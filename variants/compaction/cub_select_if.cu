@@ -1,5 +1,5 @@
-// cub::DeviceSelect::If: a predicate on the item says whether it is kept. An item's position is not known to the
-// predicate, so positions from the count on are given items that it turns down.
+// The compaction cub_select_if: cub::DeviceSelect::If asks a predicate whether an item is kept. The predicate does not
+// know the item's position, so positions from the count on are given items that it turns down.
 #include <cub/device/device_select.cuh>
 
 #include "variants/cuda/cub_compaction.h"

@@ -1,5 +1,5 @@
-// cub::DevicePartition::If in three ways: ended paths go, and the live ones are put in two groups by the surface that
-// they leave, diffuse-like before delta-like. A compaction that is half a sort.
+// The compaction cub_three_way: cub::DevicePartition::If in three ways drops ended paths and puts the live ones in two
+// groups by the surface that they leave, diffuse-like before delta-like. That is half a sort.
 #include <algorithm>
 
 #include <thrust/iterator/discard_iterator.h>
@@ -10,7 +10,7 @@
 namespace pt::cuda::compaction::cub_three_way {
 namespace {
 
-// Whether a live path leaves a surface of one class. A camera ray leaves none, and goes with the diffuse-like.
+// Whether a live path leaves a surface of the wanted class. A camera ray leaves none, and goes with the diffuse-like.
 struct IsAliveOfClass {
     IsAlive is_alive;
     FieldView origin_surface;
@@ -26,7 +26,7 @@ struct IsAliveOfClass {
     }
 };
 
-// Appends the second group of paths to the first and adds their counts.
+// Appends the delta-like group of paths to the diffuse-like one and adds their counts.
 __global__ void append_group(std::uint32_t* first, const std::uint32_t* second, const std::uint32_t* counts,
                              std::uint32_t* total) {
     const std::uint32_t begin = counts[0], size = counts[1];
@@ -86,8 +86,8 @@ private:
 
     CellContext cell_;
     CubStorage storage_;
-    std::uint32_t* delta_like_ = nullptr;    // slots of the second group, until they are appended
-    std::uint32_t* group_counts_ = nullptr;  // two
+    std::uint32_t* delta_like_ = nullptr;    // slots of delta-like paths, until they are appended
+    std::uint32_t* group_counts_ = nullptr;  // sizes of the diffuse-like and the delta-like group
 };
 
 const Registration registration(

@@ -1,5 +1,5 @@
-// Moves as little as can be: with n paths alive, the live ones in slots from n up go into the ended ones' slots below
-// n, in place. Nothing else is touched, and no second store is needed.
+// The compaction gap_fill moves as few paths as can be: with n paths alive, the live ones in slots from n up go into
+// the ended ones' slots below n, in place. No other path is touched, and no second path store is needed.
 #pragma once
 
 #include "variants/cuda/device/path_store.h"
@@ -13,8 +13,7 @@ struct CountLiveParameters {
     std::uint32_t* live;
 };
 
-// Parameters of find_gaps, which lists the gaps (ended paths) below *live and the live paths above it, of which there
-// are as many.
+// Parameters of find_gaps, which lists the gaps (ended paths) below *live and the equally many live paths above it.
 struct FindGapsParameters {
     static constexpr const char* kernel = "find_gaps";
     PathStore store;
@@ -36,7 +35,7 @@ struct FillGapsParameters {
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
 
 #include "variants/cuda/device/append.cuh"
 
@@ -46,7 +45,6 @@ PT_KERNEL(count_live, pt::cuda::CountLiveParameters,
     (void)pt::cuda::append_by_block(live, i < *count && Paths(store).alive(i));
 }
 
-// Lists the gaps (ended paths) below *live and the live paths above it, of which there are as many.
 PT_KERNEL(find_gaps, pt::cuda::FindGapsParameters,
           (PathStore store, const std::uint32_t* count, const std::uint32_t* live, std::uint32_t* gaps,
            std::uint32_t* gap_count, std::uint32_t* movers, std::uint32_t* mover_count)) {
@@ -74,7 +72,7 @@ PT_KERNEL(fill_gaps, pt::cuda::FillGapsParameters,
 
 #endif
 
-#if defined(PT_HOST)  // what launches them, and what the choice says of itself
+#if defined(PT_HOST)  // host code: kernel launches and the choice's descriptor
 
 #include "variants/cuda/append_compaction.h"
 
@@ -91,14 +89,14 @@ public:
         counts_ = arena.take<std::uint32_t>(2);
     }
 
-    // Works on slots 0 to count - 1: an order by which they were shaded is dropped.
+    // Works on the queue's slots 0 to count - 1: an index order by which they were shaded is dropped.
     void compact(Queue& queue) override {
         PT_CUDA_CHECK(cudaMemsetAsync(queue.count_spare, 0, sizeof(std::uint32_t), context_.stream));
         PT_CUDA_CHECK(cudaMemsetAsync(counts_, 0, 2 * sizeof(std::uint32_t), context_.stream));
         launch(queue.bound, CountLiveParameters{queue.paths, queue.count, queue.count_spare});
         launch(queue.bound,
                FindGapsParameters{queue.paths, queue.count, queue.count_spare, gaps_, counts_, movers_, counts_ + 1});
-        // At most half of all paths are moved: there are at most as many gaps below n as live paths above it.
+        // At most half of all paths move: each from above the number of live paths into a gap below it.
         launch(queue.bound / 2 + 1, FillGapsParameters{queue.paths, gaps_, movers_, counts_ + 1});
         queue.swap_count();
         queue.indirect = false;
@@ -115,7 +113,7 @@ private:
     const Module& module_;
     std::uint32_t* gaps_ = nullptr;
     std::uint32_t* movers_ = nullptr;
-    std::uint32_t* counts_ = nullptr;  // gaps, movers
+    std::uint32_t* counts_ = nullptr;  // numbers of gaps and of paths to move
 };
 
 constexpr Descriptor descriptor{

@@ -1,4 +1,4 @@
-// What the Thrust compactions share: their predicates and the way to the payload's iterator.
+// What the Thrust compactions on the CPU share: their predicates, and a compaction that moves whole paths.
 #pragma once
 
 #include <thrust/system/omp/execution_policy.h>
@@ -15,9 +15,8 @@ struct HasEnded {
     bool operator()(const Path<float>& path) const { return !path.alive(); }
 };
 
-// A compaction that moves the payload: `algorithm(first, last)` works on the paths' iterator of whatever layout, brings
-// the live paths to the front and returns the end of the live ones. Slots stay contiguous, so an index order is
-// dropped.
+// A compaction that moves whole paths: `algorithm(first, last)` works on path iterators of any layout, brings the live
+// paths to the front and returns their end. Slots stay contiguous, so an index order is dropped.
 template <class Algorithm>
 class PayloadCompaction final : public Compaction {
 public:

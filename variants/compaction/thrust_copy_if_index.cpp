@@ -1,4 +1,3 @@
-// Leaves the payload where it is and keeps a list of the slots that are alive: 4 bytes a path are moved instead of 72.
 #include <thrust/copy.h>
 #include <thrust/iterator/counting_iterator.h>
 

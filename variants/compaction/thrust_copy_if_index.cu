@@ -1,4 +1,3 @@
-// Leaves the payload where it is and keeps a list of the slots that are alive: 4 bytes a path are moved instead of 72.
 #include <thrust/copy.h>
 
 #include "variants/compaction/thrust_copy_if_index.h"
@@ -13,7 +12,7 @@ public:
     bool moves_paths() const override { return false; }
     explicit CopyIfIndex(const CellContext& cell) : cell_(cell), thrust_(cell) {}
 
-    // The positions in play are 0 to bound - 1: every Thrust compaction returns the count.
+    // Positions 0 to bound - 1 are all in play, since every Thrust compaction returns the count to the host.
     void compact(Queue& queue) override {
         if (queue.bound == 0) {
             return;

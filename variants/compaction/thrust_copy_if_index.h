@@ -1,4 +1,4 @@
-// Leaves the payload where it is and keeps a list of the slots that are alive: 4 bytes a path are moved instead of 72.
+// The compaction thrust_copy_if_index leaves paths in place and lists live slots: 4 bytes a path move instead of 72.
 #pragma once
 
 #include "variants/descriptor.h"
@@ -6,7 +6,7 @@
 
 namespace pt {
 
-// The descriptor on the CPU; on_device (variants/cuda/thrust_policy.h) derives the one on CUDA from it.
+// The compaction's descriptor on the CPU; on_device (variants/cuda/thrust_policy.h) derives the one on CUDA from it.
 inline constexpr Descriptor thrust_copy_if_index{
     .axis = "compaction",
     .name = "thrust_copy_if_index",

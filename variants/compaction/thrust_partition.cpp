@@ -1,4 +1,3 @@
-// Brings the live paths to the front and the ended ones to the back, in any order, by moving the payload.
 #include <thrust/partition.h>
 
 #include "variants/compaction/thrust_compaction.h"

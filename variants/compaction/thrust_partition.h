@@ -1,4 +1,4 @@
-// Brings the live paths to the front and the ended ones to the back, in any order, by moving the payload.
+// The compaction thrust_partition moves live paths to the front and ended ones to the back, in any order.
 #pragma once
 
 #include "variants/descriptor.h"
@@ -6,7 +6,7 @@
 
 namespace pt {
 
-// The descriptor on the CPU; on_device (variants/cuda/thrust_policy.h) derives the one on CUDA from it.
+// The compaction's descriptor on the CPU; on_device (variants/cuda/thrust_policy.h) derives the one on CUDA from it.
 inline constexpr Descriptor thrust_partition{
     .axis = "compaction",
     .name = "thrust_partition",

@@ -1,4 +1,3 @@
-// Removes the ended paths by moving the whole payload, and keeps the order of the others.
 #include <thrust/remove.h>
 
 #include "variants/compaction/thrust_remove_if.h"

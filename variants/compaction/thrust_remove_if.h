@@ -1,4 +1,4 @@
-// Removes the ended paths by moving the whole payload, and keeps the order of the others.
+// The compaction thrust_remove_if removes ended paths by moving whole paths, and keeps the order of the others.
 #pragma once
 
 #include "variants/descriptor.h"
@@ -6,7 +6,7 @@
 
 namespace pt {
 
-// The descriptor on the CPU; on_device (variants/cuda/thrust_policy.h) derives the one on CUDA from it.
+// The compaction's descriptor on the CPU; on_device (variants/cuda/thrust_policy.h) derives the one on CUDA from it.
 inline constexpr Descriptor thrust_remove_if{
     .axis = "compaction",
     .name = "thrust_remove_if",

@@ -1,4 +1,3 @@
-// Brings the live paths to the front and the ended ones to the back; both groups keep their order.
 #include <thrust/partition.h>
 
 #include "variants/compaction/thrust_stable_partition.h"

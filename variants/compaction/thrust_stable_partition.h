@@ -1,4 +1,4 @@
-// Brings the live paths to the front and the ended ones to the back; both groups keep their order.
+// The compaction thrust_stable_partition moves live paths to the front and ended ones behind; both keep their order.
 #pragma once
 
 #include "variants/descriptor.h"
@@ -6,7 +6,7 @@
 
 namespace pt {
 
-// The descriptor on the CPU; on_device (variants/cuda/thrust_policy.h) derives the one on CUDA from it.
+// The compaction's descriptor on the CPU; on_device (variants/cuda/thrust_policy.h) derives the one on CUDA from it.
 inline constexpr Descriptor thrust_stable_partition{
     .axis = "compaction",
     .name = "thrust_stable_partition",

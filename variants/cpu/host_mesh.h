@@ -1,5 +1,5 @@
-// What an accelerator of the host may offer beside the search for one ray: that for all lanes of a packet at once.
-// Every mesh that an accelerator prepares for itself (MeshView::native) is one of these.
+// A mesh as an accelerator on the host prepares it for itself (MeshView::native). Beside the search for one ray it may
+// offer one for all lanes of a packet at once.
 #pragma once
 
 #include <cstdint>
@@ -20,9 +20,9 @@ struct Paths;
 template <class Real>
 struct Hits;
 
-// Keeps in the hits of the lanes that ask the nearer of themselves and the triangles of one object's mesh. `origin`: of
-// the rays, as the object sees it. `enough`: by lane, the distance below which a hit ends the search and becomes -1, as
-// NearerThan has it (kernels/intersect.h); 0: nothing does.
+// Finds the closest hits of a packet's rays among the triangles of one object's mesh, and keeps them in the lanes that
+// ask where they are closer than the lane's hit. `origin`: ray origins as the object sees them. `enough`: by lane, the
+// distance below which a hit ends the search and becomes -1 (NearerThan in kernels/intersect.h); 0: none does.
 using MeetMeshInLanes = void (*)(Hits<float>& hits, const Lanes<std::uint32_t>& asks,
                                  const MeshInstance<float>& instance, std::uint32_t object,
                                  const Vectors<float>& origin, const Paths<float>& rays, const Lanes<float>& enough);
@@ -30,7 +30,7 @@ using MeetMeshInLanes = void (*)(Hits<float>& hits, const Lanes<std::uint32_t>& 
 }  // namespace lanes
 
 struct HostMesh {
-    lanes::MeetMeshInLanes meet_in_lanes = nullptr;  // null: each lane is searched for by itself
+    lanes::MeetMeshInLanes meet_in_lanes = nullptr;  // null: each lane's ray is traced by itself
 };
 
 }  // namespace pt

@@ -9,11 +9,11 @@
 
 namespace pt::lanes {
 
-// Lanes of a packet: paths that are traced together, a number a SIMD lane. It is a multiple of the widest vector's 16
-// floats. On a Zen 4 core 64 lanes trace 1.5 (open box) and 1.8 times (closed box) the rays of 16, and 128 no more.
+// Number of lanes in a packet, whose paths are traced together: a multiple of the widest vector's 16 floats. On a Zen 4
+// core packets of 64 trace 1.5 (open box) and 1.8 times (closed box) the rays of packets of 16; 128 gain nothing more.
 inline constexpr std::uint32_t width = 64;
 
-// The type of lane numbers is as wide as an address: an index that may wrap round is in the way of vectors.
+// A number for each lane. Lane numbers are as wide as an address: an index that may wrap round keeps g++ from vectors.
 template <class T>
 struct alignas(64) Lanes {
     T of[width];
@@ -22,7 +22,7 @@ struct alignas(64) Lanes {
     const T& operator[](std::size_t lane) const { return of[lane]; }
 };
 
-// A truth value of a lane, 1 or 0, as wide as a number.
+// Truth values of a packet's lanes, 1 or 0, each as wide as a number.
 using Flags = Lanes<std::uint32_t>;
 
 inline bool any(const Flags& flags) {
@@ -33,8 +33,7 @@ inline bool any(const Flags& flags) {
     return found != 0;
 }
 
-// The numbers of the lanes whose flags are set, in order. They are found without a branch on a flag, which would be
-// mispredicted.
+// Lists the lanes whose flags are set, in order, without a branch on a flag, which would be mispredicted.
 class LaneList {
 public:
     explicit LaneList(const Flags& flags) {
@@ -115,7 +114,7 @@ struct Hits {
     }
 };
 
-// Bit `bit` of the word, by its sign: a test of one bit is a truth value too narrow for g++ 12's vectors.
+// Bit `bit` of a word, by the sign of a shifted word: g++ 12 makes no vectors of a truth value from a one-bit test.
 inline bool has_bit(std::uint32_t word, std::uint32_t bit) {
     return static_cast<std::int32_t>(word << (31u - bit)) < 0;
 }

@@ -1,6 +1,6 @@
-// Next-event estimation (kernels/next_event.h) over all lanes of a packet at once: the connections of diffuse vertices,
-// with their shadow rays, and the weights of lights that paths meet. Lights that are axis boxes are drawn by
-// lanes_lights.h or lanes_light_faces.h, others lane by lane. A path has the bits of kernels/shade.h.
+// Next-event estimation (kernels/next_event.h) over all lanes of a packet at once: light samples and shadow rays at
+// diffuse vertices, and MIS weights of emitters that paths hit. Axis box lights are sampled by lanes_lights.h or
+// lanes_light_faces.h, others lane by lane. A path has the same bits as by kernels/shade.h.
 #pragma once
 
 #include <iterator>
@@ -15,40 +15,39 @@ namespace pt::lanes {
 // The surfaces that a packet's rays hit, one a lane, as shading needs them.
 template <class Real>
 struct Surfaces {
-    Vectors<Real> colour, position, normal;  // the normal on the ray's side
+    Vectors<Real> colour, position, normal;  // the normal points to the side that the ray comes from
     Lanes<std::uint32_t> type;
-    Flags by_surface_at, by_shade;  // how the lane goes on, if not with the others
+    Flags by_surface_at, by_shade;  // lanes left to the scalar surface_at() and shade()
 };
 
 inline bool is_type(std::uint32_t type, MaterialType asked) { return type == static_cast<std::uint32_t>(asked); }
 // The side of a hit (object, and inside or outside) without the face that it may name.
 inline std::uint32_t without_face(std::uint32_t side) { return side & ((SurfaceId::most_objects << 1) - 1u); }
 
-// Work space for a packet's next-event estimation. It starts as zeros, so that lanes that nobody reads hold numbers
-// too.
+// Work space for a packet's next-event estimation. It starts as zeros, so that unused lanes hold numbers, too.
 template <class Real>
 struct Connections {
     BoxObservers<Real> observers;
     LightDirections<Real> drawn;
     Vectors<Real> emission;
-    Lanes<std::uint32_t> light;  // object
+    Lanes<std::uint32_t> light;  // object that is the light
     Flags connects, sends, sees;
-    Lanes<Real> weight, cosine;  // what light counts that is met or connected to
+    Lanes<Real> weight, cosine;  // weight of light that is hit or sampled; cosine at the vertex
     Paths<Real> shadow;
     Hits<Real> hits;
 };
 
-// Whether a kernel draws points on boxes and quads, to which shadow rays are then sent.
+// Whether a kernel samples points on boxes and quads, to which shadow rays are then traced.
 template <class Config>
 inline constexpr bool draws_points = face_sampling<Config> != LightSampling::solid_angle&& has_lines_of_sight<Config>;
 
-// The number of an object among the axis boxes.
+// The number of an object among the scene's axis boxes.
 template <class Real>
 inline std::uint32_t box_of(const SceneView<Real>& scene, std::uint32_t object) {
     return object - first_of<ShapeKind::axis_box>(scene);
 }
 
-// Adds the lane to the observers of box lights. False: the light is no box, or shows no face.
+// Adds the lane to the observers of box lights; false if the light is no box, or shows the lane no face.
 template <class Config>
 inline bool observes_box(BoxObservers<typename Config::Real>& observers, std::uint32_t l,
                          const SceneView<typename Config::Real>& scene, const LightTable<typename Config::Real>& lights,
@@ -59,7 +58,7 @@ inline bool observes_box(BoxObservers<typename Config::Real>& observers, std::ui
            observers.add(l, lights.boxes[box], at_rest<Config>(scene, object, position, time));
 }
 
-// encounter_weight of the lanes that meet an emitter, into `work.weight`; 1 elsewhere.
+// Sets `work.weight` to encounter_weight (kernels/next_event.h) in lanes that hit an emitter, and to 1 elsewhere.
 template <class Config>
 inline void weigh_encounters(Connections<typename Config::Real>& work, const SceneView<typename Config::Real>& scene,
                              const LightTable<typename Config::Real>& lights, const Paths<typename Config::Real>& paths,
@@ -102,7 +101,7 @@ inline void weigh_encounters(Connections<typename Config::Real>& work, const Sce
     }
 }
 
-// Looks up the objects of the lights that were chosen, and what they emit.
+// Looks up the objects of the lights that were chosen, and their emission.
 template <bool one_light, class Real>
 inline void look_up_lights(Connections<Real>& work, const LightTable<Real>& lights) {
     const std::uint32_t* const object = lights.object.data();
@@ -117,7 +116,7 @@ inline void look_up_lights(Connections<Real>& work, const LightTable<Real>& ligh
     }
 }
 
-// Chooses a light for every lane that connects.
+// Chooses a light for every lane that is connected to one.
 template <class Config>
 inline void choose_lights(Connections<typename Config::Real>& work, const SceneView<typename Config::Real>& scene,
                           const LightTable<typename Config::Real>& lights, const Paths<typename Config::Real>& paths) {
@@ -139,7 +138,7 @@ inline void choose_lights(Connections<typename Config::Real>& work, const SceneV
     lights.object.size() == 1 ? look_up_lights<true>(work, lights) : look_up_lights<false>(work, lights);
 }
 
-// Draws the directions to lights of the lanes that connect.
+// Samples the directions to the chosen lights in the lanes that are connected to one.
 template <class Config>
 inline void draw_directions(Connections<typename Config::Real>& work, const SceneView<typename Config::Real>& scene,
                             const LightTable<typename Config::Real>& lights, const Paths<typename Config::Real>& paths,
@@ -169,7 +168,7 @@ inline void draw_directions(Connections<typename Config::Real>& work, const Scen
     }
 }
 
-// Traces the shadow rays. Lanes that send none trace their path's last ray, which is as good as any. On return
+// Traces a packet's shadow rays. Lanes that send none trace their path's last ray, which is as good as any. On return
 // `work.sees` marks the lanes whose light nothing hides.
 template <class Config>
 inline void trace_shadows(Connections<typename Config::Real>& work, const SceneView<typename Config::Real>& scene,
@@ -210,7 +209,7 @@ inline void trace_shadows(Connections<typename Config::Real>& work, const SceneV
     }
 }
 
-// Turns the ratios of densities in `work.weight` into the weights of the connections by multiple importance sampling.
+// Multiplies `work.weight`, the ratio of BSDF pdf to light pdf, by the MIS weight of the light sample.
 template <std::uint32_t exponent, class Real>
 inline void weigh_connections(Connections<Real>& work) {
 #pragma GCC ivdep
@@ -219,7 +218,8 @@ inline void weigh_connections(Connections<Real>& work) {
     }
 }
 
-// connect_next_event (kernels/next_event.h) for the lanes whose flag `work.connects` is set, at their diffuse vertices.
+// Next-event estimation, as connect_next_event (kernels/next_event.h), at the diffuse vertices of the lanes whose flag
+// `work.connects` is set.
 template <class Config>
 inline void connect(Connections<typename Config::Real>& work, const SceneView<typename Config::Real>& scene,
                     const LightTable<typename Config::Real>& lights, Paths<typename Config::Real>& paths,

@@ -1,7 +1,6 @@
-// The nearest object along the rays of a packet: spheres and axis boxes over all lanes at once, other kinds lane by
-// lane. The sums and comparisons are those of kernels/shapes/sphere.h, box.h, axis_aligned_enclosure.h and intersect.h,
-// in their order, so a lane's answer has the same bits (tests/unit/lanes_test.cpp); only their branches are selections
-// here.
+// Closest hits of a packet's rays: spheres and axis boxes over all lanes at once, other kinds lane by lane. The sums
+// and comparisons are those of kernels/shapes/sphere.h, box.h, axis_aligned_enclosure.h and intersect.h, in their
+// order, so a lane's hit has the same bits (tests/unit/lanes_test.cpp); only their branches are selections.
 #pragma once
 
 #include "variants/cpu/host_mesh.h"
@@ -21,8 +20,8 @@ inline Interval<Real> interval(const Sphere<Real>& sphere, const Vec3<Real>& ori
     return {keep_smaller(q, other) * sphere.radius, keep_larger(q, other) * sphere.radius, discriminant > Real(0)};
 }
 
-// Keeps the nearer of the lane's hit and a convex body: entered or left, or, if the ray starts on it (`is_departed`),
-// left at the end of the chord.
+// Keeps the closer of a lane's hit and a convex body that its ray enters or leaves or, if the ray starts on the body
+// (`is_departed`), leaves at the end of the chord.
 template <class Real>
 inline void keep_nearer(Hits<Real>& hits, std::uint32_t l, const Interval<Real>& crossing, Real chord,
                         std::uint32_t object, bool is_departed, SurfaceId origin_surface) {
@@ -62,7 +61,7 @@ inline void closest_sphere(Hits<typename Config::Real>& hits, const SceneView<ty
         for (std::uint32_t l = 0; l < width; ++l) {
             const SurfaceId origin_surface{paths.origin_surface[l]};
             const Vec3<Real> origin = at_rest<Config>(scene, object, paths.origin[l], paths.time[l]);
-            // A ray that starts on no surface departs from no object: `nowhere` holds the number of none.
+            // A ray that starts on no surface departs from no object: SurfaceId::nowhere has the number of none.
             keep_nearer(hits, l, lanes::interval(sphere, origin, paths.direction[l]),
                         chord(sphere, origin, paths.direction[l]), object, origin_surface.object() == object,
                         origin_surface);
@@ -70,18 +69,18 @@ inline void closest_sphere(Hits<typename Config::Real>& hits, const SceneView<ty
     }
 }
 
-// The places where the lanes' rays leave the enclosure.
+// The places where a packet's rays leave the enclosure, one ray a lane.
 template <class Real>
 struct EnclosureExits {
     Lanes<Real> t;
     Lanes<std::uint32_t> side;
-    Flags known;    // EnclosureExit::known, of a ray that is in no wall
+    Flags known;    // the exit is known (EnclosureExit::known), and the ray is in no wall
     Flags nothing;  // the ray is past all axis boxes
-    Flags unclear;  // neither
+    Flags unclear;  // the ray is to be intersected by itself: neither of the two is so
 };
 
-// The three that follow are those of kernels/axis_aligned_enclosure.h without a branch. Their common sums are written
-// twice on purpose: in a function of their own they change the machine code of CUDA's kernels.
+// Versions without a branch of three functions of kernels/axis_aligned_enclosure.h. The sums they have in common are
+// written twice on purpose: in a function of their own they change the machine code of CUDA kernels.
 template <class Real>
 inline bool contains(const AxisAlignedEnclosure<Real>& enclosure, const Vec3<Real>& p) {
     return (p.x >= enclosure.low.x) & (p.x <= enclosure.high.x) & (p.y >= enclosure.low.y) & (p.y <= enclosure.high.y) &
@@ -160,7 +159,7 @@ inline void leave_enclosure(EnclosureExits<typename Config::Real>& exits, const 
     }
 }
 
-// Intersects the axis boxes by their slabs; with an enclosure all but its walls.
+// Intersects the axis boxes by slab tests; with an enclosure, all boxes but its walls.
 template <class Config>
 inline void closest_by_slabs(Hits<typename Config::Real>& hits, const SceneView<typename Config::Real>& scene,
                              const Paths<typename Config::Real>& paths,
@@ -225,7 +224,7 @@ inline void closest_axis_box(Hits<typename Config::Real>& hits, const SceneView<
     }
 }
 
-// Where the host's accelerator can search a mesh for all lanes at once, and each object's mesh is searched in turn.
+// Whether the host's accelerator can search a mesh for all lanes at once, and each object's mesh is searched in turn.
 template <class Config>
 inline bool meets_in_lanes(const SceneView<typename Config::Real>& scene,
                            const MeshInstance<typename Config::Real>& mesh) {
@@ -234,7 +233,7 @@ inline bool meets_in_lanes(const SceneView<typename Config::Real>& scene,
            prepared != nullptr && prepared->meet_in_lanes != nullptr;
 }
 
-// Keeps in `hits` the nearest triangle of one mesh, for the lanes that `asks`. `enough`: as MeetMeshInLanes has it.
+// Keeps in `hits` the closest triangle of one mesh, in the lanes that `asks`. `enough`: as for MeetMeshInLanes.
 template <class Config>
 inline void closest_mesh(Hits<typename Config::Real>& hits, const SceneView<typename Config::Real>& scene,
                          std::uint32_t number, const Paths<typename Config::Real>& paths, const Flags& asks,
@@ -272,7 +271,7 @@ inline void closest_of_meshes(Hits<typename Config::Real>& hits, const SceneView
     });
 }
 
-// Intersects all objects of one kind. Spheres and axis boxes have loops of their own, which g++ makes vectors of.
+// Intersects a packet's rays with all objects of one kind. Spheres and axis boxes have loops that g++ vectorises.
 template <class Config, ShapeKind kind, class Shapes>
 inline void closest_of(Hits<typename Config::Real>& hits, const SceneView<typename Config::Real>& scene,
                        const Shapes& shapes, const Paths<typename Config::Real>& paths, const Flags& asks) {
@@ -290,7 +289,7 @@ inline void closest_of(Hits<typename Config::Real>& hits, const SceneView<typena
     }
 }
 
-// The closest hits of the lanes that `asks`; what is in the others nobody may read.
+// Finds the closest hits of a packet's rays, in the lanes that `asks`; the hits of other lanes are undefined.
 template <class Config>
 inline void closest_hit(Hits<typename Config::Real>& hits, const SceneView<typename Config::Real>& scene,
                         const Paths<typename Config::Real>& paths, const Flags& asks) {

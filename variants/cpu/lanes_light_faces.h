@@ -1,24 +1,24 @@
-// Box lights by points on the faces that are seen of them, over all lanes of a packet at once: SeenFaces and
-// FacesByArea of kernels/light_sampling.h. The formulas are the kernels', in their order, so a lane's answer has the
-// same bits; only their branches are selections here.
+// Sampling of box lights by points on the faces that are seen, over all lanes of a packet at once: SeenFaces and
+// FacesByArea of kernels/light_sampling.h. The formulas are the kernels', in their order, so a lane's sample has the
+// same bits; only their branches are selections.
 #pragma once
 
 #include "variants/cpu/lanes_lights.h"
 
 namespace pt::lanes {
 
-// The way in which a kernel draws points on boxes, if it has one alone; else solid_angle.
+// The way in which a kernel samples points on boxes, if it has just one; else solid_angle.
 template <class Config>
 inline constexpr LightSampling face_sampling = light_sampling_in(Config::features& light_samplings);
 
-// SeenFaces::onto (kernels/light_sampling.h) for lanes.
+// Coordinate of a light's face as the observer sees it, as by SeenFaces::onto (kernels/light_sampling.h).
 template <class Real>
 inline Real onto_face(Real observer, Real height) {
     return observer > Real(0) ? -height : height;
 }
 
-// sample_box_light of the lanes that draw a point on a box of which they see a face; the others are left to
-// `drawn.is_other`. `near_limit`: as there, for LightSampling::automatic.
+// sample_box_light (kernels/light_sampling.h) for the lanes that sample a box of which they see a face; other lanes are
+// left to `drawn.is_other`. `near_limit`: as for sample_box_light, for LightSampling::automatic.
 template <LightSampling sampling, bool one_light, class Real>
 inline void sample_faces(LightDirections<Real>& drawn, const LightTable<Real>& table, const Vectors<Real>& positions,
                          const Flags& draws, Real near_limit) {

@@ -1,6 +1,6 @@
-// Box lights as the lanes of a packet see them: SeenBox and SphericalRectangle of kernels/solid_angle.h over many
-// observers at once. The formulas are the kernels', in their order, so a lane's answer has the same bits
-// (tests/unit/lanes_test.cpp); only their branches are selections here.
+// Sampling of box lights by solid angle over all lanes of a packet at once: SeenBox and SphericalRectangle of
+// kernels/solid_angle.h. The formulas are the kernels', in their order, so a lane's sample has the same bits
+// (tests/unit/lanes_test.cpp); only their branches are selections.
 #pragma once
 
 #include <vector>
@@ -9,11 +9,11 @@
 
 namespace pt::lanes {
 
-// What SeenBox (kernels/solid_angle.h) makes of an axis box, whoever observes it.
+// What SeenBox (kernels/solid_angle.h) computes of an axis box, whoever observes it.
 template <class Real>
 struct BoxLight {
     Vec3<Real> centre;
-    Vec3<Real> half;  // in units of the diagonal
+    Vec3<Real> half;  // half extents in units of the diagonal
     Real diagonal, inverse_diagonal;
 
     explicit BoxLight(const AxisBox<Real>& box) : centre((box.high + box.low) * Real(0.5)) {
@@ -23,14 +23,14 @@ struct BoxLight {
         half = half_extents * inverse_diagonal;
     }
 };
-// What lanes look up of lights, for all packets of a scene. `boxes`: by axis box; the rest by light, a number an array,
-// so that vectors are gathered from it.
+// A scene's lights as tables for all packets: `boxes` by axis box, the others by light, a number an array, so that
+// vectors are gathered from them.
 template <class Real>
 struct LightTable {
     std::vector<BoxLight<Real>> boxes;
     std::vector<std::uint32_t> object, is_box;
     std::vector<Real> centre[3], half[3], emission[3], diagonal, inverse_diagonal;
-    // Numbers of SeenFaces: half extents in its units, units a scene unit, and scene units a unit.
+    // Numbers of SeenFaces by light: half extents in its units, its units a scene unit, and scene units a unit.
     std::vector<Real> face_half[3], scale, unit;
 
     LightTable() = default;
@@ -50,7 +50,7 @@ private:
     void add(const SceneView<Real>& scene, std::uint32_t number) {
         const std::uint32_t box = number - first_of<ShapeKind::axis_box>(scene);
         const bool is_one = box < scene.axis_boxes.size;
-        // A light that is no axis box gets the unit box here, whose numbers nobody uses.
+        // A light that is no axis box gets the unit box, whose numbers nobody uses.
         const AxisBox<Real> unit_box{Vec3<Real>(Real(-1)), Vec3<Real>(Real(1))};
         const BoxLight<Real> light = is_one ? boxes[box] : BoxLight<Real>(unit_box);
         object.push_back(number);
@@ -68,39 +68,39 @@ private:
     }
 };
 
-// Number of list entries that loops over a packed list take at a time; what lies past its end is of no account.
+// Number of entries that loops over a packed list take at a time; results past the list's end are ignored.
 inline constexpr std::uint32_t group = 16;
 static_assert(width % group == 0);
 
-// Observers of box lights, packed: entry k is that of lane[k]. Past the end are lanes too, if others than were meant.
+// Observers of box lights as a packed list: entry k belongs to lane[k]. Entries past the end name valid lanes, too.
 template <class Real>
 struct BoxViews {
     std::uint32_t size = 0;
     Lanes<std::uint32_t> lane;
-    Vectors<Real> observer, half;  // as SeenBox has them
+    Vectors<Real> observer, half;  // observer and half extents of SeenBox
     Lanes<Real> diagonal;
-    Vectors<Real> share, skew;  // by axis: of SeenBox, and of its SphericalRectangle
+    Vectors<Real> share, skew;  // SeenBox::share, and skew of the SphericalRectangle, by axis
     Lanes<Real> total;
-    // Directions drawn to the box: the random numbers that they take, and the results.
+    // Directions sampled to the box: the random numbers that they take, and the results.
     Lanes<Real> u, v, w, axis;
     Vectors<Real> direction;
     Lanes<Real> inverse_pdf;
 
-    // Adds the lane if the flag is set, without a branch: what is not to be added is written past the end. To be called
-    // once a lane.
+    // Appends lane l to the list if the flag is set, without a branch: a lane not to be added is written past the end.
+    // To be called once a lane.
     void add_if(std::uint32_t flag, std::uint32_t l) {
         lane[size] = l;
         size += flag;
     }
 };
 
-// How the lanes see their box lights: from near, from far, or from within or on the box, where SeenBox itself is asked.
+// The lanes that observe box lights, from near and from far. Lanes within or on the box ask SeenBox itself.
 template <class Real>
 struct BoxObservers {
     BoxViews<Real> near, far;
 
     void clear() { near.size = far.size = 0; }
-    // Adds a lane to the near or far observers. Returns whether it sees a face of the box and so was added.
+    // Adds a lane to the near or far observers of box lights; false if it sees no face of the box and is not added.
     bool add(std::uint32_t l, const BoxLight<Real>& light, const Vec3<Real>& position) {
         const Vec3<Real> from = (position - light.centre) * light.inverse_diagonal;
         const bool sees = sees_faces(from, light.half);
@@ -139,13 +139,13 @@ inline Real corner(Real x, Real y, Real height) {
     return lanes::arc_tangent(x * y / (height * square_root(x * x + y * y + height * height)));
 }
 
-// The entries of vectors along one axis, one a lane.
+// The components of all lanes' vectors along one axis.
 template <int axis, class Real>
 inline Lanes<Real>& along_axis(Vectors<Real>& v) {
     return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
 }
 
-// Computes the solid angles of the faces across one axis for near observers.
+// Computes for near observers the solid angles of the box faces across one axis.
 template <int axis, class Real>
 inline void measure_faces(BoxViews<Real>& views) {
     constexpr int b = (axis + 1) % 3;
@@ -170,7 +170,7 @@ inline void measure_faces(BoxViews<Real>& views) {
     }
 }
 
-// Computes SeenBox::share and SeenBox::total for lanes.
+// Computes SeenBox::share and SeenBox::total for near observers.
 template <class Real>
 inline void measure_near(BoxViews<Real>& views) {
     measure_faces<0>(views);
@@ -218,7 +218,7 @@ inline SinCos<Real> sin_cos(Real x) {
     return {x < Real(0) ? -sine : sine, is_left ? -across : across};
 }
 
-// SphericalRectangle::point (kernels/solid_angle.h) for lanes.
+// Samples a point in a spherical rectangle, as SphericalRectangle::point (kernels/solid_angle.h) does.
 template <class Real>
 inline Vec2<Real> point_in_rectangle(Real x0, Real x1, Real y0, Real y1, Real height, Real skew, Real solid_angle,
                                      Real u, Real v) {
@@ -241,8 +241,7 @@ inline Vec2<Real> point_in_rectangle(Real x0, Real x1, Real y0, Real y1, Real he
     return {x, rest > Real(0) ? inner : edge};
 }
 
-// One of the three axes for each lane, kept as a number of the lanes' kind: g++ 12 makes no vectors of selections by
-// others.
+// An axis for each lane, kept as a Real: g++ 12 does not vectorise selections by numbers of another kind.
 template <class Real>
 struct PickedAxis {
     Real number;
@@ -251,21 +250,21 @@ struct PickedAxis {
         const Real other = number == Real(1) ? of_y : of_z;
         return number == Real(0) ? of_x : other;
     }
-    // Turns entries along the axis, the one after it and the one after that into a vector in x, y, z.
+    // Turns components along the picked axis and the two that follow it into a vector in x, y, z.
     Vec3<Real> in_order(Real a, Real b, Real c) const { return {of(a, c, b), of(b, a, c), of(c, b, a)}; }
 };
 
-// Unit directions to lights with 1 / density, by lane.
+// Light samples by lane: unit directions to lights with 1 / pdf.
 template <class Real>
 struct LightDirections {
-    Lanes<Real> u, v, w;              // what they are drawn by
-    Lanes<std::uint32_t> light;       // by its number among the lights
-    Vectors<Real> observer;           // of boxes: as SeenBox has it
-    Flags is_near, is_far, is_other;  // how the box is seen, if it is one
+    Lanes<Real> u, v, w;              // random numbers of the light sample
+    Lanes<std::uint32_t> light;       // number of the light among the scene's lights
+    Vectors<Real> observer;           // observer of a box light, as in SeenBox
+    Flags is_near, is_far, is_other;  // how the light is seen, if it is a box
     Vectors<Real> direction;
     Lanes<Real> inverse_pdf;
-    Lanes<Real> distance;            // to the point that was drawn; 0: it is not known
-    Lanes<std::uint32_t> primitive;  // that the point is of, of a mesh
+    Lanes<Real> distance;            // distance to the sampled point; 0: not known
+    Lanes<std::uint32_t> primitive;  // mesh triangle that the sampled point is on
 };
 
 // Loads a number at a lane's own index. The index is signed, as a gathering load wants it.
@@ -274,14 +273,13 @@ inline T gathered(const T* from, std::uint32_t index) {
     return from[static_cast<std::int32_t>(index)];
 }
 
-// A light's entry in a table. A table of one light is read without its index: a gathering load of 16 lanes costs as
-// much as 16 loads.
+// A light's entry in a table. A table of one light is read without index: a gathering load costs as much as 16 loads.
 template <bool one_light, class T>
 inline T of_light(const T* from, std::uint32_t light) {
     return one_light ? *from : gathered(from, light);
 }
 
-// Prepares the lights as the lanes see them that are to draw a direction.
+// Computes how the lanes that sample a light see it: the observer's position, and whether the box is near or far.
 template <class Real>
 inline void look_at_lights(LightDirections<Real>& drawn, const LightTable<Real>& table, const Vectors<Real>& positions,
                            const Flags& draws) {
@@ -305,7 +303,7 @@ inline void look_at_lights(LightDirections<Real>& drawn, const LightTable<Real>&
     }
 }
 
-// Adds the lanes whose flags are set to the list, with all that a direction is drawn by.
+// Packs the lanes whose flags are set into a list, with all that sampling a direction takes.
 template <class Real>
 inline void pack(BoxViews<Real>& views, const LightDirections<Real>& drawn, const LightTable<Real>& table,
                  const Flags& flags) {
@@ -342,7 +340,7 @@ inline void unpack(const BoxViews<Real>& views, LightDirections<Real>& drawn) {
     }
 }
 
-// Picks the faces that fall to `w`, as SeenBox::sample does.
+// Picks the faces of boxes by the random number `w`, as SeenBox::sample does.
 template <class Real>
 inline void pick_axes(BoxViews<Real>& views) {
     for (std::size_t first = 0; first < views.size; first += group) {
@@ -409,7 +407,7 @@ inline void sample_far(BoxViews<Real>& views) {
     }
 }
 
-// SeenBox::sample (kernels/solid_angle.h) for the lanes that look at a box.
+// SeenBox::sample (kernels/solid_angle.h) for the lanes that see a box light from near or from far.
 template <class Real>
 inline void sample_boxes(BoxObservers<Real>& observers, LightDirections<Real>& drawn, const LightTable<Real>& table) {
     pack(observers.near, drawn, table, drawn.is_near);

@@ -1,6 +1,6 @@
-// Shadow rays to known points of lights, over all lanes of a packet at once: kernels/line_of_sight.h. Spheres and axis
-// boxes are vectors of lanes; other kinds, and rays that an enclosure's walls may lie in the way of, go lane by lane.
-// The sums and comparisons are the kernels', so a lane's answer is the same.
+// Shadow rays to known points on lights, over all lanes of a packet at once: kernels/line_of_sight.h. Spheres and axis
+// boxes are tested in vectors of lanes; other kinds, and rays that may cross an enclosure's wall, lane by lane. The
+// sums and comparisons are the kernels', so a lane's result is the same.
 #pragma once
 
 #include "kernels/line_of_sight.h"
@@ -8,25 +8,25 @@
 
 namespace pt::lanes {
 
-// The shadow rays of a packet as far as their points on lights: lanes of Segment (kernels/line_of_sight.h).
+// The shadow rays of a packet up to their points on lights: Segment (kernels/line_of_sight.h) by lane.
 template <class Real>
 struct Sights {
-    Lanes<Real> before, about;   // of the point's distance
-    Lanes<std::uint32_t> light;  // object that the point is of
-    Flags asks;                  // a ray whose point is known
+    Lanes<Real> before, about;   // distances just below and just above that of the light point
+    Lanes<std::uint32_t> light;  // object that the point is on
+    Flags asks;                  // whether the ray's point is known
     Flags blocked, unsure;
-    Flags by_lane;  // walls may lie between: asked lane by lane, whatever is in the flags before
+    Flags by_lane;  // the ray may cross a wall: tested by itself, whatever the flags before say
 };
 
-// Takes note of an object that one lane's ray meets at t, as Segment::is_hidden_by does.
+// Records an object that a lane's shadow ray meets at distance t, as Segment::is_hidden_by does.
 template <class Real>
 inline void note_crossing(Sights<Real>& sights, std::uint32_t l, bool meets, Real t) {
     sights.unsure[l] |= meets & (t < sights.about[l]) ? 1u : 0u;
     sights.blocked[l] |= meets & (t < sights.before[l]) ? 1u : 0u;
 }
 
-// Takes note of a convex body that one lane's ray enters or leaves or, if the ray starts on it (`is_departed`), leaves
-// at the end of the chord.
+// Records a convex body that a lane's shadow ray enters or leaves or, if the ray starts on the body (`is_departed`),
+// leaves at the end of the chord.
 template <class Real>
 inline void note_body(Sights<Real>& sights, std::uint32_t l, const Interval<Real>& crossing, Real chord,
                       std::uint32_t object, bool is_departed, SurfaceId origin_surface) {
@@ -37,8 +37,7 @@ inline void note_body(Sights<Real>& sights, std::uint32_t l, const Interval<Real
     note_crossing(sights, l, is_other & (leaves | meets), leaves ? chord : entered);
 }
 
-// Marks the rays that may cross a wall of the enclosure as `by_lane`; the others need not be tested against walls
-// (walls_between).
+// Marks shadow rays that may cross a wall of the enclosure as `by_lane`; others need no wall test (walls_between).
 template <class Config>
 inline void leave_out_walls(Sights<typename Config::Real>& sights, const SceneView<typename Config::Real>& scene,
                             const Paths<typename Config::Real>& shadow, const Lanes<typename Config::Real>& distance) {
@@ -47,8 +46,7 @@ inline void leave_out_walls(Sights<typename Config::Real>& sights, const SceneVi
     const AxisAlignedEnclosure<Real> enclosure = scene.enclosure;
     const Vec3<Real> low = enclosure.low, high = enclosure.high;
     const auto is_open = [&](std::uint32_t side) { return ((enclosure.open_sides >> side) & 1u) != 0; };
-    // These are the planes of the open sides alone, and of the walls alone; planes of the other kind are infinitely
-    // far.
+    // Bounds of the enclosure by its open sides alone, and by its walls alone; other planes are infinitely far.
     const Vec3<Real> open_low{is_open(0) ? low.x : -infinity, is_open(2) ? low.y : -infinity,
                               is_open(4) ? low.z : -infinity};
     const Vec3<Real> open_high{is_open(1) ? high.x : infinity, is_open(3) ? high.y : infinity,
@@ -118,7 +116,7 @@ inline void note_axis_boxes(Sights<typename Config::Real>& sights, const SceneVi
     }
 }
 
-// Tests all objects that show meshes, in the lanes that `asks`.
+// Tests shadow rays against all objects with meshes, in the lanes that `asks`.
 template <class Config>
 inline void note_meshes(Sights<typename Config::Real>& sights, const SceneView<typename Config::Real>& scene,
                         const Paths<typename Config::Real>& shadow, Flags asks) {
@@ -136,7 +134,7 @@ inline void note_meshes(Sights<typename Config::Real>& sights, const SceneView<t
     }
 }
 
-// Tests all objects of one kind, in the lanes that are not blocked yet.
+// Tests shadow rays against all objects of one kind, in the lanes that are not blocked yet.
 template <class Config, ShapeKind kind, class Shapes>
 inline void note_kind(Sights<typename Config::Real>& sights, const SceneView<typename Config::Real>& scene,
                       const Shapes& shapes, const Paths<typename Config::Real>& shadow,
@@ -168,9 +166,9 @@ inline void note_kind(Sights<typename Config::Real>& sights, const SceneView<typ
     }
 }
 
-// hit_of_light of the lanes that `sends`: what is left in it are the lanes that see their points. `distance`: to the
-// points, 0 where a point is not known and the light is seen if it, or its primitive of `primitives`, is the closest
-// hit.
+// hit_of_light (kernels/next_event.h) for the lanes that `sends`; on return `sends` marks the lanes that see their
+// points. `distance`: to the points, or 0 where a point is not known and the light is seen if it, or its triangle in
+// `primitives`, is the closest hit.
 template <class Config>
 inline void look_along(Flags& sends, const SceneView<typename Config::Real>& scene, const Lanes<std::uint32_t>& lights,
                        const Lanes<std::uint32_t>& primitives, const Paths<typename Config::Real>& shadow,

@@ -1,19 +1,19 @@
-// What happens where the segments of a packet end: kernels/shade.h over all lanes at once, for diffuse and mirror
-// surfaces. Lanes that hit other materials go through shade itself, and what is not a side of the enclosure is placed
-// by surface_at, lane by lane. The formulas are the kernels', in their order, so a path has the same bits.
+// Shading of a packet's hits: kernels/shade.h over all lanes at once, for diffuse and mirror surfaces. Lanes that hit
+// other materials go through shade itself, and hits off the sides of the enclosure are placed by surface_at, lane by
+// lane. The formulas are the kernels', in their order, so a path has the same bits.
 #pragma once
 
 #include "variants/cpu/lanes_connect.h"
 
 namespace pt::lanes {
 
-// Whether a kernel draws lights in one way, not one that is chosen at run time.
+// Whether a kernel samples lights in one way, not in one that is chosen at run time.
 template <class Config>
 inline constexpr bool has_one_light_sampling = ((Config::features & light_samplings) &
                                                 ((Config::features & light_samplings) - 1u)) == 0;
 
-// Whether a kernel's shading is done in SIMD lanes: only a kernel without the features below. Its other kinds of
-// objects and materials send a single lane through shade().
+// Whether a kernel's shading is done in SIMD lanes: not if it has one of the listed features. Objects and materials
+// without a loop over lanes send a single lane through shade().
 template <class Config>
 inline constexpr bool shades_in_lanes = has_one_light_sampling<Config> &&
                                         (Config::features &
@@ -23,8 +23,8 @@ inline constexpr bool shades_in_lanes = has_one_light_sampling<Config> &&
                                           Feature::matrix | Feature::textures | Feature::shading_normals | samplers)) ==
                                             0;
 
-// Looks up what the lanes' hits are shaded with. Addresses depend on the lane, so there are no vectors here; a lane
-// that hit nothing reads object 0.
+// Looks up the surface data of a packet's hits. Addresses depend on the lane, so there are no vectors; a lane that hit
+// nothing reads object 0.
 template <class Real>
 inline void look_up(Surfaces<Real>& surfaces, const SceneView<Real>& scene, const Hits<Real>& hits) {
     for (std::uint32_t l = 0; l < width; ++l) {
@@ -35,8 +35,8 @@ inline void look_up(Surfaces<Real>& surfaces, const SceneView<Real>& scene, cons
     }
 }
 
-// Counts the segment, collects what an emitter sends, and says which paths go on. `weight`: what emitters count that
-// are met, in a kernel with connections.
+// Counts a segment, adds the light of emitters that were hit, and says which paths go on. `weight`: of that light, in a
+// kernel with next-event estimation.
 template <class Config>
 inline void meet(Paths<typename Config::Real>& paths, Flags& goes_on, const Surfaces<typename Config::Real>& surfaces,
                  const Hits<typename Config::Real>& hits, const Lanes<typename Config::Real>& weight,
@@ -58,7 +58,7 @@ inline void meet(Paths<typename Config::Real>& paths, Flags& goes_on, const Surf
     }
 }
 
-// Places the hits on the sides of the enclosure, and tells how the lanes whose hits lie elsewhere are placed.
+// Computes the positions of hits on the sides of the enclosure, and flags the lanes whose hits lie elsewhere.
 template <class Config>
 inline void place_on_enclosure(Surfaces<typename Config::Real>& surfaces, const SceneView<typename Config::Real>& scene,
                                const Paths<typename Config::Real>& paths, const Hits<typename Config::Real>& hits,
@@ -92,7 +92,7 @@ inline void place_others(Surfaces<typename Config::Real>& surfaces, const SceneV
                          const Paths<typename Config::Real>& paths, const Hits<typename Config::Real>& hits) {
     const LaneList others(surfaces.by_surface_at);
     if constexpr (has<Config>(Feature::mesh)) {
-        // Triangles lie far apart: all are asked for before the first is used.
+        // Triangles lie far apart in memory: all are prefetched before the first is used.
         for (const std::uint32_t l : others) {
             const std::uint32_t mesh = SurfaceId{hits.side[l]}.object() - first_of<ShapeKind::mesh>(scene);
             if (mesh < scene.meshes.size) {
@@ -107,7 +107,7 @@ inline void place_others(Surfaces<typename Config::Real>& surfaces, const SceneV
     }
 }
 
-// Scatters the paths at diffuse vertices. `is_connected`: these were connected to lights.
+// Samples the BSDF at diffuse and mirror vertices. `is_connected`: diffuse vertices were connected to lights.
 template <class Config>
 inline void scatter(Paths<typename Config::Real>& paths, const Surfaces<typename Config::Real>& surfaces,
                     const RandomSeed& seed, const Hits<typename Config::Real>& hits, bool is_connected) {
@@ -123,7 +123,7 @@ inline void scatter(Paths<typename Config::Real>& paths, const Surfaces<typename
         const bool is_diffuse = is_type(surfaces.type[l], MaterialType::diffuse);
         const bool is_here = surfaces.by_shade[l] == 0;
         if constexpr (has<Config>(Feature::next_event)) {
-            // The density kept is never 0, which says that there was no connection.
+            // The BSDF pdf kept is never 0, since 0 stands for a vertex without a connection.
             constexpr Real least = Real(0x1p-60);
             const Real pdf = max(dot(spread, normal), least) * (Real(1) / pi<Real>);
             paths.bsdf_pdf[l] = is_here ? (is_diffuse & is_connected ? pdf : Real(0)) : paths.bsdf_pdf[l];
@@ -133,7 +133,7 @@ inline void scatter(Paths<typename Config::Real>& paths, const Surfaces<typename
         paths.direction.set_if(is_here, l,
                                {is_diffuse ? spread.x : mirrored.x, is_diffuse ? spread.y : mirrored.y,
                                 is_diffuse ? spread.z : mirrored.z});
-        const std::uint32_t side_alone = (SurfaceId::most_objects << 1) - 1u;  // of a hit that may name a face
+        const std::uint32_t side_alone = (SurfaceId::most_objects << 1) - 1u;  // masks out the face that a hit may name
         paths.origin_surface[l] = is_here ? hits.side[l] & side_alone : paths.origin_surface[l];
         if constexpr (has<Config>(Feature::mesh)) {
             paths.primitive[l] = is_here ? hits.primitive[l] : paths.primitive[l];
@@ -142,8 +142,7 @@ inline void scatter(Paths<typename Config::Real>& paths, const Surfaces<typename
 }
 
 // Shades the hits of a packet: on return each path whose flag `goes_on` was set has its next ray, or is over and its
-// flag cleared. The scene has at least one object. `work` and `lights` are for kernels with connections; the lights are
-// the scene's.
+// flag cleared. The scene has at least one object. `work` and `lights`, the scene's, are for kernels with connections.
 template <class Config>
 inline void shade(Paths<typename Config::Real>& paths, Flags& goes_on, const SceneView<typename Config::Real>& scene,
                   const Hits<typename Config::Real>& hits, Connections<typename Config::Real>& work,
@@ -160,7 +159,7 @@ inline void shade(Paths<typename Config::Real>& paths, Flags& goes_on, const Sce
     place_others<Config>(surfaces, scene, paths, hits);
     for (const std::uint32_t l : LaneList(surfaces.by_shade)) {
         Path<Real> path = paths.load(l);
-        path.segment -= 1;  // shade counts it
+        path.segment -= 1;  // shade() counts the segment
         goes_on[l] = pt::shade<Config>(scene, scene, path, hits[l], counters) ? 1u : 0u;
         paths.store(l, path);
     }

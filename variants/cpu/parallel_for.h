@@ -1,4 +1,4 @@
-// Runs a range over all cores through Thrust's OpenMP system, in chunks. Only the .cpp knows Thrust, so a kernel loop
+// Runs a loop over all cores through Thrust's OpenMP system, in chunks. Only the .cpp knows Thrust, so a kernel's loop
 // is compiled as a plain loop over [begin, end).
 #pragma once
 

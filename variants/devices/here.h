@@ -9,18 +9,17 @@
 namespace pt {
 
 struct DevicesHere {
-    std::uint32_t count = 0;   // from the first on, those that are alike; 0: it is not known
-    std::string missing = {};  // what several of them need and the machine lacks
+    std::uint32_t count = 0;   // number of GPUs, from the first on, that are alike; 0: not known
+    std::string missing = {};  // what several GPUs need and the machine lacks
 };
 
-// The function that counts the devices, called once it matters. The CUDA backend sets it; in a build without that
-// nothing is known.
+// The function that counts the GPUs, called once their count matters. The CUDA backend sets it; other builds have none.
 using LookForDevices = DevicesHere (*)();
-// Sets the function that counts the devices, and returns the one until now.
+// Sets the function that counts the GPUs, and returns the one set before.
 LookForDevices set_look_for_devices(LookForDevices look);
 DevicesHere devices_here();
 
-// Why `count` devices cannot render together here; empty: they can, or it is not known.
+// Why `count` GPUs of this machine cannot render one image together; empty: they can, or it is not known.
 Reason why_not_on(const DevicesHere& here, std::uint32_t count);
 
 }  // namespace pt

@@ -1,4 +1,4 @@
-// Renders on one GPU, the first one (on the CPU backend: on the host).
+// The choice devices=1: renders on the first GPU (on the CPU backend: on the host).
 #include "variants/registry.h"
 
 namespace pt::devices::one {

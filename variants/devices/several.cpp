@@ -1,5 +1,5 @@
-// Several GPUs of one host (harness/cuda/several_devices.h): each has the whole scene and an integer film of its own,
-// and NCCL adds up the films. What sums in the order of samples or of a queue would have another film.
+// Rendering on several GPUs of one host (harness/cuda/several_devices.h): each has the whole scene and an integer film
+// of its own, and NCCL adds up the films. What sums in the order of samples or of a queue would have another film.
 #include <array>
 
 #include "variants/devices/here.h"
@@ -34,7 +34,7 @@ Descriptor descriptor_of(std::string_view name, std::uint32_t count) {
     };
 }
 
-// The numbers of devices go up to those of the largest hosts that are sold.
+// Choices for 2 to 8 GPUs, as the largest hosts that are sold have.
 const std::array registrations{Registration(descriptor_of("2", 2), {}), Registration(descriptor_of("3", 3), {}),
                                Registration(descriptor_of("4", 4), {}), Registration(descriptor_of("5", 5), {}),
                                Registration(descriptor_of("6", 6), {}), Registration(descriptor_of("7", 7), {}),

@@ -6,9 +6,9 @@
 namespace pt {
 
 struct DirectLightTraits {
-    bool connects = true;                // some vertex is connected to a light
-    bool connects_every_vertex = false;  // a path carries its last BSDF density, for the MIS weight of light it meets
-    bool counts_light_met = true;        // after a vertex that was connected
+    bool connects = true;                // some vertex of a path is connected to a light
+    bool connects_every_vertex = false;  // a path carries its last BSDF pdf, for the MIS weight of light that it hits
+    bool counts_light_met = true;        // light hit after a connected vertex counts, too
 };
 
 namespace direct_light {

@@ -1,7 +1,7 @@
-// The last vertex of an exhausted path is connected to a random light point, weighted by BSDF, both cosines, distance,
-// area and visibility (kernels/light.h): a student's idea (CIS565-Fall-2022) with the weights that it lacked. It sees
-// one segment more than plain path tracing of the same depth, so its expectation is that of depth + 1. A last vertex on
-// a specular surface takes that segment by its BSDF.
+// The choice direct_light=final_bounce: the last vertex of a path of full length is connected to a random light point,
+// weighted by BSDF, both cosines, distance, area and visibility (kernels/light.h). A student's idea (CIS565-Fall-2022)
+// with the weights that it lacked. Such a path has one segment more than by plain path tracing, so its expectation is
+// that of depth + 1. A last vertex on a specular surface takes that segment by its BSDF.
 #include "variants/registry.h"
 
 namespace pt::direct_light::final_bounce {

@@ -1,6 +1,6 @@
-// Next-event estimation (kernels/next_event.h): light is found by connecting diffuse and rough vertices to it, one
-// random direction towards one random light each. From the camera, specular surfaces and bodies it is met by chance, as
-// before.
+// The choice direct_light=nee, next-event estimation (kernels/next_event.h): diffuse and rough vertices are connected
+// to light, one random direction towards one random light each. Light that the camera, a specular surface or a body
+// leads to counts where a path hits it.
 #include "variants/direct_light/next_event.h"
 
 namespace pt::direct_light::nee {

@@ -1,5 +1,5 @@
-// Next-event estimation with multiple importance sampling: light is found by a connection and by chance, and each way
-// counts by its share of the two densities (kernels/next_event.h).
+// The choice direct_light=nee_mis, next-event estimation with multiple importance sampling: light found by a light
+// sample and by a BSDF sample counts, each by its share of the two pdfs (kernels/next_event.h).
 #include "variants/direct_light/next_event.h"
 
 namespace pt::direct_light::nee_mis {

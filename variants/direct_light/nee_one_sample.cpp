@@ -1,11 +1,11 @@
-// Multiple importance sampling by the one-sample model: light is found by a connection or where it is met, one of the
-// two, chosen at random (kernels/next_event.h). Half the shadow rays of nee_mis.
+// The choice direct_light=nee_one_sample, multiple importance sampling by the one-sample model: light is found by a
+// light sample or by a BSDF sample, one of the two at random (kernels/next_event.h). Half the shadow rays of nee_mis.
 #include "variants/direct_light/next_event.h"
 
 namespace pt::direct_light::nee_one_sample {
 namespace {
 
-// The balance heuristic is the best that there is for one sample (Veach 1997, th. 9.4).
+// By default weights are the balance heuristic's, the best that there is for one sample (Veach 1997, th. 9.4).
 constexpr Tunable tunables[] = {
     {"mis_exponent", 1, 1, 2, 1, "1: balance heuristic, 2: power heuristic", true},
 };

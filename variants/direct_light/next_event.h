@@ -1,4 +1,4 @@
-// What the choices with next-event estimation have in common, and what is asked by choices that need it.
+// What the choices with next-event estimation share, and a check for choices that need next-event estimation.
 #pragma once
 
 #include "variants/registry.h"
@@ -18,7 +18,7 @@ inline Reason next_event_unsupported_reason(FeatureSet scene, const VariantTrait
     return {};
 }
 
-// Why a choice that says how connections are made does not apply: there are none to make. Empty: it applies.
+// Why a choice on how vertices are connected to lights does not apply: the variant connects none. Empty: it applies.
 inline Reason needs_connections_reason(const VariantTraits& variant) {
     if (!variant.direct_light.connects_every_vertex) {
         return {"needs_connections",

@@ -1,4 +1,4 @@
-// Light is found by chance only: what a path meets it counts.
+// The choice direct_light=off: light is found by chance only, and counts where a path hits it.
 #include "variants/registry.h"
 
 namespace pt::direct_light::off {

@@ -1,6 +1,6 @@
-// The hits of the camera rays are kept from the first sample and reused: right only where every sample of a pixel has
-// the same camera ray. A scene with jitter, a lens or motion would converge to another image, so the choice does not
-// apply there; jitter is a setting of the scene and is never switched off on its behalf.
+// The choice first_bounce=cached keeps camera rays' hits from the first sample on: right only where every sample of a
+// pixel has the same camera ray. A scene with jitter, a lens or motion would converge to another image, so the choice
+// does not apply to it; jitter is a setting of the scene and is never switched off on the choice's behalf.
 #include "variants/registry.h"
 
 namespace pt::first_bounce::cached {

@@ -1,6 +1,6 @@
-// K camera rays of a pixel are drawn once, their hits kept, and every later sample uses one of the K in turn. Allowed
-// with jitter, lens and motion, because it says what it does: with more than K samples the pixel's filter, the lens and
-// the shutter are sampled at K points only, so the image converges to another one.
+// The choice first_bounce=cached_jitters draws K camera rays of a pixel once and keeps their hits; every later sample
+// uses one of the K in turn. It may be used with jitter, lens and motion, because it declares its bias: with more than
+// K samples the pixel's filter, the lens and the shutter are sampled at K points only.
 #include "variants/registry.h"
 
 namespace pt::first_bounce::cached_jitters {

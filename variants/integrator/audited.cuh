@@ -1,5 +1,5 @@
-// The megakernel with every path's state looked at between its stages (kernels/health.h): for what can go wrong, never
-// for times. Its film is held to the reference's bits like any other's.
+// The integrator audited on CUDA: a megakernel that inspects every path's state between its stages (kernels/health.h),
+// for what can go wrong, never for times. Its film is held to the reference's bits like any other's.
 #pragma once
 
 #include "kernels/film.h"
@@ -15,14 +15,14 @@ struct AuditedParameters {
     FilmView film;
     std::uint32_t first_sample;
     std::uint32_t samples;
-    std::uint32_t stride;  // threads a pixel
+    std::uint32_t stride;  // threads per pixel
     HealthRequest health;
     Totals* totals;
 };
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
 
 #include "kernels/health.h"
 #include "variants/cuda/device/device.cuh"
@@ -79,7 +79,7 @@ PT_KERNEL(audited, pt::cuda::AuditedParameters<Real>,
 
 #endif
 
-#if defined(PT_HOST)  // what launches them, and what the choice says of itself
+#if defined(PT_HOST)  // host code: kernel launches and the choice's descriptor
 
 #include "variants/cuda/megakernels.h"
 

@@ -1,5 +1,5 @@
-// depth_first with every path's state looked at between its stages (kernels/health.h): for what can go wrong, never for
-// times. Its film is held to the reference's bits like any other's.
+// The integrator audited on the CPU: depth_first that inspects every path's state between its stages
+// (kernels/health.h), for what can go wrong, never for times. Its film is held to the reference's bits like any other.
 #pragma once
 
 #include <mutex>

@@ -1,5 +1,5 @@
-// One path at a time from the camera to its end, all its state in registers: the CPU's own best shape, and the plainest
-// one, so its generic kernel is the reference that every bitwise claim is held against.
+// The integrator depth_first: one path at a time from the camera to its end, all its state in registers. It is the
+// CPU's best shape and the plainest, so its generic kernel is the reference that every bitwise claim is held against.
 #pragma once
 
 #include <atomic>
@@ -37,8 +37,7 @@ inline constexpr KernelSets kernel_sets{
 
 inline constexpr std::size_t pixels_per_chunk = 64;
 
-// Traces one path that may split, from its first hit on; returns the number of segments to the end of the longest
-// branch.
+// Traces one path that may split, from its first hit on; returns the number of segments up to the longest branch's end.
 template <class Config>
 std::uint32_t trace_tree(const SceneView<typename Config::Real>& scene, const FilmView& film, PixelSum<Config>& sum,
                          Path<typename Config::Real>& path, Hit<typename Config::Real> hit, PathCounters& counters) {
@@ -54,8 +53,8 @@ std::uint32_t trace_tree(const SceneView<typename Config::Real>& scene, const Fi
     return tree.longest();
 }
 
-// Traces one path to its end and returns the number of segments it had. With a cache its camera ray is one of those
-// kept, and its first hit comes from there unless this path is the one that fills it.
+// Traces one path to its end and returns its number of segments. With a first-hit cache, the camera ray is one of those
+// kept, and its hit comes from the cache unless this path is the one that fills it.
 template <class Config>
 std::uint32_t trace(const SceneView<typename Config::Real>& scene, const FilmView& film, PixelSum<Config>& sum,
                     std::uint32_t pixel, std::uint32_t sample, FirstBounceCache<typename Config::Real>* cache,

@@ -1,5 +1,5 @@
-// One thread a pixel, a path at a time from the camera to its end: the loop of depth_first as one kernel. Its generic
-// kernel in exact arithmetic is the reference that bitwise claims on the GPU are held against.
+// The integrator megakernel: one thread a pixel, a path at a time from the camera to its end, the loop of depth_first
+// as one kernel. In exact arithmetic it is the reference that bitwise claims on the GPU are held against.
 #pragma once
 
 #include "kernels/film.h"
@@ -14,20 +14,19 @@ struct MegakernelParameters {
     FilmView film;
     std::uint32_t first_sample;
     std::uint32_t samples;
-    std::uint32_t stride;  // threads a pixel
+    std::uint32_t stride;  // threads per pixel
     HitCache<Real> cache;
     Totals* totals;
-    std::uint64_t* ended;  // paths by their number of segments, or null
+    std::uint64_t* ended;  // paths ended, by their number of segments; null: not counted
 };
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
 
 #include "variants/cuda/device/branches.cuh"
 
-// One kernel for whole paths: thread t takes the samples t / pixels, t / pixels + stride, ... of pixel t mod pixels.
-// `ended`: paths by their number of segments, or null.
+// Traces whole paths: thread t takes the samples t / pixels, t / pixels + stride, ... of pixel t mod pixels.
 PT_KERNEL(megakernel, pt::cuda::MegakernelParameters<Real>,
           (const __grid_constant__ Scene parameter, FilmView film, std::uint32_t first_sample, std::uint32_t samples,
            std::uint32_t stride, HitCache cache, Totals* totals, std::uint64_t* ended)) {
@@ -56,7 +55,7 @@ PT_KERNEL(megakernel, pt::cuda::MegakernelParameters<Real>,
 
 #endif
 
-#if defined(PT_HOST)  // what launches them, and what the choice says of itself
+#if defined(PT_HOST)  // host code: kernel launches and the choice's descriptor
 
 #include "variants/cuda/megakernels.h"
 

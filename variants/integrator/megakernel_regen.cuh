@@ -1,7 +1,7 @@
-// One kernel, a warp a strip of 32 pixels: a lane whose path ended takes another of the strip's while the others go on,
-// so that the warp stays full until its strip is done. Path regeneration: Novák, Havran and Dachsbacher 2010. Ending a
-// path and taking another costs a warp the same for one lane as for many, so lanes may be made to wait for each other
-// (regenerate_at).
+// The integrator megakernel_regen: one kernel, a warp for a strip of 32 pixels. A lane whose path ended takes another
+// of the strip's while the others go on, so that the warp stays full until its strip is done. Path regeneration: Novák,
+// Havran and Dachsbacher 2010. Ending a path and taking another costs a warp the same for one lane as for many, so
+// lanes may be made to wait for each other (regenerate_at).
 #pragma once
 
 #include "kernels/film.h"
@@ -16,19 +16,19 @@ struct MegakernelRegenParameters {
     FilmView film;
     std::uint32_t first_sample;
     std::uint32_t samples;
-    std::uint32_t stride;  // warps a strip of pixels
+    std::uint32_t stride;  // warps per strip of pixels
     HitCache<Real> cache;
     Totals* totals;
-    std::uint64_t* ended;  // paths by their number of segments, or null
+    std::uint64_t* ended;  // paths ended, by their number of segments; null: not counted
 };
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
 
 #include "variants/cuda/device/warp_items.cuh"
 
-// The samples of a strip that one warp takes: every `stride`-th.
+// The samples of a strip of pixels that one warp takes: every `stride`-th.
 struct Strided {
     pt::PixelPlace first;
     std::uint32_t sample, stride, left;
@@ -44,8 +44,8 @@ struct Strided {
     }
 };
 
-// One kernel with path regeneration: warp w takes strip w mod strips, and of its samples w / strips, w / strips +
-// stride, ...
+// Traces paths with regeneration: warp w takes strip w mod strips, and of it samples w / strips, w / strips + stride,
+// ...
 PT_KERNEL(megakernel_regen, pt::cuda::MegakernelRegenParameters<Real>,
           (const __grid_constant__ Scene parameter, FilmView film, std::uint32_t first_sample, std::uint32_t samples,
            std::uint32_t stride, HitCache cache, Totals* totals, std::uint64_t* ended)) {
@@ -64,7 +64,7 @@ PT_KERNEL(megakernel_regen, pt::cuda::MegakernelRegenParameters<Real>,
 
 #endif
 
-#if defined(PT_HOST)  // what launches them, and what the choice says of itself
+#if defined(PT_HOST)  // host code: kernel launches and the choice's descriptor
 
 #include "variants/cuda/megakernels.h"
 

@@ -1,6 +1,6 @@
-// Many paths side by side, each in a lane of arrays that stay in the first-level cache; the loops over lanes are vector
-// instructions; what is rare, and the trees of meshes, go lane by lane. A lane whose path has ended takes the next one,
-// so that all of them are at work.
+// The integrator packet: many paths side by side, each in a lane of arrays that stay in the first-level cache. The
+// loops over lanes are vector instructions; what is rare, and the trees of meshes, go lane by lane. A lane whose path
+// has ended takes the next one, so that all lanes are at work.
 // Packets: Wald, Slusallek, Benthin and Wagner 2001; regeneration: Novak, Havran and Dachsbacher 2010.
 #pragma once
 
@@ -123,7 +123,7 @@ private:
     lanes::Lanes<std::uint32_t> pixel_{}, x_{}, y_{}, sample_{};
 };
 
-using EndedAfter = std::vector<std::atomic<std::uint64_t>>;  // paths by the number of their segments
+using EndedAfter = std::vector<std::atomic<std::uint64_t>>;  // number of paths that ended, by their number of segments
 
 template <class Config>
 class Packet {
@@ -165,7 +165,7 @@ private:
         }
     }
 
-    // Ends the paths that were live `before` and are no longer; their lanes take the next paths.
+    // Ends the paths that shading has ended since `before`; their lanes take the next paths.
     void end_paths(const lanes::Flags& before, PathCounters& counters) {
         lanes::Flags ended;
         for (std::uint32_t l = 0; l < lanes::width; ++l) {
@@ -204,13 +204,13 @@ private:
     CameraRays<Config> camera_rays_;
     EndedAfter& ended_after_;
     lanes::Paths<Real> paths_;
-    lanes::Hits<Real> hits_{};  // primitives stay 0 in kernels without meshes
+    lanes::Hits<Real> hits_{};  // a hit's primitive stays 0 in kernels without meshes
     lanes::Connections<Real> connections_{};
-    lanes::Flags live_;  // a lane without a path computes what nobody reads
+    lanes::Flags live_;  // lanes with a path; what other lanes compute is not used
 };
 
-// Pixels that a packet works through: enough paths that the last ones, with lanes idle, weigh little, but some chunks
-// for every thread.
+// Number of pixels that a packet works through: enough paths that the last ones, with lanes idle, weigh little, but
+// some chunks for every thread.
 inline std::size_t pixels_per_chunk(std::size_t pixels, std::uint32_t samples) {
     constexpr std::size_t paths = 512 * lanes::width;
     const std::size_t fair = pixels / (8 * static_cast<std::size_t>(parallel_threads()));

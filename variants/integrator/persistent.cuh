@@ -1,5 +1,5 @@
-// Persistent threads: as many as the GPU holds at once. Each warp takes piece after piece of the image, a few samples
-// of a strip of pixels, from a global counter. Aila and Laine 2009.
+// The integrator persistent: persistent threads, as many as the GPU holds at once. Each warp takes piece after piece of
+// the image, a few samples of a strip of pixels, from a global counter. Aila and Laine 2009.
 #pragma once
 
 #include "kernels/film.h"
@@ -16,25 +16,25 @@ struct PersistentParameters {
     std::uint32_t samples;
     HitCache<Real> cache;
     Totals* totals;
-    std::uint64_t* ended;  // paths by their number of segments, or null
+    std::uint64_t* ended;  // paths ended, by their number of segments; null: not counted
     std::uint32_t samples_per_piece;
     std::uint64_t* next_piece;
 };
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
 
 #include "variants/cuda/device/warp_items.cuh"
 
-// Pieces are numbered strip by strip within `samples_per_piece` samples of the whole image: neighbouring warps work on
-// neighbouring strips. A warp takes the next piece while paths of the last one are still alive.
+// Pieces of an image, numbered strip by strip within `samples_per_piece` samples of the whole image: neighbouring warps
+// work on neighbouring strips. A warp takes the next piece while paths of the last one are still alive.
 struct Pieces {
     std::uint32_t strips, count, width, first_sample, samples, samples_per_piece;
     Totals* totals;
     std::uint64_t* next;
-    Round round = {};        // that comes next
-    std::uint32_t left = 0;  // rounds of the piece
+    Round round = {};        // the warp's next round: a strip of pixels and a sample
+    std::uint32_t left = 0;  // rounds left in the warp's piece of the image
     bool are_done = false;
 
     __device__ bool take(Round& taken, ThreadCounters& counters) {
@@ -84,7 +84,7 @@ PT_KERNEL(persistent, pt::cuda::PersistentParameters<Real>,
 
 #endif
 
-#if defined(PT_HOST)  // what launches them, and what the choice says of itself
+#if defined(PT_HOST)  // host code: kernel launches and the choice's descriptor
 
 #include "variants/cuda/persistent.h"
 #include "variants/cuda/runtime/handles.h"

@@ -1,7 +1,7 @@
-// Warps stay full *and* of one mind: a block keeps more paths than it has threads, in shared memory, and each warp
-// takes 32 of them that do the same next, shades or walks, traces the next segment, and hands them back under the kind
-// of what they met (path_pool.cuh). What shader execution reordering does in hardware. Queues by material: Laine,
-// Karras and Aila 2013; regrouping within a block through shared memory: Hoberock et al. 2009.
+// The integrator regroup keeps warps full *and* coherent: a block keeps more paths than it has threads, in shared
+// memory. Each warp takes 32 of them that do the same next, shade or walk, traces the next segment, and hands them back
+// under the kind of what they hit (path_pool.cuh), as shader execution reordering does in hardware. Queues by material:
+// Laine, Karras and Aila 2013; regrouping within a block through shared memory: Hoberock et al. 2009.
 #pragma once
 
 #include "kernels/film.h"
@@ -18,19 +18,19 @@ struct RegroupParameters {
     std::uint32_t samples;
     HitCache<Real> cache;
     Totals* totals;
-    std::uint64_t* ended;  // paths by their number of segments, or null
+    std::uint64_t* ended;  // paths ended, by their number of segments; null: not counted
     std::uint32_t samples_per_piece;
     std::uint64_t* next_piece;
 };
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
 
 #include "variants/cuda/device/block_items.cuh"
 #include "variants/cuda/device/path_pool.cuh"
 
-// Adds a path that is over to the film and to its lane's counters.
+// Adds a path that has ended to the film and to its lane's counters.
 __device__ inline void end_path(const FilmView& film, Path& path, ThreadCounters& counters, std::uint64_t* ended) {
     pt::accumulate(film, path);
     counters.rays += path.segment - (kernel_config.keeps_first_hits ? 1 : 0);
@@ -41,8 +41,8 @@ __device__ inline void end_path(const FilmView& film, Path& path, ThreadCounters
     path.segment = Path::ended;
 }
 
-// Takes walks on together, each at least one step, until few lanes are on one. Returns whether the lane's path lives.
-// Every lane of the warp must call it.
+// Takes subsurface walks on together, each at least one step, until few lanes are on one. Returns whether the lane's
+// path lives. Every lane of the warp must call it.
 __device__ inline bool walk_on(const SceneViews& scene, Path& path, pt::Walk& walk, bool alive,
                                ThreadCounters& counters) {
     bool walks = alive && walk.is_on();
@@ -55,8 +55,8 @@ __device__ inline bool walk_on(const SceneViews& scene, Path& path, pt::Walk& wa
     return alive;
 }
 
-// Begins a path in each lane that asks for one, as long as there are any. Returns whether the lane has one;
-// `is_exhausted`: those that got none get none later. Every lane of the warp must call it.
+// Begins a path in each lane that asks for one, as long as there are any. Returns whether the lane got one;
+// `is_exhausted`: a lane that got none gets none later. Every lane of the warp must call it.
 __device__ inline bool begin_paths(const SceneViews& scene, BlockItems& items, const Pieces& pieces, bool asks,
                                    const HitCache& cache, Path& path, bool& is_exhausted) {
     const unsigned asking = __ballot_sync(pt::cuda::all_lanes, asks);
@@ -91,9 +91,9 @@ PT_KERNEL(regroup, pt::cuda::RegroupParameters<Real>,
     Path path;
     Hit hit;
     pt::Walk walk;
-    std::uint32_t kind = Kinds::nothing;  // of what comes next for the lane's path
+    std::uint32_t kind = Kinds::nothing;  // what the lane's path does next
     Taken taken = pool.exchange(0, kind);
-    bool is_taken = true;  // and not yet read
+    bool is_taken = true;  // the paths taken are yet to be loaded
     while (!taken.finished) {
         if (is_taken) {
             kind = pt::cuda::lane() < taken.count ? taken.kind : Kinds::nothing;
@@ -126,14 +126,14 @@ PT_KERNEL(regroup, pt::cuda::RegroupParameters<Real>,
         if (alive && Kinds::has_walks && walk.is_on()) {
             kind = Kinds::walking;
         } else if (alive && Kinds::may_walk(taken.kind)) {
-            kind = Kinds::starting;  // traced with others: few leave a body at a time
+            kind = Kinds::starting;  // traced with others: few paths leave a body at a time
         } else if (alive) {
             const bool is_kept = kernel_config.keeps_first_hits && path.segment == 0;
             hit = is_kept ? first_hit(scene, path, cache) : trace(scene, path);
             path.primitive = hit.primitive;
             kind = Kinds::of(scene.shade, path, hit);
         }
-        // A warp that goes on with most of its lanes saves the exchange.
+        // A warp that keeps its paths, as most of its lanes do the same again, saves the exchange.
         const unsigned staying = __ballot_sync(pt::cuda::all_lanes, kind == taken.kind);
         is_taken = __popc(staying) < static_cast<int>(tuned::stay_at);
         if (is_taken) {
@@ -148,7 +148,7 @@ PT_KERNEL(regroup, pt::cuda::RegroupParameters<Real>,
 
 #endif
 
-#if defined(PT_HOST)  // what launches them, and what the choice says of itself
+#if defined(PT_HOST)  // host code: kernel launches and the choice's descriptor
 
 #include "variants/cuda/persistent.h"
 #include "variants/cuda/runtime/handles.h"

@@ -1,5 +1,5 @@
-// Stage by stage over a queue of paths, a kernel each: generate, intersect, (sort), shade, (compact). The shape of
-// cis565, and of Laine, Karras and Aila 2013, "Megakernels considered harmful".
+// The integrator wavefront on CUDA: stage by stage over a queue of paths, a kernel each: generate, intersect, (sort),
+// shade, (compact). The shape of cis565, and of Laine, Karras and Aila 2013, "Megakernels considered harmful".
 #pragma once
 
 #include "kernels/film.h"
@@ -12,7 +12,7 @@
 namespace pt::cuda {
 
 // Parameters of the kernel that starts path i in slot i: pixel i mod pixels, sample first_sample + i / pixels; with a
-// cursor the first sample is read from there.
+// cursor, the first sample is read from it.
 template <class Real>
 struct GeneratePathsParameters {
     static constexpr const char* kernel = "generate_paths";
@@ -25,14 +25,14 @@ struct GeneratePathsParameters {
     HitCache<Real> cache;
 };
 
-// Parameters of the intersection kernel. With `keys`, it also writes the sort key of every position below `bound`:
-// ended paths and positions beyond the count have the last one.
+// Parameters of the intersection kernel. With `keys`, it also writes the sort key of every position below `bound`;
+// ended paths and positions beyond the count get the last key.
 template <class Real>
 struct IntersectPathsParameters {
     static constexpr const char* kernel = "intersect_paths";
     SceneView<Real> scene;
     PathStore store;
-    const std::uint32_t* order;  // null: slot i at position i
+    const std::uint32_t* order;  // slots by position; null: slot i at position i
     const std::uint32_t* count;
     std::uint32_t bound;
     StoredHit<Real>* hits;
@@ -41,14 +41,14 @@ struct IntersectPathsParameters {
     SegmentCounts segments;
     std::uint32_t* keys;
     std::uint32_t bits;
-    std::uint32_t chunk;  // slots; read by keys by chunk only
+    std::uint32_t chunk;  // slots in a chunk, read for sort keys by chunk only
     std::uint32_t last_key;
     KeyBounds bounds;
-    MeshQueue meshes;  // gets the paths that traversal=persistent takes through meshes in a kernel of its own
+    MeshQueue meshes;  // gets the paths whose rays traversal=persistent takes through meshes in a kernel of its own
 };
 
-// Parameters of the kernel that writes the sort keys of rays that are yet to be traced: ended paths and positions
-// beyond the count have the last one.
+// Parameters of the kernel that writes the sort keys of rays that are yet to be traced; ended paths and positions
+// beyond the count get the last key.
 struct WriteRayKeysParameters {
     static constexpr const char* kernel = "write_ray_keys";
     PathStore store;
@@ -75,7 +75,7 @@ struct ShadePathsParameters {
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
 
 #include "variants/cuda/device/advance.cuh"
 #include "variants/cuda/device/device.cuh"
@@ -85,7 +85,6 @@ struct ShadePathsParameters {
 #include "variants/cuda/device/sort_keys.cuh"
 #include "variants/cuda/device/walkers.cuh"
 
-// Starts path i in slot i; with a cursor the first sample is read from there.
 PT_KERNEL(generate_paths, pt::cuda::GeneratePathsParameters<Real>,
           (const __grid_constant__ Scene parameter, PathStore store, std::uint32_t* count, std::uint32_t pool,
            std::uint32_t first_sample, const std::uint32_t* cursor, HitCache cache)) {
@@ -100,9 +99,7 @@ PT_KERNEL(generate_paths, pt::cuda::GeneratePathsParameters<Real>,
     }
 }
 
-// Traces the queue's rays, one position a thread. With `keys`, also writes the sort key of every position below
-// `bound`: ended paths and positions beyond the count have the last one. Paths that enter a mesh wait for another
-// kernel where the traversal has one.
+// Traces the queue's rays, a position a thread. Paths that enter a mesh wait for the traversal's own kernel, if any.
 PT_KERNEL(intersect_paths, pt::cuda::IntersectPathsParameters<Real>,
           (const __grid_constant__ Scene parameter, PathStore store, const std::uint32_t* order,
            const std::uint32_t* count, std::uint32_t bound, StoredHit* hits, HitCache cache, SegmentNumber segment,
@@ -153,7 +150,6 @@ PT_KERNEL(intersect_paths, pt::cuda::IntersectPathsParameters<Real>,
     pt::cuda::add_segment_counts(segments, segment, live, *count);
 }
 
-// Writes the sort key of rays that are yet to be traced: ended paths and positions beyond the count have the last one.
 PT_KERNEL(write_ray_keys, pt::cuda::WriteRayKeysParameters,
           (PathStore store, const std::uint32_t* order, const std::uint32_t* count, std::uint32_t bound,
            std::uint32_t* keys, std::uint32_t last_key, pt::cuda::KeyBounds bounds)) {
@@ -182,7 +178,7 @@ PT_KERNEL(shade_paths, pt::cuda::ShadePathsParameters<Real>,
         slot = pt::cuda::slot_at(order, i);
         if (paths.alive(slot)) {
             Path path = load_path(paths, slot, scene.shade);
-            // The generator of cis565 is seeded by where a path lies in the queue, not by whose it is.
+            // The random numbers of cis565 are seeded by where a path lies in the queue, not by its pixel.
             const std::uint32_t pixel = path.pixel;
             if (contains(pt::sampler_of<Configuration>(scene.shade.seed), pt::Feature::minstd)) {
                 path.pixel = i;
@@ -208,7 +204,7 @@ PT_KERNEL(shade_paths, pt::cuda::ShadePathsParameters<Real>,
 
 #endif
 
-#if defined(PT_HOST)  // what launches them, and what the choice says of itself
+#if defined(PT_HOST)  // host code: kernel launches and the choice's descriptor
 
 #include "variants/cuda/sort_stage.h"
 #include "variants/cuda/walks.h"
@@ -328,7 +324,7 @@ private:
     SortStage sort_stage_;
     Walks<Real> walks_;
     MeshQueue meshes_;
-    std::uint32_t fetching_blocks_ = 0;  // of the kernel that takes rays through meshes: as many as fit at once
+    std::uint32_t fetching_blocks_ = 0;  // blocks of the kernel that takes rays through meshes: as many as fit at once
 };
 
 IntegratorHook hook() {

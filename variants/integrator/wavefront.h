@@ -1,6 +1,6 @@
-// The wavefront: all paths of a sample advance together: generate once, then intersect, (sort,) shade, (compact) for
-// every bounce, each stage over the whole queue. The last possible segment is neither sorted nor compacted: every path
-// ends there. Laine, Karras and Aila, "Megakernels Considered Harmful", HPG 2013; the shape of cis565.
+// The integrator wavefront on the CPU: all paths of a sample advance together: generate once, then intersect, (sort,)
+// shade, (compact) for every bounce, each stage over the whole queue. The last possible segment is neither sorted nor
+// compacted: every path ends there. Laine, Karras and Aila, "Megakernels Considered Harmful", HPG 2013; cis565.
 #pragma once
 
 #include <atomic>
@@ -142,7 +142,7 @@ private:
                     continue;
                 }
                 Path<float> path = paths_.load(slot);
-                // The generator of cis565 is seeded by where a path lies in the queue, not by whose it is.
+                // The random numbers of cis565 are seeded by where a path lies in the queue, not by its pixel.
                 const std::uint32_t pixel = path.pixel;
                 if (contains(sampler_of<Config>(job_.scene.seed), Feature::minstd)) {
                     path.pixel = static_cast<std::uint32_t>(i);

@@ -1,5 +1,5 @@
-// The part of a wavefront's programs with traversal=persistent that takes rays through meshes, one mesh after the
-// other, by warps that fetch paths. What it leaves behind is what a thread a path would.
+// The kernel of a wavefront with traversal=persistent that takes rays through meshes, one mesh after the other, by
+// warps that fetch paths. Its results are those of one thread a path.
 #pragma once
 
 #include "variants/cuda/device/hit_keys.cuh"
@@ -9,7 +9,7 @@
 
 namespace pt::cuda {
 
-// The parameters of the kernel, as views.
+// The parameters of the kernel that takes rays through meshes, as views.
 struct MeshStage {
     const SceneViews& scene;
     const Paths& paths;
@@ -29,7 +29,7 @@ struct MeshStage {
     }
 };
 
-// What of a ray its triangles' tests need, in few registers: the axes follow from one.
+// What triangle tests need of a ray, in few registers: the axes kx and ky follow from kz.
 class CompactRay {
 public:
     CompactRay() = default;
@@ -51,7 +51,7 @@ private:
     std::uint32_t kz_, passed_over_;
 };
 
-// The path that one lane traces at the moment; a State of traversal::work_off.
+// The path whose ray one lane takes through meshes at the moment; a State of traversal::work_off.
 template <class Traversal>
 class FetchedPath {
 public:
@@ -74,7 +74,7 @@ public:
         mesh_ = 0;
         start_meshes();
     }
-    // Visits the next node. Triangles that were found wait, so a lane goes on to nodes while others test theirs.
+    // Visits the next node. Triangles that were found wait, so a lane goes on to nodes while other lanes test theirs.
     __device__ void visit_node() {
         NoTraversalCounter counter;
         walk_.visit_node(best_.t, stack_, counter);
@@ -87,7 +87,7 @@ public:
     }
 
 private:
-    // Starts on the first mesh from mesh_ on that has a tree.
+    // Starts on the first mesh from number mesh_ on that has a tree.
     __device__ void start_meshes() {
         const ::Scene& scene = stage_.scene.trace;
         while (mesh_ < scene.meshes.size && scene.meshes[mesh_].geometry.tree.node_count == 0) {

@@ -1,6 +1,6 @@
-// One kernel a bounce over a queue of paths: each thread traces and shades one segment of one path, and with
-// compaction=atomic_append or block_scan_append puts the path, if it lives, into the next bounce's queue itself. The
-// first bounce makes its camera ray in the same kernel.
+// The integrator wavefront_fused: one kernel a bounce over a queue of paths. Each thread traces and shades one segment
+// of one path, and with compaction=atomic_append or block_scan_append puts a path that lives into the next bounce's
+// queue itself. The kernel of the first bounce makes its camera rays, too.
 #pragma once
 
 #include "kernels/film.h"
@@ -11,7 +11,7 @@
 namespace pt::cuda {
 
 // Parameters of the kernel that starts path i (pixel i mod pixels, sample first_sample + i / pixels) and traces its
-// first bounce; with a cursor the first sample is read from there.
+// first bounce; with a cursor, the first sample is read from it.
 template <class Real>
 struct FirstBounceParameters {
     static constexpr const char* kernel = "first_bounce";
@@ -25,12 +25,12 @@ struct FirstBounceParameters {
     HitCache<Real> cache;
     Totals* totals;
     SegmentCounts segments;
-    PathStore waiting;  // where paths lie that are on a walk: slot i for path i
+    PathStore waiting;  // where paths on a subsurface walk lie: slot i for path i
     WalkerList walkers;
 };
 
-// Parameters of the kernel for one bounce of the paths at order[0..*in_count-1] of `in` (no order: at 0..*in_count-1;
-// where the kernel appends: as located).
+// Parameters of the kernel for one bounce of the paths of `in` at order[0..*in_count-1] (no order: at 0..*in_count-1;
+// where the kernel appends: where `locate` finds them).
 template <class Real>
 struct NextBounceParameters {
     static constexpr const char* kernel = "next_bounce";
@@ -44,12 +44,12 @@ struct NextBounceParameters {
     SegmentNumber segment;
     Totals* totals;
     SegmentCounts segments;
-    WalkerList walkers;  // their paths lie in `in`
+    WalkerList walkers;  // list of walks, whose paths lie in `in`
 };
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
 
 #include "variants/cuda/device/advance.cuh"
 #include "variants/cuda/device/append.cuh"
@@ -57,10 +57,10 @@ struct NextBounceParameters {
 #include "variants/cuda/device/queue_slots.cuh"
 #include "variants/cuda/device/walkers.cuh"
 
-// Paths stay in their slots unless the kernel appends.
-// The queue is in tuned::append_counters parts, each with a counter of its own, since an append to one counter waits
-// for all others: a GPU does a few hundred million atomic operations a second on one address. Block b appends to part b
-// mod append_counters, which therefore never holds more than its share of the blocks.
+// Paths stay in their slots unless the kernel appends. The queue then has tuned::append_counters parts, each with a
+// counter of its own, since an append to one counter waits for all others: a GPU does a few hundred million atomic
+// operations a second on one address. Block b appends to part b mod append_counters, which therefore never holds more
+// than its share of the blocks.
 using pt::cuda::counter_stride;
 constexpr auto append_in_kernel = static_cast<pt::AppendInKernel>(tuned::append_in_kernel);
 constexpr bool appends = append_in_kernel != pt::AppendInKernel::no;
@@ -69,11 +69,11 @@ __device__ inline std::uint32_t part_capacity(const PathStore& store) {
     return store.capacity / tuned::append_counters;
 }
 
-// The part of the queue to which the block's paths are appended.
+// The part of the queue to which the thread block's paths are appended.
 __device__ inline std::uint32_t own_part() { return blockIdx.x % tuned::append_counters; }
 
-// The number of paths in the queue and, for the position of the calling thread, its slot. Every thread of the block
-// must call locate().
+// The number of paths in the queue, and the slot of the path at `position`. Every thread of the block must call
+// locate().
 struct Located {
     std::uint32_t total, slot;
 };
@@ -94,8 +94,7 @@ __device__ inline Located locate(const PathStore& store, const std::uint32_t* co
     return located;
 }
 
-// Puts a path where the next bounce finds it. `is_new`: nothing of it lies in its slot yet. Every thread of the block
-// must call it.
+// Puts a path where the next bounce finds it. `is_new`: its slot is empty. Every thread of the block must call it.
 template <bool is_new>
 __device__ inline void put_path(const Path& path, bool shaded, bool alive, std::uint32_t slot, const PathStore& out,
                                 std::uint32_t* out_count) {
@@ -125,8 +124,8 @@ __device__ inline void put_path(const Path& path, bool shaded, bool alive, std::
     }
 }
 
-// Puts paths that are on a walk into the list of walkers, and where the kernel appends the path itself into its slot of
-// `waiting`. Every lane of the warp must call it.
+// Puts a path that is on a walk into the list of walkers and, where the kernel appends, the path itself into its slot
+// of `waiting`. Every lane of the warp must call it.
 __device__ inline void put_walker(const pt::cuda::WalkerList& walkers, const OwnWalk& walk, const Path& path,
                                   const PathStore& waiting, std::uint32_t slot) {
     if (appends && walk.is_on()) {
@@ -135,7 +134,7 @@ __device__ inline void put_walker(const pt::cuda::WalkerList& walkers, const Own
     pt::cuda::put_walkers(walkers, walk, slot, own_part());
 }
 
-// Traces and shades one segment; accumulates a path that ends. Returns whether it lives.
+// Shades the hit of one segment, and adds a path that ends to the film. Returns whether the path lives.
 __device__ inline bool bounce(const SceneViews& scene, const FilmView& film, Path& path, const Hit& hit,
                               ThreadCounters& counters, OwnWalk& walk) {
     if (shade<walks_apart>(scene, path, hit, counters, walk)) {
@@ -146,7 +145,6 @@ __device__ inline bool bounce(const SceneViews& scene, const FilmView& film, Pat
     return false;
 }
 
-// Starts path i (path_of_number) and traces its first bounce; with a cursor the first sample is read from there.
 PT_KERNEL(first_bounce, pt::cuda::FirstBounceParameters<Real>,
           (const __grid_constant__ Scene parameter, FilmView film, PathStore out, std::uint32_t* out_count,
            std::uint32_t pool, std::uint32_t first_sample, const std::uint32_t* cursor, HitCache cache, Totals* totals,
@@ -177,8 +175,6 @@ PT_KERNEL(first_bounce, pt::cuda::FirstBounceParameters<Real>,
     pt::cuda::add_shade_counters(totals, counters);
 }
 
-// Traces one bounce of the paths at order[0..*in_count-1] of `in` (no order: at 0..*in_count-1; where the kernel
-// appends: as located).
 PT_KERNEL(next_bounce, pt::cuda::NextBounceParameters<Real>,
           (const __grid_constant__ Scene parameter, FilmView film, PathStore in, const std::uint32_t* order,
            const std::uint32_t* in_count, PathStore out, std::uint32_t* out_count, SegmentNumber segment,
@@ -219,7 +215,7 @@ PT_KERNEL(next_bounce, pt::cuda::NextBounceParameters<Real>,
 
 #endif
 
-#if defined(PT_HOST)  // what launches them, and what the choice says of itself
+#if defined(PT_HOST)  // host code: kernel launches and the choice's descriptor
 
 #include "variants/cuda/walks.h"
 #include "variants/cuda/wavefronts.h"
@@ -281,7 +277,8 @@ private:
 
     void begin(std::uint32_t first_sample) override {
         if (appends_) {
-            // Counters for every segment, all cleared at once: clearing between two bounces would cost a gap each time.
+            // Counters of all segments are cleared at once: clearing them between two bounces would cost a gap each
+            // time.
             clear(counts_, words_per_segment() * job_.longest_path * sizeof(std::uint32_t), job_.stream);
             queue_.count = counts_after(0);
         }
@@ -300,7 +297,7 @@ private:
 
     void trace(std::uint32_t segment) override {
         if (appends_) {
-            queue_.count = counts_after(segment - 1);  // of the segment before, also of one that a loop took
+            queue_.count = counts_after(segment - 1);  // counts after the segment before, even one of a graph's loop
         }
         const PathStore out = appends_ ? queue_.spare : queue_.paths;
         std::uint32_t* const out_count = appends_ ? counts_after(segment) : queue_.count;
@@ -339,8 +336,8 @@ private:
     std::uint32_t* counts_after(std::uint32_t segment) const { return counts_ + segment * words_per_segment(); }
 
     JobOf<Real>& job_;
-    std::uint32_t counters_;           // parts of the queue where the kernel appends
-    std::uint32_t* counts_ = nullptr;  // device: of every segment
+    std::uint32_t counters_;           // number of parts of the queue, if the kernel appends
+    std::uint32_t* counts_ = nullptr;  // in device memory: the counters of every segment
     Walks<Real> walks_;
 };
 

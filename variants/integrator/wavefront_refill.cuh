@@ -1,9 +1,9 @@
-// A queue that stays full: the next path takes the place of one that ends. Refilled at once, every kernel finds as many
-// paths alive as there are slots, until none is left to begin. Two kernels a round, between which paths can be sorted,
-// and a third in rounds after which a queue is refilled that is so now and then. Where a block replaces paths, it first
-// gathers the slots of those that ended, so that its first warps make the camera rays of the next ones together.
-// The path pool of Laine, Karras and Aila 2013, "Megakernels considered harmful", and of Novák, Havran and Dachsbacher
-// 2010, "Path regeneration for interactive path tracing".
+// The integrator wavefront_refill: a queue that stays full, as the next path takes the place of one that ends. Refilled
+// at once, every kernel finds as many paths alive as there are slots, until none is left to begin. A round has two
+// kernels, between which paths can be sorted, and a third where the queue is refilled every few rounds only
+// (refill_every). A block that replaces paths first gathers the slots of those that ended, so that its first warps make
+// the next camera rays together. The path pool of Laine, Karras and Aila 2013, "Megakernels considered harmful", and of
+// Novák, Havran and Dachsbacher 2010, "Path regeneration for interactive path tracing".
 #pragma once
 
 #include "kernels/film.h"
@@ -14,15 +14,15 @@
 
 namespace pt::cuda {
 
-// The paths of one go, by number: path n is pixel n mod pixels, sample first_sample + n / pixels.
+// The paths of one go (a part of a render) by number: path n is pixel n mod pixels, sample first_sample + n / pixels.
 struct PathSupply {
-    std::uint32_t* next;  // device: the path that is handed out next; total and beyond: none is left
+    std::uint32_t* next;  // in device memory: the path that is handed out next; total or more: none is left
     std::uint32_t total;
     std::uint32_t first_sample;
 };
 
-// How far the device has come, as it tells the host without being asked: a word in the host's memory, written when a
-// round begins. Upper half: rounds before it; lower half: paths that these have handed out.
+// How far the device has come, as it tells the host without being asked: a word in host memory, written when a round
+// begins. Upper half: number of rounds before it; lower half: number of paths handed out in them.
 struct ProgressReport {
     std::uint64_t* word;
     std::uint32_t round;
@@ -37,23 +37,23 @@ struct FillQueueParameters {
     std::uint32_t* count;
     std::uint32_t slots;
     PathSupply supply;
-    HitCache<Real> cache;  // none: first_path takes one
+    HitCache<Real> cache;  // first_path takes a cache: an empty one
     StoredHit<Real>* hits;
 };
 
-// Parameters of the intersection kernel. With `keys`, it also writes the sort key of every position; ended paths have
-// the last one.
+// Parameters of the intersection kernel. With `keys`, it writes the sort key of every position; ended paths get the
+// last.
 template <class Real>
 struct IntersectQueueParameters {
     static constexpr const char* kernel = "intersect_queue";
     SceneView<Real> scene;
     PathStore store;
-    const std::uint32_t* order;  // null: slot i at position i
+    const std::uint32_t* order;  // slots by position; null: slot i at position i
     std::uint32_t slots;
     StoredHit<Real>* hits;
     std::uint32_t* keys;
     std::uint32_t bits;
-    std::uint32_t chunk;  // slots; read by keys by chunk only
+    std::uint32_t chunk;  // slots in a chunk, read for sort keys by chunk only
     std::uint32_t last_key;
     KeyBounds bounds;
     PathSupply supply;
@@ -61,8 +61,8 @@ struct IntersectQueueParameters {
     Totals* totals;
 };
 
-// Shades the paths in slots order[0..*count-1]. The next path takes the slot of one that ends, but where
-// supply.total is 0: no path is handed out then, and the slot waits for refill_queue.
+// Parameters of the kernel that shades the paths in slots order[0..*count-1]. The next path takes the slot of one that
+// ends, unless supply.total is 0: no path is handed out then, and the slot waits for refill_queue.
 template <class Real>
 struct ShadeAndRefillParameters {
     static constexpr const char* kernel = "shade_and_refill";
@@ -75,12 +75,12 @@ struct ShadeAndRefillParameters {
     PathSupply supply;
     HitCache<Real> cache;
     Totals* totals;
-    std::uint64_t* ended;  // paths by their number of segments; null: not counted
+    std::uint64_t* ended;  // paths ended, by their number of segments; null: not counted
     WalkerList walkers;
 };
 
-// Parameters of the kernel that takes walks on by some steps: a path is on its walk for several rounds, in which its
-// slot is passed over, and no round waits for a long walk.
+// Parameters of the kernel that takes subsurface walks on by some steps: a path is on its walk for several rounds, in
+// which its slot is passed over, and no round waits for a long walk.
 template <class Real>
 struct WalkOnParameters {
     static constexpr const char* kernel = "walk_on";
@@ -88,8 +88,8 @@ struct WalkOnParameters {
     FilmView film;
     PathStore store;
     StoredHit<Real>* hits;
-    WalkerList list;   // whose walks are taken on
-    WalkerList again;  // gets those that go on
+    WalkerList list;   // the walks that are taken on
+    WalkerList again;  // gets the walks that go on
     PathSupply supply;
     HitCache<Real> cache;
     Totals* totals;
@@ -109,7 +109,7 @@ struct RefillQueueParameters {
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
 
 #include "variants/cuda/device/append.cuh"
 #include "variants/cuda/device/hit_keys.cuh"
@@ -118,10 +118,10 @@ struct RefillQueueParameters {
 
 namespace pt::cuda {
 
-// A slot whose path is on a walk has a hit at this distance, which nothing else has.
+// A slot whose path is on a subsurface walk has a hit at this distance, which no other hit has.
 inline constexpr ::Real on_a_walk = -1;
 
-// Whether the path in a slot is on a walk, so that it is neither traced nor shaded.
+// Whether the path in a slot is on a subsurface walk, so that it is neither traced nor shaded.
 __device__ inline bool is_on_a_walk(const ::StoredHit* hits, std::uint32_t slot) {
     if constexpr (walks_apart) {
         return hits[slot].t == on_a_walk;
@@ -130,8 +130,8 @@ __device__ inline bool is_on_a_walk(const ::StoredHit* hits, std::uint32_t slot)
     }
 }
 
-// Replaces the paths in `slot` of the threads whose path has `ended`, or marks them as ended where none is left. Every
-// thread of the block must call it.
+// Puts the next paths into the slots of the threads whose path has `ended`, or marks the slots as ended where no path
+// is left. Every thread of the block must call it.
 __device__ inline void refill(const ::Scene& scene, const ::Paths& paths, const PathSupply& supply, bool ended,
                               std::uint32_t slot, const ::HitCache& cache) {
     const Gathered free_slots = gather_by_block(supply.next, ended, slot);
@@ -254,7 +254,7 @@ PT_KERNEL(refill_queue, pt::cuda::RefillQueueParameters<Real>,
 
 #endif
 
-#if defined(PT_HOST)  // what launches them, and what the choice says of itself
+#if defined(PT_HOST)  // host code: kernel launches and the choice's descriptor
 
 #include <algorithm>
 #include <atomic>
@@ -311,13 +311,13 @@ constexpr Descriptor descriptor{
     .check_counters = wavefront_work_missing,
 };
 
-// The device's progress, which its kernels write into the host's memory (ProgressReport). Reading it costs the device
+// The device's progress, which its kernels write into host memory (ProgressReport). Reading it costs the device
 // nothing.
 class Progress {
 public:
     Progress() : word_(make_pinned_words(2)) {}
 
-    // Sets the progress to 0 before a go, with nothing in flight that writes it.
+    // Resets the progress before a go, while nothing in flight writes it.
     void start() { value().store(0, std::memory_order_relaxed); }
     std::uint64_t* word() const { return reinterpret_cast<std::uint64_t*>(word_.get()); }
     std::uint32_t rounds() const { return static_cast<std::uint32_t>(read() >> 32); }
@@ -346,7 +346,7 @@ public:
                 kernel_of<ShadeAndRefillParameters<Real>>(), kernel_of<RefillQueueParameters<Real>>()};
     }
 
-    // Renders in goes, each of so many samples of every pixel that its paths and its rounds can be numbered.
+    // Renders in goes, each of as many samples of every pixel as can have their paths and rounds numbered.
     void render() override {
         const std::uint32_t most = std::max(1u, std::min(most_paths / job_.pixels, samples_within(most_rounds)));
         for (std::uint32_t done = 0; done < job_.samples;) {
@@ -359,17 +359,17 @@ public:
 private:
     static constexpr std::uint32_t most_paths = 1u << 30;
     static constexpr std::uint32_t most_rounds = 1u << 31;
-    // Rounds enqueued beyond what the device has begun: enough that it never waits for the host.
+    // Rounds enqueued beyond the one that the device has begun: enough that the device never waits for the host.
     static constexpr std::uint32_t rounds_ahead = 4;
-    // Rounds between two looks at how many paths have ended, once all have begun. A look waits for the device.
+    // Rounds between two looks at how many paths have ended, once all paths have begun. A look waits for the device.
     static constexpr std::uint32_t rounds_between_looks = 64;
-    // Rounds between two such looks where walks take rounds of their own: how many are left is not known then.
+    // Rounds between two looks where walks take rounds of their own: how many rounds are left is not known then.
     static constexpr std::uint32_t rounds_between_looks_at_walks = 8;
-    // Rounds that few walks reach between two segments.
+    // More rounds than almost any subsurface walk takes between two segments of a path.
     static constexpr std::uint32_t rounds_of_long_walks = 1024;
 
-    // A path has its slot for at most longest_path rounds, walks aside, and leaves it empty for fewer than
-    // refill_every_. The rounds of the last paths have room in the other half of the 32 bits.
+    // Samples that a go may have for its rounds. A path has its slot for at most longest_path rounds, walks aside, and
+    // leaves it empty for fewer than refill_every_. Half of the 32-bit round numbers is left for the last paths.
     std::uint32_t samples_within(std::uint32_t rounds) const {
         const std::uint64_t longest =
             std::uint64_t{job_.longest_path} * (walkers_.are_apart() ? rounds_of_long_walks : 1);
@@ -389,11 +389,11 @@ private:
         start_queue(std::min(total, job_.pixels * batches().samples_in_flight()));
         supply_ = {next_, total, first_sample};
         paths_before_ += total;
-        // The kernels of the go before have run: its end was seen, or all that it had enqueued is waited for.
+        // Waits for the kernels of the go before, which write the progress.
         PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));
         progress_.start();
         begin(first_sample);
-        // A path that is handed out in a round has its first segment in the next.
+        // A path that is handed out in a round has its first segment in the next round.
         std::uint32_t rounds = ~0u;
         for (std::uint32_t round = 0; round < rounds && !is_over(round, rounds); ++round) {
             trace(round);
@@ -456,7 +456,7 @@ private:
 
     StoredHit<Real>* hits() const { return static_cast<StoredHit<Real>*>(queue_.hits); }
 
-    // Waits until the device has begun a round not long before this one.
+    // Waits until the device has begun a round no more than rounds_ahead before this one.
     void wait_for(std::uint32_t round) {
         if (progress_.rounds() + rounds_ahead >= round) {
             return;
@@ -466,13 +466,13 @@ private:
             std::this_thread::yield();
             const cudaError_t state = cudaStreamQuery(job_.stream);
             if (state != cudaErrorNotReady) {
-                PT_CUDA_CHECK(state);  // a kernel that failed reports nothing more
+                PT_CUDA_CHECK(state);  // a failed kernel reports no more progress
                 return;
             }
         }
     }
 
-    // Whether all paths have ended, which may be long before the longest path that there could be.
+    // Whether all paths of the go have ended, which may be long before the longest possible path would.
     bool is_over(std::uint32_t round, std::uint32_t rounds) {
         const std::uint32_t between = walkers_.are_apart() ? rounds_between_looks_at_walks : rounds_between_looks;
         if (rounds == ~0u || (rounds - round) % between != 0) {
@@ -494,11 +494,11 @@ private:
     SortStage sort_stage_;
     Progress progress_;
     std::uint32_t refill_every_;
-    WalkerLists<Real, 2> walkers_;   // those to be walked, and those that walk on in the next round
-    PinnedWords ended_;              // Totals, copied
-    std::uint32_t* next_ = nullptr;  // device: PathSupply::next
+    WalkerLists<Real, 2> walkers_;   // walks of this round, and walks that go on in the next
+    PinnedWords ended_;              // copy of the device's Totals
+    std::uint32_t* next_ = nullptr;  // in device memory: PathSupply::next
     PathSupply supply_ = {};
-    std::uint64_t paths_before_ = 0;  // that this cell has begun, with the go that runs
+    std::uint64_t paths_before_ = 0;  // paths that this cell has begun, the current go's included
 };
 
 IntegratorHook hook() {

@@ -1,12 +1,12 @@
-// The kernel that takes subsurface walks on in a queue that stays full (wavefront_refill): a part of programs for
-// scenes that have some. A walk takes some steps a round, so that no round waits for a long one.
+// The kernel of wavefront_refill that takes subsurface walks on, for scenes that have some. A walk takes some steps a
+// round, so that no round waits for a long one.
 #pragma once
 
 #include "variants/integrator/wavefront_refill.cuh"
 
 namespace pt::cuda {
 
-// Puts the next path into a slot, or marks it as ended where none is left or it is filled later.
+// Puts the next path into a slot, or marks the slot as ended where no path is left or the slot is filled later.
 __device__ inline void replace_path(const ::Scene& scene, const ::Paths& paths, const PathSupply& supply,
                                     std::uint32_t slot, const ::HitCache& cache) {
     const std::uint32_t number = supply.total != 0 ? atomicAdd(supply.next, 1u) : 0;
@@ -19,8 +19,8 @@ __device__ inline void replace_path(const ::Scene& scene, const ::Paths& paths, 
 
 }  // namespace pt::cuda
 
-// Takes the walks of `list` on by up to tuned::walk_steps steps each, and puts those that have not ended by then into
-// `again`. The next path takes the slot of one that is lost.
+// Takes the walks of `list` on by up to tuned::walk_steps steps each, and puts those that go on into `again`. Where a
+// path is lost on its walk, the next path takes its slot.
 PT_KERNEL(walk_on, pt::cuda::WalkOnParameters<Real>,
           (const __grid_constant__ Scene parameter, FilmView film, PathStore store, StoredHit* hits,
            pt::cuda::WalkerList list, pt::cuda::WalkerList again, pt::cuda::PathSupply supply, HitCache cache,

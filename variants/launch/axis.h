@@ -7,7 +7,7 @@ namespace pt {
 
 struct LaunchTraits {
     bool is_captured = false;  // a batch of samples is a CUDA graph
-    bool loops = false;        // the graph holds a loop over the segments that ends with the last path
+    bool loops = false;        // the graph has a loop over segments that ends with the last path
 };
 
 namespace launch {

@@ -1,4 +1,4 @@
-// What a CUDA graph can hold of a variant: nothing that waits for the device.
+// Which variants a CUDA graph can hold: those in which nothing waits for the device.
 #pragma once
 
 #include "variants/registry.h"

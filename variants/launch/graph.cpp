@@ -1,5 +1,6 @@
-// A batch of samples is captured once as a CUDA graph and replayed with another first sample: one launch instead of
-// dozens. Only what never waits for the device can be captured. A last batch that is not full is launched by stream.
+// The choice launch=graph: a batch of samples is captured once as a CUDA graph and replayed with another first sample,
+// one launch instead of dozens. Only what never waits for the device can be captured. A partial batch is launched by
+// stream.
 #include "variants/launch/captured.h"
 
 namespace pt::launch::graph {

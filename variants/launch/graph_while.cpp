@@ -1,12 +1,12 @@
-// A batch of samples is captured once as a CUDA graph, in which a conditional while node repeats two bounces as long as
-// paths live: a batch costs what its longest path needs, not what the depth allows. Needs a compaction, which keeps the
-// number of live paths on the device.
+// The choice launch=graph_while: a batch of samples is captured once as a CUDA graph, in which a conditional while node
+// repeats two bounces as long as paths live: a batch costs what its longest path needs, not what the depth allows.
+// Needs a compaction, which keeps the number of live paths on the device.
 #include "variants/launch/captured.h"
 
 namespace pt::launch::graph_while {
 namespace {
 
-// Segments of the shortest path that has a loop: the first one, a round of two, and the last one.
+// Segments of the shortest path for which a graph has a loop: the first one, a round of two, and the last one.
 constexpr std::uint64_t shortest_loop = 4;
 
 Reason why_not_looped(FeatureSet features, const VariantTraits& variant) {
@@ -20,8 +20,7 @@ Reason why_not_looped(FeatureSet features, const VariantTraits& variant) {
     return why_not_captured(features, variant);
 }
 
-// What is missing of a loop in a render's work; empty: nothing, or the paths are too short for a loop and the batch is
-// unrolled.
+// What a render's counters lack of a graph's loop; empty: nothing, or paths are too short and the batch is unrolled.
 std::string loop_missing(const WorkCounters& work, std::uint64_t) {
     if (work.graph_nodes == 0) {
         return "launched no graph";

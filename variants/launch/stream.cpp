@@ -1,4 +1,4 @@
-// Launches by stream: the host launches each stage as its turn comes (on the CPU backend: calls it).
+// The choice launch=stream: the host launches each stage as its turn comes (on the CPU backend: calls it).
 #include "variants/registry.h"
 
 namespace pt::launch::stream {

@@ -1,4 +1,5 @@
-// Array of structures on the device: a path's fields lie together, as in cis565 (whose record is not padded).
+// The layout aos on the device, an array of structures: a path's fields lie together, as in cis565 (whose record has no
+// padding).
 #pragma once
 
 #include "variants/cuda/device/path_store.h"
@@ -11,7 +12,7 @@ struct alignas(16) Piece {
     std::uint32_t x, y, z, w;
 };
 
-// A path in whole 16-byte pieces: a lane reads it in five accesses, and Thrust moves it in five.
+// A path padded to whole 16-byte pieces: a lane reads it in five accesses, and Thrust moves it in five.
 template <class Real>
 struct alignas(16) Record {
     static_assert(sizeof(Path<Real>) % 16 == 0);
@@ -42,7 +43,7 @@ struct DevicePaths {
             pieces(slot)[i] = copy.piece[i];
         }
     }
-    // A record is written whole: its pieces mix what a bounce changes and what it does not.
+    // A record is written whole, since its 16-byte pieces mix what a bounce changes and what it does not.
     template <PathFields carried>
     PT_HD void put(std::uint32_t slot, const Path<Real>& path) const {
         store(slot, path);
@@ -58,7 +59,7 @@ struct DevicePaths {
     PT_HD std::uint32_t& primitive(std::uint32_t slot) const { return at(slot).primitive; }
     PT_HD Ray<Real> ray(std::uint32_t slot) const { return ray_of(load(slot)); }
 
-    // A record is the whole path, whatever the scene: as in cis565.
+    // Bytes of a path store. A record is the whole path, whatever the scene, as in cis565.
     static constexpr std::size_t bytes(std::uint32_t capacity, const PathFields&) {
         return sizeof(Record<Real>) * std::size_t{capacity};
     }
@@ -79,7 +80,7 @@ private:
 
 }  // namespace pt::layout::aos
 
-#if defined(PT_HOST)  // what the choice says of itself
+#if defined(PT_HOST)  // host code: the choice's descriptor
 
 #include "variants/registry.h"
 

@@ -1,4 +1,4 @@
-// Array of structures: a path's fields lie together, as in cis565.
+// The layout aos on the CPU, an array of structures: a path's fields lie together, as in cis565.
 #pragma once
 
 #include <vector>

@@ -1,5 +1,5 @@
-// The path state in columns of 16 bytes, each a vector and a word, and one of 8: a lane moves a path in five accesses
-// instead of eighteen. A ray is in the first two. Single precision only.
+// The layout packed: the path state in columns of 16 bytes, each a vector and a word, and one of 8 bytes. A lane moves
+// a path in five accesses instead of eighteen. A ray is in the first two columns. Single precision only.
 #pragma once
 
 #include "variants/cuda/device/path_store.h"
@@ -16,9 +16,9 @@ struct alignas(8) Key {
     std::uint32_t pixel, sample;
 };
 
-// The column in which a field lies: the time beside the origin, the surface beside the direction, the segment beside
-// the throughput, then the pixel and the sample, then the medium beside the radiance. Each further field has a column
-// of its own.
+// The column in which a field of a path lies: the time beside the origin, the surface beside the direction, the segment
+// beside the throughput, then the pixel and the sample, then the medium beside the radiance. Each further field has a
+// column of its own.
 enum class Place { base, optional, own };
 constexpr Place place_of(PathField field) {
     switch (field) {
@@ -39,7 +39,7 @@ constexpr Place place_of(PathField field) {
     }
 }
 
-// Bytes a path of the fields with own columns that lie before this field's.
+// Bytes per path of the fields with columns of their own that come before this field.
 constexpr std::size_t own_bytes_before(std::size_t field) {
     std::size_t bytes = 0;
     for (std::size_t i = 0; i < field; ++i) {
@@ -76,14 +76,14 @@ struct DevicePaths {
         return path;
     }
     PT_HD void store(std::uint32_t slot, const Path<Real>& path) const { put<every_path_field>(slot, path); }
-    // Writes a path that is new in its slot. The time comes with the origin.
+    // Writes a path that is new in its slot. Its time is written with its origin.
     template <PathFields carried>
     PT_HD void put(std::uint32_t slot, const Path<Real>& path) const {
         update<carried>(slot, path);
         keys()[slot] = {path.pixel, path.sample};
         store_own<FieldChange::never, carried>(slot, path);
     }
-    // Writes the fields that a bounce changes.
+    // Writes the fields of a path that a bounce changes.
     template <PathFields carried>
     PT_HD void update(std::uint32_t slot, const Path<Real>& path) const {
         column(0)[slot] = {path.origin.x, path.origin.y, path.origin.z, word_of(path.time)};
@@ -106,8 +106,8 @@ struct DevicePaths {
         return {{a.x, a.y, a.z}, {b.x, b.y, b.z}, bits_to_float(a.w), SurfaceId{b.w}};
     }
 
-    // Bytes of a store. Radiance and medium, and then the columns of single fields, come last; what lies behind the
-    // last column carried is not there.
+    // Bytes of a path store. Radiance and medium, and then the columns of single fields, come last; columns behind the
+    // last one carried are left out.
     static constexpr std::size_t bytes(std::uint32_t capacity, const PathFields& fields) {
         std::size_t bytes_per_slot = 3 * sizeof(Column) + sizeof(Key);
         const std::size_t begin_of_own = bytes_per_slot + sizeof(Column);
@@ -119,7 +119,7 @@ struct DevicePaths {
                 place_of(PathField{i}) == Place::own ? begin_of_own + own_bytes_before(i + 1) : begin_of_own;
             bytes_per_slot = end > bytes_per_slot ? end : bytes_per_slot;
         }
-        // The optional column starts on a border of 16 bytes.
+        // The column of radiance and medium starts at a multiple of 16 bytes.
         return bytes_per_slot * std::size_t{capacity} + sizeof(Key);
     }
     cuda::FieldView segment() const { return field(2); }
@@ -157,7 +157,7 @@ private:
 
 }  // namespace pt::layout::packed
 
-#if defined(PT_HOST)  // what the choice says of itself
+#if defined(PT_HOST)  // host code: the choice's descriptor
 
 #include "variants/registry.h"
 

@@ -15,8 +15,7 @@
 
 namespace pt::cuda {
 
-// Stands for what lies in a slot where an algorithm expects a reference to it. Slots: load(slot) and store(slot,
-// value).
+// Stands for the value in a slot where an algorithm expects a reference. Slots have load(slot), store(slot, value).
 template <class Slots>
 class SlotReference {
 public:
@@ -97,7 +96,7 @@ struct PathHasEnded {
 
 }  // namespace pt::cuda
 
-// Thrust assigns through a proxy only where it is told of it; its own output iterators register in the same way.
+// Thrust assigns through a proxy reference only where a trait tells of it; its own output iterators register so, too.
 THRUST_NAMESPACE_BEGIN
 namespace detail {
 template <class Slots>

@@ -1,5 +1,5 @@
-// Structure of arrays on the device: every scalar of a path in an array of its own, so that neighbouring lanes read
-// neighbouring words and a stage reads only the fields that it needs.
+// The layout soa on the device, a structure of arrays: every scalar of a path in an array of its own, so that
+// neighbouring lanes read neighbouring words and a stage reads only the fields that it needs.
 #pragma once
 
 #include <type_traits>
@@ -9,9 +9,9 @@ namespace pt::layout::soa {
 
 inline constexpr const char* name = "soa";
 
-// Columns, one a scalar, lie in the order of the list of fields, but those that every path carries come first, and
-// among them those of Real. A column that the paths of a queue do not carry has its place all the same, unless no
-// column that they do carry lies behind it.
+// Columns of a path store, one a scalar, lie in the order of the list of fields, but those that every path carries come
+// first, and among them those of Real. A column that the paths of a queue do not carry has its place all the same,
+// unless no column that they do carry lies behind it.
 constexpr bool lies_before(PathField field, PathField other) {
     const PathFieldInfo a = info(field), b = info(other);
     if (a.is_optional != b.is_optional) {
@@ -23,7 +23,7 @@ constexpr bool lies_before(PathField field, PathField other) {
 
 constexpr std::size_t columns_of(PathField field) { return info(field).type == FieldType::vector ? 3 : 1; }
 
-// The number of a field's first column.
+// The number of the first column of a path's field.
 constexpr std::size_t first_column(PathField field) {
     std::size_t columns = 0;
     for (std::size_t i = 0; i < path_field_count; ++i) {
@@ -41,7 +41,7 @@ constexpr bool is_word(std::size_t column) {
     return false;
 }
 
-// The first column of a run of columns of one type that this column is in.
+// The first column of the run of columns of one type that a column is in.
 constexpr std::size_t first_of_type(std::size_t column) {
     while (column > 0 && is_word(column - 1) == is_word(column)) {
         column -= 1;
@@ -62,13 +62,13 @@ struct DevicePaths {
         return path;
     }
     PT_HD void store(std::uint32_t slot, const Path<Real>& path) const { put<every_path_field>(slot, path); }
-    // Writes a path that is new in its slot.
+    // Writes all fields of a path that is new in its slot.
     template <PathFields carried>
     PT_HD void put(std::uint32_t slot, const Path<Real>& path) const {
         store_fields<FieldChange::by_bounce, carried>(slot, path);
         store_fields<FieldChange::never, carried>(slot, path);
     }
-    // Writes the fields that a bounce changes.
+    // Writes the fields of a path that a bounce changes.
     template <PathFields carried>
     PT_HD void update(std::uint32_t slot, const Path<Real>& path) const {
         store_fields<FieldChange::by_bounce, carried>(slot, path);
@@ -103,7 +103,7 @@ struct DevicePaths {
     cuda::FieldView origin_surface() const { return view<PathField::origin_surface>(); }
 
 private:
-    // Length of a column in numbers: columns start on 256-byte borders.
+    // Length of a column in elements: columns start at multiples of 256 bytes.
     PT_HD static constexpr std::uint32_t padded(std::uint32_t capacity) { return (capacity + 63u) / 64u * 64u; }
     template <std::size_t column>
     using Element = std::conditional_t<is_word(column), std::uint32_t, Real>;
@@ -136,8 +136,8 @@ private:
     template <PathField field>
     PT_HD void load_vector(std::uint32_t slot, Vec3<Real>& value) const {
         constexpr std::size_t x = first_column(field);
-        // Addresses are formed from the first of the three columns, and the second one is stored by an index of 32
-        // bits: with other forms of the same addresses the kernels that carry these fields have other registers.
+        // An optional vector's addresses start from the first of its three columns, and the second one is stored by an
+        // index of 32 bits: other forms of the same addresses change the registers of kernels that carry the vector.
         if constexpr (info(field).is_optional) {
             const std::size_t step = padded(store_.capacity);
             value = {at<x>()[slot], at<x>()[step + slot], at<x>()[2 * step + slot]};
@@ -188,7 +188,7 @@ private:
 
 }  // namespace pt::layout::soa
 
-#if defined(PT_HOST)  // what the choice says of itself
+#if defined(PT_HOST)  // host code: the choice's descriptor
 
 #include "variants/registry.h"
 

@@ -1,4 +1,5 @@
-// Structure of arrays: every scalar of a path in an array of its own, so a stage reads only the fields that it needs.
+// The layout soa on the CPU, a structure of arrays: every scalar of a path in an array of its own, so a stage reads
+// only the fields that it needs.
 #pragma once
 
 #include <array>
@@ -21,8 +22,8 @@ inline constexpr Descriptor descriptor{
     .origin = "pbrt-v4's soac; Laine, Karras and Aila 2013",
 };
 
-// Number of columns of one kind (of Real, or of 32 bits) that lie before those of a field: the columns of the fields
-// listed before it.
+// Number of columns of one kind (of Real, or of 32 bits) that lie before those of a path's field: the columns of the
+// fields listed before it.
 constexpr std::size_t columns_before(std::size_t field, bool of_words) {
     std::size_t columns = 0;
     for (std::size_t i = 0; i < field; ++i) {
@@ -35,7 +36,7 @@ constexpr std::size_t column_of(PathField field) {
     return columns_before(static_cast<std::size_t>(field), info(field).type == FieldType::word);
 }
 
-// The columns of a path. Real and 32-bit columns have separate storage.
+// The columns of a path store. Real and 32-bit columns have separate storage.
 template <class Real>
 struct Columns {
     static constexpr std::size_t real_count = columns_before(path_field_count, false);
@@ -130,7 +131,7 @@ private:
 
 }  // namespace pt::layout::soa
 
-// Thrust assigns through a proxy only where it is told of it; its own output iterators register in the same way.
+// Thrust assigns through a proxy reference only where a trait tells of it; its own output iterators register so, too.
 namespace thrust::detail {
 template <class Real>
 struct is_proxy_reference<pt::layout::soa::Reference<Real>> : true_type {};
@@ -177,9 +178,9 @@ private:
     std::uint32_t word(std::size_t slot) const {
         return columns_.word[column_of(field)][slot];
     }
-    // Elements from one column to the next: whole pages and three cache lines. Whole pages alone (an 800x800 column is
-    // 625 of them) would put all columns of a slot into one set of a first-level cache, and measure that instead of
-    // the layout.
+    // Elements from one column of a path store to the next: whole pages and three cache lines. Whole pages alone (an
+    // 800x800 column is 625 of them) would put all columns of a slot into one set of a first-level cache, and measure
+    // that instead of the layout.
     static std::size_t stride(std::size_t capacity, std::size_t element) {
         constexpr std::size_t page = 4096;
         constexpr std::size_t line = 64;

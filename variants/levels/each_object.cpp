@@ -1,5 +1,5 @@
-// No tree over objects: every object that shows a mesh is met in turn, through its own tree. The other choices are held
-// against this one.
+// The choice levels=each_object: no tree over objects. A ray meets every object that shows a mesh in turn, through the
+// object's own tree. The other choices are held against this one.
 #include "variants/registry.h"
 
 namespace pt::levels::each_object {

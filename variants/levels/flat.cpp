@@ -1,6 +1,6 @@
-// One tree over the triangles of all objects, in the accelerator's format and by its builder: no object's box is
-// entered for nothing, at the price of a slot for every triangle of every instance. A triangle is met in its object's
-// own space, so that its hit has the bits that it has by the object's own tree.
+// The choice levels=flat: one tree over the triangles of all objects, in the accelerator's format and by its builder.
+// No object's box is entered for nothing, at the price of a slot for every triangle of every instance. A triangle is
+// intersected in its object's own space, so that its hit has the bits that it has by the object's own tree.
 #include "variants/mesh_reasons.h"
 #include "variants/registry.h"
 

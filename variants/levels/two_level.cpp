@@ -1,5 +1,6 @@
-// A tree over the objects, whose leaves are the objects' own trees: instances share those, so memory grows with what is
-// different, and rays are transformed once an object. Built by sah_binned, whichever builder the objects' trees have.
+// The choice levels=two_level: a tree over the objects, whose leaves are the objects' own trees. Instances share those,
+// so memory grows with what is different, and rays are transformed once an object. The tree over objects is built by
+// sah_binned, whichever builder the objects' trees have.
 #include "variants/builder/sah_binned.h"
 #include "variants/bvh/binary_nodes.h"
 #include "variants/bvh/encoding.h"

@@ -1,4 +1,5 @@
-// Points on the faces of boxes that are seen, and on quads, drawn uniformly by area (kernels/light_sampling.h).
+// The choice light_sampling=area: points on the faces of boxes that are seen, and on quads, sampled uniformly by area
+// (kernels/light_sampling.h).
 #include "variants/light_sampling/light_sampling.h"
 
 namespace pt::light_sampling::area {

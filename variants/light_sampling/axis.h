@@ -6,7 +6,7 @@
 namespace pt {
 
 struct LightSamplingTraits {
-    bool is_by_solid_angle = true;  // as every shape's own function does it
+    bool is_by_solid_angle = true;  // a direction is drawn by the shape's own function
 };
 
 namespace light_sampling {

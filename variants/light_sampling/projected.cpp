@@ -1,5 +1,5 @@
-// Points on the faces of boxes that are seen, and on quads, a face in proportion to its projected area times distance:
-// the density does not depend on the face (kernels/light_sampling.h).
+// The choice light_sampling=projected: points on the faces of boxes that are seen, and on quads, a face in proportion
+// to its projected area times distance, so that the pdf does not depend on the face (kernels/light_sampling.h).
 #include "variants/light_sampling/light_sampling.h"
 
 namespace pt::light_sampling::projected {

@@ -1,5 +1,5 @@
-// Directions drawn uniformly by the solid angle that a light fills: weights are bounded however near it is
-// (kernels/solid_angle.h).
+// The choice light_sampling=solid_angle: directions sampled uniformly in the solid angle that a light fills; weights
+// are bounded however near the light is (kernels/solid_angle.h).
 #include "variants/registry.h"
 
 namespace pt::light_sampling::solid_angle {

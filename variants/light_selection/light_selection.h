@@ -1,4 +1,4 @@
-// What the choices of light_selection other than uniform have in common.
+// The claim and the conditions that the choices of light_selection other than uniform have in common.
 #pragma once
 
 #include "variants/direct_light/next_event.h"

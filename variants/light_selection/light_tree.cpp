@@ -1,5 +1,6 @@
-// Lights are selected by a tree over them, at each node a child in proportion to what it shows the vertex over its
-// square distance, times a bound on the cosine there (kernels/light_selection.h).
+// The choice light_selection=light_tree: lights are selected by a tree over them, at each node a child in proportion to
+// what it shows the vertex over its square distance, times a bound on the cosine at the vertex
+// (kernels/light_selection.h).
 #include "variants/light_selection/light_selection.h"
 
 namespace pt::light_selection::light_tree {

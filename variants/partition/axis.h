@@ -6,8 +6,8 @@
 namespace pt {
 
 struct PartitionTraits {
-    bool is_by_rows = false;  // each device has every sample of its own rows of pixels; otherwise of all pixels some
-    bool is_dynamic = false;  // a device that is done takes more
+    bool is_by_rows = false;  // each device renders all samples of its own rows of pixels; else some of every pixel
+    bool is_dynamic = false;  // a device that is done takes more samples
 };
 
 namespace partition {

@@ -1,5 +1,5 @@
-// A shared counter hands out chunks of samples: a device that is done early takes another one. Chunks shrink with what
-// is left: guided self-scheduling, Polychronopoulos and Kuck 1987.
+// The choice partition=dynamic: a shared counter hands out chunks of samples, and a device that is done early takes
+// another chunk. Chunks shrink with what is left (guided self-scheduling, Polychronopoulos and Kuck 1987).
 #include "variants/partition/reasons.h"
 
 namespace pt::partition::dynamic {

@@ -1,4 +1,4 @@
-// Splits samples between devices: each takes its contiguous share of every pixel's samples, as the ranks of MPI do
+// The choice partition=samples: each GPU takes its contiguous share of every pixel's samples, as MPI ranks do
 // (harness/ranks).
 #include "variants/registry.h"
 

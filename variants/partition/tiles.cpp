@@ -1,4 +1,4 @@
-// Splits rows between devices: each takes every sample of its own rows of pixels. Of N devices device d has the rows d,
+// The choice partition=tiles: each GPU takes every sample of its own rows of pixels. Of N GPUs number d has the rows d,
 // d + N, d + 2 N, ...
 #include "variants/partition/reasons.h"
 

@@ -1,5 +1,5 @@
-// Double precision throughout; random numbers have 32 bits instead of 24. On the CPU for the plainest kernel only: it
-// is there for references, not for speed.
+// The choice precision=double: double precision throughout; random numbers have 32 bits instead of 24. On the CPU only
+// the plainest kernel has it: for references, not for speed.
 #include "variants/precision/kernels_in_double.h"
 
 namespace pt::precision::double_ {

@@ -1,5 +1,5 @@
-// Single precision, but for intersection and the points that it gives (kernels/widen.h). On the CPU for the plainest
-// kernel only.
+// The choice precision=double_intersection: single precision, but for intersection and the points that it gives
+// (kernels/widen.h). On the CPU only the plainest kernel has it.
 #include "variants/mesh_reasons.h"
 #include "variants/precision/kernels_in_double.h"
 

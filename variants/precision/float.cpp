@@ -1,4 +1,4 @@
-// Single precision throughout, but for the film's sums.
+// The choice precision=float: single precision throughout, but for the film's sums.
 #include "variants/registry.h"
 
 namespace pt::precision::float_ {

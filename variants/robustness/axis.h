@@ -1,4 +1,4 @@
-// The axis `robustness`: the forms that are stable, or the textbook's.
+// The axis `robustness`: numerically stable formulas, or the textbook's.
 #pragma once
 
 #include "variants/axis.h"

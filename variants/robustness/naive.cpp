@@ -1,5 +1,6 @@
-// The textbook's forms (kernels/naive.h), to measure what the robust ones cost and what they are worth. For the
-// plainest integrators: a film that sums single precision depends on the order of the samples, and these keep it.
+// The choice robustness=naive: the textbook's formulas (kernels/naive.h), to measure what the robust ones cost and what
+// they are worth. It is for the plainest integrators, which keep the order of the samples: a film that sums in single
+// precision depends on it.
 #include "variants/mesh_reasons.h"
 #include "variants/registry.h"
 

@@ -1,5 +1,6 @@
-// Forms whose rounding is bounded: a ray knows the surface that it departed from, spheres are met in their own frame,
-// slabs reach by their rounding, cones and Fresnel factors do not cancel, the film sums integers.
+// The choice robustness=robust: formulas whose rounding is bounded. A ray knows the surface that it departed from,
+// spheres are intersected in their own frame, slabs reach by their rounding, cones and Fresnel factors do not cancel,
+// the film sums integers.
 #include "variants/registry.h"
 
 namespace pt::robustness::robust {

@@ -1,4 +1,5 @@
-// A path that is expected to bring little of its pixel is likely to be ended before it scatters (kernels/adjoint.h).
+// The choice russian_roulette=adjoint: a path that is expected to bring little of its pixel's light is likely to be
+// ended before it scatters (kernels/adjoint.h).
 #include "variants/russian_roulette/adjoint.h"
 
 namespace pt::russian_roulette::adjoint {

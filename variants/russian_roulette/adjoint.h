@@ -1,4 +1,5 @@
-// What the choices have in common by which paths end, or split, by what they are expected to bring (kernels/adjoint.h).
+// The tunables of the Russian roulette of adjoint and adjoint_splitting (kernels/adjoint.h), by which paths end, or
+// split, by what they are expected to bring.
 #pragma once
 
 #include "variants/registry.h"

@@ -1,5 +1,6 @@
-// A path that is expected to bring little of its pixel is likely to be ended before it scatters (kernels/adjoint.h),
-// and one that is expected to bring much of it scatters several times (kernels/path_tree.h).
+// The choice russian_roulette=adjoint_splitting: a path that is expected to bring little of its pixel's light is likely
+// to be ended before it scatters (kernels/adjoint.h), and one that is expected to bring much scatters several times
+// (kernels/path_tree.h).
 #include "variants/russian_roulette/adjoint.h"
 
 namespace pt::russian_roulette::adjoint_splitting {

@@ -1,4 +1,5 @@
-// A path that carries little is likely to be ended; one that goes on carries more instead (kernels/russian_roulette.h).
+// The choice russian_roulette=throughput: a path of low throughput is likely to be ended; one that goes on carries more
+// instead (kernels/russian_roulette.h).
 #include "variants/registry.h"
 
 namespace pt::russian_roulette::throughput {

@@ -1,13 +1,13 @@
-// The numbers of cis565: a short generator seeded by sample, bounce and the path's position in the queue
-// (kernels/minstd.h). An exhibit: its streams overlap and are correlated, and a compaction changes which path gets
-// which numbers.
+// The sampler minstd_by_position, the random numbers of cis565: a short generator seeded by sample, bounce and the
+// path's position in the queue (kernels/minstd.h). An exhibit: its streams overlap and are correlated, and a compaction
+// changes which path gets which numbers.
 #include "variants/registry.h"
 
 namespace pt::sampler::minstd_by_position {
 namespace {
 
-// Why the sampler cannot run: positions in the queue must be the same in every run, and are not where threads race for
-// them. Empty: it can.
+// Why the sampler minstd_by_position cannot run: positions in the queue must be the same in every run, and are not
+// where threads race for them. Empty: it can.
 Reason unsupported_reason(FeatureSet, const VariantTraits& variant) {
     if (!variant.integrator.seeds_by_position) {
         return {"needs_queue", "is seeded by positions in a queue: needs integrator=wavefront"};

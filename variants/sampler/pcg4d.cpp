@@ -1,4 +1,4 @@
-// One hash of pixel, sample, bounce and dimension for every four numbers: cheap, and good enough for every test here.
+// The sampler pcg4d: a cheap hash of pixel, sample, bounce and dimension for every four numbers, good for every test.
 #include "variants/registry.h"
 
 namespace pt::sampler::pcg4d {

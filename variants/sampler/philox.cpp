@@ -1,4 +1,4 @@
-// Ten rounds of a block cipher without secrets: the generator that references are made with (kernels/philox.h).
+// The sampler philox: ten rounds of a block cipher without secrets. References are made with it (kernels/philox.h).
 #include "variants/registry.h"
 
 namespace pt::sampler::philox {

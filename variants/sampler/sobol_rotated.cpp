@@ -1,5 +1,5 @@
-// Sobol' points shifted by an offset a pixel: what Owen's scrambling is worth is told by comparison
-// (kernels/sobol_rotated.h).
+// The sampler sobol_rotated: Sobol' points shifted by an offset a pixel. Against sobol_owen it tells what Owen's
+// scrambling is worth (kernels/sobol_rotated.h).
 #include "variants/registry.h"
 
 namespace pt::sampler::sobol_rotated {

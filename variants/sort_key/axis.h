@@ -7,16 +7,16 @@
 
 namespace pt {
 
-// A key is (material << bits) + rest, or rest alone; rest is below 2^bits. By chunk it is a number of its own for each
-// material of each chunk of the queue's slots: the chunk comes first, then the material, and bits is 0.
+// A sort key is (material << bits) + rest, or rest alone; rest is below 2^bits. With by_chunk, a key numbers the
+// materials of each chunk of the queue's slots, chunk by chunk, and bits is 0.
 struct SortKeyTraits {
     std::uint32_t bits = 0;
-    bool has_material = true;  // which is known only after the hit; other keys sort paths before they are traced
-    bool by_chunk = false;     // it has the tunable `chunk`
+    bool has_material = true;  // the key needs the hit's material; other keys sort paths before they are traced
+    bool by_chunk = false;     // keys number the materials of each chunk of slots (tunable `chunk`)
 
     constexpr bool is_material_alone() const { return has_material && bits == 0 && !by_chunk; }
-    // Whether a counting sort can take the keys: there are as many as materials (or as many a chunk), few enough to be
-    // counted.
+    // Whether a counting sort can take the keys: there is one a material, or one a material of a chunk, few enough to
+    // count.
     constexpr bool is_countable() const { return has_material && bits == 0; }
 };
 

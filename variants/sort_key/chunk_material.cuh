@@ -1,8 +1,9 @@
-// The material within a chunk of the queue's slots: paths are put in order by material only beside their neighbours in
-// memory, so that what a warp reads stays local. The sort key of Cycles (INTEGRATOR_SORT_KEY, Blender D15331, 2022).
+// The sort key chunk_material: the material within a chunk of the queue's slots. Paths are sorted by material only
+// among neighbours in memory, so that what a warp reads stays local. The sort key of Cycles (INTEGRATOR_SORT_KEY,
+// Blender D15331, 2022).
 #pragma once
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
 
 #include "variants/cuda/device/sort_keys.cuh"
 
@@ -11,14 +12,14 @@ namespace pt::sort_key::chunk_material {
 inline constexpr bool has_material = true;
 inline constexpr bool by_chunk = true;
 
-// What follows the material in the sort key, which is nothing.
+// The part of a sort key below its material: none in this key.
 __device__ inline std::uint32_t rest(const Ray<Real>&, const pt::Hit<Real>&, const cuda::KeyBounds&) { return 0; }
 
 }  // namespace pt::sort_key::chunk_material
 
 #endif
 
-#if defined(PT_HOST)  // what the choice says of itself
+#if defined(PT_HOST)  // host code: the choice's descriptor
 
 #include "variants/registry.h"
 

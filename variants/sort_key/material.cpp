@@ -1,4 +1,3 @@
-// The sort key of cis565: the material of the surface that was hit.
 #include "variants/registry.h"
 
 namespace pt::sort_key::material {

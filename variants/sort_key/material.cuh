@@ -1,4 +1,4 @@
-// The sort key of cis565: the material of the surface that was hit.
+// The sort key `material`, which is that of cis565: the material of the surface that was hit.
 #pragma once
 
 #include "variants/cuda/device/sort_keys.cuh"
@@ -8,7 +8,7 @@ namespace pt::sort_key::material {
 inline constexpr bool has_material = true;
 inline constexpr bool by_chunk = false;
 
-// What follows the material in the sort key, which is nothing.
+// The part of a sort key below its material: none in this key.
 __device__ inline std::uint32_t rest(const Ray<Real>&, const pt::Hit<Real>&, const cuda::KeyBounds&) { return 0; }
 
 }  // namespace pt::sort_key::material

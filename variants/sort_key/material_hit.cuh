@@ -1,8 +1,8 @@
-// A sort key of the material that was hit, then where: a 15-bit Morton code of the hit point, so that lanes that shade
-// together also go on from nearby points.
+// The sort key material_hit: the material that was hit, then a 15-bit Morton code of the hit point, so that lanes that
+// shade together also go on from nearby points.
 #pragma once
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
 
 #include "variants/cuda/device/sort_keys.cuh"
 
@@ -19,7 +19,7 @@ __device__ inline std::uint32_t rest(const Ray<Real>& ray, const pt::Hit<Real>& 
 
 #endif
 
-#if defined(PT_HOST)  // what the choice says of itself
+#if defined(PT_HOST)  // host code: the choice's descriptor
 
 #include "variants/registry.h"
 

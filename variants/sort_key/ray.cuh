@@ -1,8 +1,8 @@
-// The ray rather than the hit: its direction's octant, then a 15-bit Morton code of its origin. Known before the ray is
-// traced, so paths are sorted in front of the intersection stage and it gains as well.
+// The sort key `ray`: the octant of the ray's direction, then a 15-bit Morton code of the ray origin. It is known
+// before the ray is traced, so paths are sorted in front of the intersection stage, which gains as well.
 #pragma once
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
 
 #include "variants/cuda/device/sort_keys.cuh"
 
@@ -21,7 +21,7 @@ __device__ inline std::uint32_t rest(const Ray<Real>& ray, const pt::Hit<Real>&,
 
 #endif
 
-#if defined(PT_HOST)  // what the choice says of itself
+#if defined(PT_HOST)  // host code: the choice's descriptor
 
 #include "variants/registry.h"
 

@@ -7,8 +7,8 @@ namespace pt {
 
 struct SortingTraits {
     bool sorts = true;
-    bool host_sync = false;          // on CUDA: the host waits for the device within it, so no graph can hold it
-    bool reproducible_order = true;  // a path has the same position in every run
+    bool host_sync = false;          // the host waits for the device within a sort, so no CUDA graph can hold it
+    bool reproducible_order = true;  // a path has the same position in the queue in every run
 };
 
 namespace sorting {

@@ -1,5 +1,5 @@
-// Counting sort of slot numbers by material: one histogram a block, one scan, one scatter. The payload stays in place.
-// Cycles sorts its shading queue so (kernel/device/gpu/parallel_sorted_index.h).
+// The sort `bucket` on the CPU, a counting sort of slot numbers by material: one histogram a block, one scan, one
+// scatter. Paths stay in place. Cycles sorts its shading queue so (kernel/device/gpu/parallel_sorted_index.h).
 #include <algorithm>
 
 #include "variants/cpu/parallel_for.h"
@@ -21,7 +21,7 @@ public:
                 counts[queue.keys[i]] += 1;
             }
         });
-        // Key-major exclusive scan over the blocks: block order within a key, so the sort is stable.
+        // Exclusive scan over keys, and over the blocks within a key: blocks stay in order, so the sort is stable.
         std::uint32_t next = 0;
         for (std::uint32_t key = 0; key < key_count; ++key) {
             for (std::size_t b = 0; b < blocks; ++b) {
@@ -41,7 +41,7 @@ public:
     }
 
 private:
-    std::vector<std::uint32_t> offsets_;  // [block][key]
+    std::vector<std::uint32_t> offsets_;  // place of each block's next slot of a key: [block][key]
 };
 
 const Registration registration(
@@ -50,8 +50,8 @@ const Registration registration(
         .name = "bucket",
         .summary = "counting sort of slot numbers by material; the payload stays in place",
         .origin = "Cycles' sorted index array",
-        // The order counts as not reproducible, though the sort is stable here, for it is not on CUDA: what goes
-        // together is to be the same on both.
+        // This sort counts as one of no reproducible order, though it is stable on the CPU, for it is not on CUDA: what
+        // goes together is to be the same on both backends.
         .traits = SortingTraits{.reproducible_order = false},
         .check_counters = sorted_every_bounce,
     },

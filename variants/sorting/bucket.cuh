@@ -1,5 +1,5 @@
-// Counting sort of slot numbers by material on the device: histograms in shared memory, a scan over the keys, a scatter
-// in which each block reserves its part of every bucket with one atomic operation. The payload stays in place.
+// The sort `bucket` on CUDA, a counting sort of slot numbers by material: histograms in shared memory, a scan over the
+// keys, a scatter in which each block reserves its part of every bucket with one atomic operation. Paths stay in place.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,7 @@ struct ScanKeysParameters {
 struct ScatterParameters {
     static constexpr const char* kernel = "scatter";
     const std::uint32_t* keys;
-    const std::uint32_t* order;  // null: slot i at position i
+    const std::uint32_t* order;  // slots by position; null: slot i at position i
     std::uint32_t bound;
     std::uint32_t key_count;
     std::uint32_t* next;
@@ -35,7 +35,7 @@ struct ScatterParameters {
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
 
 #include "variants/cuda/device/device.cuh"
 
@@ -62,7 +62,6 @@ PT_KERNEL(count_keys, pt::cuda::CountKeysParameters,
     }
 }
 
-// Scans the totals of the keys, in one block: totals become where each bucket starts.
 PT_KERNEL(scan_keys, pt::cuda::ScanKeysParameters, (std::uint32_t * totals, std::uint32_t key_count)) {
     if (threadIdx.x < warp_size) {
         std::uint32_t before = 0;
@@ -82,8 +81,7 @@ PT_KERNEL(scan_keys, pt::cuda::ScanKeysParameters, (std::uint32_t * totals, std:
     }
 }
 
-// Scatters slot numbers to their buckets. `order`: null for slot i at position i. Positions beyond the count keep any
-// slot: nobody reads them.
+// Scatters slot numbers to their buckets. Positions beyond the count keep any slot, which nobody reads.
 PT_KERNEL(scatter, pt::cuda::ScatterParameters,
           (const std::uint32_t* keys, const std::uint32_t* order, std::uint32_t bound, std::uint32_t key_count,
            std::uint32_t* next, std::uint32_t* sorted)) {
@@ -106,7 +104,7 @@ PT_KERNEL(scatter, pt::cuda::ScatterParameters,
 
 #endif
 
-#if defined(PT_HOST)  // what launches them, and what the choice says of itself
+#if defined(PT_HOST)  // host code: kernel launches and the choice's descriptor
 
 #include <stdexcept>
 #include "variants/cuda/stages.h"

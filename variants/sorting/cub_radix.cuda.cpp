@@ -1,4 +1,4 @@
-// cub::DeviceRadixSort of slot numbers that looks only at the bits that the scene's keys have: one material, none.
+// The sort cub_radix: cub::DeviceRadixSort of slot numbers by the bits that the scene's keys need (one material: none).
 #include "variants/cuda/radix_sort.h"
 #include "variants/registry.h"
 #include "variants/work_checks.h"

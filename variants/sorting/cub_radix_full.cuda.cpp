@@ -1,4 +1,4 @@
-// cub_radix with all 32 bits of a key, as who calls the library without a range of bits has it: what the bits cost.
+// The sort cub_radix_full sorts by all 32 bits of a key, CUB's default. Against cub_radix it shows what the bits cost.
 #include "variants/cuda/radix_sort.h"
 #include "variants/registry.h"
 #include "variants/work_checks.h"

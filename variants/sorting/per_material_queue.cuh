@@ -1,5 +1,5 @@
-// No sort of one queue but a queue a material: after the intersection each path's slot is appended to the queue of the
-// material that it hit (and one for the paths that left the scene), and shading runs once a queue.
+// The sort per_material_queue: no sort of one queue but a queue a material. After the intersection each path's slot is
+// appended to the queue of the material hit (or one for paths that left the scene), and shading runs once a queue.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace pt::cuda {
 struct AppendToQueuesParameters {
     static constexpr const char* kernel = "append_to_queues";
     const std::uint32_t* keys;
-    const std::uint32_t* order;  // null: slot i at position i
+    const std::uint32_t* order;  // slots by position; null: slot i at position i
     const std::uint32_t* count;
     std::uint32_t queue_count;
     std::uint32_t capacity;
@@ -21,12 +21,11 @@ struct AppendToQueuesParameters {
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
 
 #include "variants/cuda/device/device.cuh"
 
-// Appends slot numbers to one queue a material: queue k holds `capacity` slots from queues + k * capacity. Lanes of one
-// key share one atomic operation.
+// Appends slot numbers to the queues of their materials. Lanes of one key share one atomic operation.
 PT_KERNEL(append_to_queues, pt::cuda::AppendToQueuesParameters,
           (const std::uint32_t* keys, const std::uint32_t* order, const std::uint32_t* count, std::uint32_t queue_count,
            std::uint32_t capacity, std::uint32_t* queues, std::uint32_t* counts)) {
@@ -48,7 +47,7 @@ PT_KERNEL(append_to_queues, pt::cuda::AppendToQueuesParameters,
 
 #endif
 
-#if defined(PT_HOST)  // what launches them, and what the choice says of itself
+#if defined(PT_HOST)  // host code: kernel launches and the choice's descriptor
 
 #include "variants/cuda/stages.h"
 #include "variants/registry.h"

@@ -1,5 +1,5 @@
-// Sorts the paths and their hits by material before shading, moving the payload: what cis565 does.
-// Keys are unsigned: CCCL 3.0.1's host radix sort puts negative keys last.
+// The sort thrust_sort_by_key on the CPU: moves the paths and their hits into the order of materials before shading, as
+// cis565 does. Keys are unsigned: CCCL 3.0.1's host radix sort puts negative keys last.
 #include <stdexcept>
 
 #include <thrust/iterator/zip_iterator.h>

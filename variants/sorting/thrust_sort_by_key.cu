@@ -1,4 +1,5 @@
-// Sorts the paths and their hits by key before shading, moving the payload: what cis565 does.
+// The sort thrust_sort_by_key on CUDA: moves paths and their hits into the order of keys before shading, as cis565
+// does.
 #include <stdexcept>
 
 #include <thrust/sort.h>
@@ -12,9 +13,9 @@
 namespace pt::cuda::sorting::thrust_sort_by_key {
 namespace {
 
-// What is moved. Without padding (a zip of the padded record and a hit has some): moving bytes that nobody wrote costs
-// time, and is what compute-sanitizer's initcheck looks for. So the path goes without its last two words, which only
-// next-event estimation and meshes use: five pieces of 16 bytes in all.
+// What the sort moves of a path and its hit, without padding (a zip of the padded record and a hit has some): moving
+// bytes that nobody wrote costs time, and is what compute-sanitizer's initcheck looks for. So the path goes without its
+// last two words, which only next-event estimation and meshes use: five pieces of 16 bytes in all.
 struct PathWords {
     std::uint32_t word[offsetof(Path<float>, bsdf_pdf) / sizeof(std::uint32_t)];
 };
@@ -49,8 +50,8 @@ class SortByKey final : public Sorting {
 public:
     explicit SortByKey(const CellContext& cell) : cell_(cell), thrust_(cell) {}
 
-    // Slots from the count to the bound have the largest key and lie last, so a stable sort leaves them last. For keys
-    // of 32 bits sort_by_key and stable_sort_by_key are one radix sort; the second promises what is needed.
+    // Slots from the count to the bound have the largest key and lie last, so a stable sort leaves them last. For
+    // 32-bit keys Thrust's sort_by_key and stable_sort_by_key are one radix sort; only the latter promises stability.
     void sort(Queue& queue, std::uint32_t) override {
         if (queue.indirect) {
             throw std::logic_error("thrust_sort_by_key needs a contiguous payload");

@@ -7,7 +7,7 @@ namespace pt {
 
 struct SpecialisationTraits {
     bool is_generic = false;  // one kernel for every scene
-    bool by_matrix = false;   // every object is met through its matrix: another intersection than that of kernels/
+    bool by_matrix = false;   // every object is intersected through its matrix, by other code than in kernels/
 };
 
 namespace specialisation {

@@ -1,4 +1,4 @@
-// One kernel for every scene: all primitive kinds, materials and features compiled in and chosen at run time.
+// The choice specialisation=generic: one kernel for every scene; shapes, materials and features are chosen at run time.
 #include "variants/specialisation/smallest_superset.h"
 
 namespace pt::specialisation::generic {

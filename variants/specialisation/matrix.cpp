@@ -1,5 +1,5 @@
-// Kernels that meet every object by its 4x4 matrix, in one loop over all of them, with every branch compiled in: what
-// cis565 does, and the price that classifying objects at load saves.
+// The choice specialisation=matrix: kernels that intersect every object through its 4x4 matrix, in one loop over all
+// objects, with every branch compiled in: what cis565 does, and the price that classifying objects at load saves.
 #include "variants/mesh_reasons.h"
 #include "variants/registry.h"
 
@@ -22,8 +22,8 @@ const Registration registration(
             if (!variant.sampler.is_in_every_kernel) {
                 return {"needs_plain_sampler", "is compiled with sampler=pcg4d only"};
             }
-            // A camera ray through an edge takes one of two surfaces by its rounding: nothing where pixels are sampled,
-            // but a ray through a pixel's centre is the same in every sample.
+            // A camera ray that meets an edge takes one of two surfaces by its rounding. That averages out where pixels
+            // are sampled, but an unjittered ray through a pixel's centre is the same in every sample.
             if (!contains(scene, Feature::jitter)) {
                 return {"needs_jitter", "needs jitter: an unjittered camera ray may meet an edge exactly"};
             }

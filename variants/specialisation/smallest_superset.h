@@ -1,4 +1,4 @@
-// How a kernel is chosen that has what the scene needs and as little else as possible.
+// Chooses a kernel that has what the scene needs and as little else as possible.
 #pragma once
 
 #include <bit>
@@ -18,8 +18,9 @@ inline constexpr Tunable feature_tunables[] = {
 
 inline constexpr FeatureSet only_where_asked = formulas | traversals | mesh_levels | path_trees;
 
-// Every feature of scenes and estimators, meshes only where the scene has one; of formulas and trees of paths only
-// those that the variant asks for, and the fewest samplings that serve it, since neither depends on the scene.
+// Returns the set of every feature of scenes and estimators (meshes only where the scene has one). Of formulas and path
+// trees it has those that the variant asks for, and the fewest samplings that serve the variant, since neither depends
+// on the scene.
 inline FeatureSet every_feature(const KernelOffer& offer) {
     FeatureSet best = all_features | samplings | (offer.needed & only_where_asked);
     for (const FeatureSet candidate : offer.compiled) {
@@ -29,14 +30,14 @@ inline FeatureSet every_feature(const KernelOffer& offer) {
     return best;
 }
 
-// Whether a kernel does one of these as the variant asks: it has none, or chooses at run time among several, or has the
-// very one. A kernel that has one alone does nothing else.
+// Whether a kernel samples in the way, out of `ways`, that the variant asks for: the kernel has none of them, or
+// chooses at run time among several, or has that very one. A kernel that has one alone does nothing else.
 inline bool does_as_asked(FeatureSet candidate, FeatureSet needed, FeatureSet ways) {
     const FeatureSet compiled = candidate & ways;
     return std::popcount(compiled) != 1 || compiled == (needed & ways);
 }
 
-// Picks the compiled kernel with the least surplus of features and, among those, the most shortcuts.
+// Picks the compiled kernel with the fewest features beyond those needed and, among those, the most shortcuts.
 inline FeatureSet smallest_superset(const KernelOffer& offer, const Variant& variant, Backend backend) {
     const FeatureSet allowed = tunable(variant, "room", backend) != 0 ? offer.shortcuts : no_features;
     FeatureSet best = every_feature(offer);

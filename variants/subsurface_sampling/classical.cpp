@@ -1,4 +1,5 @@
-// Walks as light makes them: directions by the phase function, free paths by sigma_t (kernels/materials/subsurface.h).
+// The choice subsurface_sampling=classical: subsurface walks as light makes them, directions by the phase function,
+// free paths by sigma_t (kernels/materials/subsurface.h).
 #include "variants/registry.h"
 
 namespace pt::subsurface_sampling::classical {

@@ -1,4 +1,5 @@
-// A share of a walk's steps is drawn towards the nearest surface (kernels/guided_walk.h).
+// The choice dwivedi: a share of a subsurface walk's steps is drawn towards the nearest surface
+// (kernels/guided_walk.h).
 #include "variants/registry.h"
 
 namespace pt::subsurface_sampling::dwivedi {

@@ -6,7 +6,7 @@
 namespace pt {
 
 struct TraversalTraits {
-    bool is_accelerators_own = false;  // with a stack in local memory it is the accelerator's own loop
+    bool is_accelerators_own = false;  // with traversal_stack=local, programs have the accelerator's own loop
     bool needs_own_kernel = false;
 };
 

@@ -1,9 +1,9 @@
-// One loop, each turn of which takes no more than a step through a node and a test of a triangle: "if-if" of Aila and
-// Laine, "Understanding the Efficiency of Ray Traversal on GPUs", HPG 2009. No lane waits for the end of another's
-// inner loop.
+// The traversal if_if: one loop, each turn of which takes no more than a step through a node and a test of a triangle,
+// "if-if" of Aila and Laine, "Understanding the Efficiency of Ray Traversal on GPUs", HPG 2009. No lane waits for the
+// end of another lane's inner loop.
 #pragma once
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
 
 #include "variants/traversal/by_steps.cuh"
 
@@ -41,7 +41,7 @@ using Traversal = BySteps<Order, Accelerator, Stack>;
 
 #endif
 
-#if defined(PT_HOST)  // what the choice says of itself
+#if defined(PT_HOST)  // host code: the choice's descriptor
 
 #include "variants/mesh_reasons.h"
 #include "variants/registry.h"

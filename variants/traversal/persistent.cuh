@@ -1,10 +1,9 @@
-// Persistent warps: as many as fit at once, whose lanes fetch the next path's ray as they fall idle: Aila and Laine,
-// HPG 2009, with the votes of Ylitie, Karras and Laine, HPG 2017. The kernel is its integrator's (`Fetching` is what it
-// is made of); rays to lights and the first-bounce cache, which are traced in other kernels, take the accelerator's own
-// loop.
+// The traversal `persistent`: as many warps as fit at once, whose lanes fetch the next path's ray as they fall idle
+// (Aila and Laine, HPG 2009), with the votes of Ylitie, Karras and Laine, HPG 2017. The kernel is the integrator's;
+// shadow rays and the first-bounce cache, which are traced in other kernels, take the accelerator's own loop.
 #pragma once
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
 
 #include "variants/traversal/warp_queue.cuh"
 
@@ -22,7 +21,7 @@ struct Traversal : Accelerator {
 
 #endif
 
-#if defined(PT_HOST)  // what the choice says of itself
+#if defined(PT_HOST)  // host code: the choice's descriptor
 
 #include "variants/mesh_reasons.h"
 #include "variants/registry.h"

@@ -1,16 +1,16 @@
-// A lane that has found a leaf puts it off and goes on through nodes until all active lanes of its warp have one:
-// "speculative while-while" of Aila and Laine, "Understanding the Efficiency of Ray Traversal on GPUs", HPG 2009. What
-// a postponed hit would have left out is visited in vain.
+// The traversal `speculative`: a lane that has found a leaf puts it off and goes on through nodes until all active
+// lanes of its warp have one, "speculative while-while" of Aila and Laine, "Understanding the Efficiency of Ray
+// Traversal on GPUs", HPG 2009. Nodes that a postponed hit would have ruled out are visited in vain.
 #pragma once
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
 
 #include "variants/traversal/by_steps.cuh"
 
 namespace pt::traversal::speculative {
 
-// Whether any of the lanes that ask together says yes. Lanes may ask in parts, by the compiler's will: that changes
-// when leaves are tested, not which.
+// Whether any of the lanes that vote together votes yes. The compiler may let lanes vote in groups: that changes when
+// leaves are tested, not which.
 PT_HD inline bool any_lane([[maybe_unused]] bool vote) {
 #if defined(__CUDA_ARCH__)
     return __any_sync(__activemask(), vote ? 1 : 0) != 0;
@@ -53,7 +53,7 @@ using Traversal = BySteps<Order, Accelerator, Stack>;
 
 #endif
 
-#if defined(PT_HOST)  // what the choice says of itself
+#if defined(PT_HOST)  // host code: the choice's descriptor
 
 #include "variants/mesh_reasons.h"
 #include "variants/registry.h"

@@ -1,4 +1,4 @@
-// A warp of persistent threads that works off a queue of rays: lanes that fall idle fetch the next ones (Aila and
+// A warp of persistent threads that works off a queue of rays: lanes that fall idle fetch the next rays (Aila and
 // Laine, HPG 2009), and lanes vote whether to take a step through nodes or to test triangles (Ylitie, Karras, Laine,
 // HPG 2017, section 4). For kernels that nvcc and NVRTC compile. A State is one lane's ray: active(), start(index),
 // which may leave it idle, wants_node(), visit_node(), wants_triangle(), test_triangle().
@@ -8,9 +8,9 @@
 
 namespace pt::traversal {
 
-// When a warp fetches rays and what it does next. refill: the number of idle lanes at which it fetches; 32: when all
-// are. vote: it takes a step through nodes where vote x the lanes that want one >= 4 x those that want to test a
-// triangle; 0: one node, then all triangles it found.
+// When a warp fetches rays and what it does next. refill: the number of idle lanes at which the warp fetches; 32: when
+// all are idle. vote: the warp takes a step through nodes where vote x the lanes that want one >= 4 x the lanes that
+// want to test a triangle; 0: one node, then all triangles found in it.
 template <int Refill, int Vote>
 struct WarpPolicy {
     static constexpr int refill = Refill;
@@ -21,8 +21,7 @@ inline constexpr unsigned every_lane = 0xffffffffu;
 
 __device__ inline std::uint32_t lanes_in(unsigned mask) { return static_cast<std::uint32_t>(__popc(mask)); }
 
-// Lets idle lanes take the next of `count` rays; `next`: the first that no warp has fetched. False where nothing is
-// left.
+// Lets idle lanes take the next of `count` rays; `next` is the first ray that no warp has fetched. False: none is left.
 template <class State>
 __device__ inline bool fetch(State& state, std::uint32_t* next, std::uint32_t count, bool& exhausted) {
     const unsigned idle = __ballot_sync(every_lane, !state.active());
@@ -42,7 +41,7 @@ __device__ inline bool fetch(State& state, std::uint32_t* next, std::uint32_t co
     return !exhausted || __any_sync(every_lane, state.active());
 }
 
-// Takes one step of the warp, of nodes or of triangles, for the lanes that want it.
+// Takes one step of the warp, through nodes or over triangles, for the lanes that want it.
 template <class Policy, class State>
 __device__ inline void step(State& state) {
     if constexpr (Policy::vote == 0) {

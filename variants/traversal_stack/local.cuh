@@ -1,4 +1,4 @@
-// The whole stack in the thread's local memory.
+// The traversal stack `local`: all entries in the thread's local memory.
 #pragma once
 
 #include "variants/bvh/stacks.h"

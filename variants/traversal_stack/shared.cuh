@@ -1,8 +1,8 @@
-// The first entries in shared memory, which is as fast as the first cache but not in its way, the rest in local memory.
-// Ylitie, Karras, Laine, HPG 2017, section 4.
+// The traversal stack `shared`: the first entries in shared memory, which is as fast as the first-level cache but not
+// in its way, the rest in local memory. Ylitie, Karras, Laine, HPG 2017, section 4.
 #pragma once
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
 
 #include "variants/bvh/stacks.h"
 #include "variants/traversal_stack/shared_column.cuh"
@@ -33,7 +33,7 @@ using Stack = FullStack<Open, Memory<Open, most>>;
 
 #endif
 
-#if defined(PT_HOST)  // what the choice says of itself
+#if defined(PT_HOST)  // host code: the choice's descriptor
 
 #include "variants/mesh_reasons.h"
 #include "variants/registry.h"

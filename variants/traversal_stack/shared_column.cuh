@@ -1,13 +1,13 @@
-// A thread's entries in shared memory: entry i of all threads of a block lies together, so that no two lanes meet in a
-// bank. One array a kernel, however many traversals it has: none is in another.
+// A thread's traversal stack in shared memory: entry i of all threads of a block lies together, so that no two lanes
+// meet in a bank. A kernel has one such array, however many traversals it has: none is within another.
 #pragma once
 
 #include "kernels/config.h"
 
 namespace pt::traversal_stack {
 
-// Bytes of a block's shared memory for traversal stacks, of the 48 KiB that it has without asking for more. What else a
-// kernel keeps there asks for the macro.
+// Bytes of a block's shared memory for traversal stacks, of the 48 KiB that a block has without asking for more. What
+// else a kernel keeps in shared memory is sized by this macro.
 #define PT_STACK_BYTES 32768
 inline constexpr std::uint32_t most_shared_bytes = PT_STACK_BYTES;
 

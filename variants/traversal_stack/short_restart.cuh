@@ -1,9 +1,9 @@
-// A few entries in shared memory and no more; a walk that has lost one finds its way from the root by a trail of bits.
-// Laine, "Restart Trail for Stackless BVH Traversal", HPG 2010; of compressed wide trees after Vaidyanathan, Woop,
-// Benthin, "Wide BVH Traversal with a Short Stack", HPG 2019.
+// The traversal stack short_restart: a few entries in shared memory and no more; a walk that has dropped one finds its
+// way from the root by a trail of bits. Laine, "Restart Trail for Stackless BVH Traversal", HPG 2010; for compressed
+// wide trees after Vaidyanathan, Woop, Benthin, "Wide BVH Traversal with a Short Stack", HPG 2019.
 #pragma once
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
 
 #include "variants/bvh/stacks.h"
 #include "variants/traversal_stack/shared_column.cuh"
@@ -20,7 +20,7 @@ using Stack = typename ShortStackFor<Open, SharedColumn<Open, entries<Open>>, en
 
 #endif
 
-#if defined(PT_HOST)  // what the choice says of itself
+#if defined(PT_HOST)  // host code: the choice's descriptor
 
 #include "variants/mesh_reasons.h"
 #include "variants/registry.h"
