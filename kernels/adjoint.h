@@ -102,8 +102,7 @@ PT_HD inline bool survives_by_share(Path<Real>& path, Real share, Real lowest, R
     return true;
 }
 
-// Branch policy of kernels that do not split paths: before a path scatters at a vertex, it plays adjoint-driven Russian
-// roulette if the kernel has that feature.
+// Branch of kernels that do not split paths: at most it plays adjoint-driven roulette before the path scatters.
 struct OneBranch {
     template <class Config>
     static constexpr bool acts_in = has<Config>(Feature::adjoint_roulette);

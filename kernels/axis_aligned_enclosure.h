@@ -13,8 +13,7 @@ template <class Real>
 struct AxisAlignedEnclosure {
     Vec3<Real> low{Real(0), Real(0), Real(0)};  // lowest corner, scene units relative to the camera's eye
     Vec3<Real> high{Real(0), Real(0), Real(0)};
-    Vec3<Real> reach_low{Real(0), Real(0),
-                         Real(0)};  // bounding box of all axis boxes, at all times; infinite: one moves
+    Vec3<Real> reach_low{Real(0), Real(0), Real(0)};  // bounding box of axis boxes at all times; infinite: one moves
     Vec3<Real> reach_high{Real(0), Real(0), Real(0)};
     // Face of the wall behind the low and the high side of each axis; `nowhere` where that side is open.
     SurfaceId low_side[3], high_side[3];
@@ -43,8 +42,7 @@ template <class Real>
 inline constexpr Real room_slack = Real(1) + Real(4) * gamma<Real>(3);
 
 // Whether a ray from outside enters the enclosure by an open side, clearly before it leaves at `exit`: across the last
-// of the three planes that it crosses. No two planes are the last by more than the slack, so each axis can be asked
-// alone.
+// of the three planes that it crosses. No two planes are the last by more than the slack, so each axis is tested alone.
 template <class Real>
 PT_HD inline bool enters_by_open_side(const AxisAlignedEnclosure<Real>& enclosure, const Vec3<Real>& origin,
                                       const Vec3<Real>& inverse, Real exit) {

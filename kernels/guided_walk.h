@@ -65,8 +65,7 @@ PT_HD inline Real guided_cosine(Real decay, Real albedo, Real u) {
 }
 
 // What the pdf of a guided walk's step depends on: the cosine to the outward normal, and whether the direction was
-// drawn too. It was not at the walk's start, after internal reflection, or where the phase function draws all
-// directions.
+// drawn too. It was not at the start, after internal reflection, or where the phase function draws all directions.
 template <class Real>
 struct GuidedStep {
     Real cosine;

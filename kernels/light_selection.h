@@ -53,7 +53,7 @@ struct SeenNode {
     Vec3<Real> to_centre;
     Real inverse;         // 1 / distance to the centre, which is taken as at least half the box's diagonal
     Real inverse_square;  // square of `inverse`
-    Real shown;           // towards the place, times the distance
+    Real shown;           // radiance times area shown towards the position, times the distance
 
     PT_HD SeenNode(const LightNode<Real>& node, const Vec3<Real>& position) : to_centre(node.centre - position) {
         const Real square = min(max(dot(to_centre, to_centre), node.least_square), Real(0x1p120));
@@ -63,8 +63,8 @@ struct SeenNode {
                 node.shown.y * (absolute(to_centre.y) + node.half.y) +
                 node.shown.z * (absolute(to_centre.z) + node.half.z);
     }
-    // What is shown over the square distance. Products of two in this order stay in range where distances' powers do
-    // not.
+    // What the light-tree node sends to the position: what it shows over the squared distance. Products of two in this
+    // order stay in range where powers of the distance do not.
     PT_HD Real sent() const { return shown * inverse_square * inverse; }
     // An upper bound on what the node sends to a surface: sent() times the largest cosine to the normal within the
     // node's box.
@@ -94,8 +94,7 @@ struct Shares {
     PT_HD Real of(Real amount) const { return scale > Real(0) ? amount * scale + floor : floor; }
 };
 
-// Descends the light tree. The first word decides at the root, where stratified numbers do the most; hashes of all four
-// words decide below.
+// Descends the light tree. The first word decides at the root, where stratification does the most; hashes below.
 template <class Real>
 PT_HD inline LightPick<Real> pick_from_tree(const View<LightNode<Real>>& nodes, const LitVertex<Real>& vertex,
                                             const RandomWords& words) {

@@ -1,7 +1,6 @@
 // Vectors (GLM) and the few scalar functions whose rounding the kernels depend on.
 // min and max are ternaries: they compile to one instruction, stay IEEE, and on the host they vectorise (fminf does
-// not). Sine, cosine, arc tangent, exponential and logarithm are our
-// own (coefficients of Cephes and fdlibm), from + - * / and the
+// not). Sine, cosine, arc tangent, exponential and logarithm (coefficients of Cephes and fdlibm) use + - * / and the
 // bits of IEEE numbers alone, so that host and device round alike.
 #pragma once
 
@@ -25,8 +24,8 @@ template <class T>
 PT_HD constexpr T max(T a, T b) {
     return a > b ? a : b;
 }
-// The larger (smaller) of a number and a candidate, which is passed over if it is NaN: a device's own instruction, of
-// which a compiler may not make the ternary. Which zero comes of two zeros is left open.
+// The larger (smaller) of a number and a candidate, which is ignored if it is NaN: one instruction on a device, into
+// which a compiler may not turn the ternary. Of two zeros either may be returned.
 template <class Real>
 PT_HD inline Real keep_larger(Real kept, Real candidate) {
 #if defined(__CUDA_ARCH__)
@@ -69,9 +68,9 @@ PT_HD constexpr Real gamma(int n) {
     return Real(n) * unit_round_off<Real> / (Real(1) - Real(n) * unit_round_off<Real>);
 }
 
-// A product with a rounding of its own in every arithmetic: no compiler makes a fused multiply-add of it and the sum
-// that it is in. Fused, a b - c d is not the negative of c d - a b, so two triangles can disagree about the edge that
-// they share; and two kernels of one formula can differ in the last bit of where a ray is.
+// A product that is rounded before it is added: no compiler makes a fused multiply-add of it. Fused, a b - c d is not
+// the negative of c d - a b, so two triangles can disagree about the edge that they share; and two kernels of one
+// formula can differ in the last bit of a ray's position.
 PT_HD inline float rounded_product(float a, float b) {
 #if defined(__CUDA_ARCH__)
     return __fmul_rn(a, b);
@@ -98,7 +97,7 @@ PT_HD inline Real absolute(Real x) {
     return fabs(x);
 }
 
-// The bits of a number and back; std::bit_cast is not to be had under NVRTC.
+// Bits of a number and back; NVRTC has no std::bit_cast.
 PT_HD inline std::int32_t bits_of(float x) { return __builtin_bit_cast(std::int32_t, x); }
 PT_HD inline std::int64_t bits_of(double x) { return __builtin_bit_cast(std::int64_t, x); }
 PT_HD inline float number_of(std::int32_t bits) { return __builtin_bit_cast(float, bits); }
@@ -184,7 +183,7 @@ template <class Real>
 PT_HD inline Real logarithm(Real x) {
     const Real infinity = power_of_two<Real>(infinite_exponent<Real>);
     if (!(x > Real(0) && x < infinity)) {
-        const Real not_a_number = number_of(~bits_of(Real(0)));  // a host's own NaN is not a device's
+        const Real not_a_number = number_of(~bits_of(Real(0)));  // host and device have unlike NaNs of their own
         return x == Real(0) ? -infinity : x == infinity ? infinity : not_a_number;
     }
     const bool denormal = x < power_of_two<Real>(2 - infinite_exponent<Real>);
@@ -233,7 +232,7 @@ PT_HD inline Vec3<Real> renormalize(const Vec3<Real>& v) {
 template <class Real>
 PT_HD inline Vec3<Real> nearly_unit(const Vec3<Real>& v) {
     const Real excess = dot(v, v) - Real(1);
-    constexpr Real most = sizeof(Real) == 4 ? Real(1e-4) : Real(1e-8);  // 3/8 of its square is below a rounding
+    constexpr Real most = sizeof(Real) == 4 ? Real(1e-4) : Real(1e-8);  // the Newton error 3/8 most^2 is below rounding
     return absolute(excess) < most ? v * (Real(1) - Real(0.5) * excess) : normalize(v);
 }
 
@@ -348,7 +347,7 @@ struct Frame {
     }
 };
 
-// A read-only view of `size` elements; std::span is not to be had under NVRTC.
+// A read-only view of `size` elements; NVRTC has no std::span.
 template <class T>
 struct View {
     const T* data = nullptr;

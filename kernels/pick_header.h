@@ -1,4 +1,4 @@
-// What includes the headers of a list, one for each of its lines: kernels/shapes.h, kernels/materials.h. An #include
+// Macros to include the headers of a list, one for each line of it: kernels/shapes.h, kernels/materials.h. An #include
 // takes a macro, but no loop, hence one line for each place of the list.
 #pragma once
 
@@ -18,7 +18,7 @@
 #define PT_PICK_12(a, b, c, d, e, f, g, h, i, j, k, l, m, ...) m
 #define PT_PICK(n, ...) PT_PICK_##n(__VA_ARGS__)
 
-// For the places that a list leaves empty: kernels/FOLDER/none.h.
+// Fills the places that a list leaves empty: kernels/FOLDER/none.h.
 #define PT_NO_MORE none, none, none, none, none, none, none, none, none, none, none, none, none, none
 
 // The header of the n-th name: kernels/FOLDER/NAME.h.

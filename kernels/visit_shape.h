@@ -1,5 +1,5 @@
-// Finds an object's shape by its number: the one place that knows in which order the kinds of shapes are numbered. Who
-// wants to do something with an object's shape hands a generic function over.
+// Finds an object's shape by its number: the one place that knows in which order the kinds of shapes are numbered. Code
+// that needs an object's shape passes a generic function.
 #pragma once
 
 #include "kernels/scene_view.h"
@@ -9,16 +9,16 @@ namespace pt {
 
 PT_HD constexpr bool is_last(ShapeKind kind) { return static_cast<std::uint32_t>(kind) + 1 == shape_count; }
 
-// Whether a kernel has no kind after this one. Where meshes are the last kind, kernels without them end with the one
-// before.
+// Whether a kernel has no kind of shape after this one. Where meshes are the last kind, kernels without them end with
+// the kind before.
 PT_HD constexpr bool is_last(ShapeKind kind, FeatureSet features) {
     constexpr bool ends_with_meshes = is_last(ShapeKind::mesh);
     return is_last(kind) || (ends_with_meshes && static_cast<std::uint32_t>(kind) + 2 == shape_count &&
                              !contains(features, Feature::mesh));
 }
 
-// Shape i of an array. A kernel that is compiled for a scene's numbers of objects need not ask which one it is if there
-// is one alone.
+// Shape i of an array. A kernel that is compiled for a scene's numbers of objects ignores the index if there is only
+// one shape of the kind.
 template <class Config, class Shapes>
 PT_HD inline decltype(auto) shape_in(const Shapes& shapes, std::uint32_t i) {
 #if defined(__CUDA_ARCH__)

@@ -20,7 +20,7 @@ public:
 
     void reserve(Arena& arena);
     void clear();
-    // Captures a full batch before the clock starts, if the variant's launches are captured.
+    // Captures a full batch as a CUDA graph before the clock starts, if the variant's launches are captured.
     void prepare(const Enqueue& enqueue);
     // Enqueues all samples of the job, samples_in_flight at a time. A last batch that is not full, and so every part of
     // a render with fewer samples than that, takes the places of the first paths of the queue only. Full batches run as
@@ -45,15 +45,15 @@ private:
     void launch_graph(std::uint32_t sample);
 
     Job& job_;
-    std::uint32_t samples_in_flight_;  // of a pixel
+    std::uint32_t samples_in_flight_;  // samples of a pixel in a full batch
     LaunchTraits launch_;
     std::unique_ptr<Graph> graph_;
-    WorkCounters work_per_graph_;  // what the host's side of one captured batch counts
-    WorkCounters work_per_round_;  // of one round of the loop
+    WorkCounters work_per_graph_;  // what the host counts for one captured batch
+    WorkCounters work_per_round_;  // work of one round of the loop
     bool is_capturing_ = false;
-    bool is_in_loop_ = false;               // its body is being captured
-    std::uint32_t* next_sample_ = nullptr;  // device: where the graph finds its first sample
-    std::uint32_t graph_sample_ = 0;        // what is there once all that was enqueued has run
+    bool is_in_loop_ = false;               // the loop's body is being captured
+    std::uint32_t* next_sample_ = nullptr;  // device address of the graph's first sample
+    std::uint32_t graph_sample_ = 0;        // value at next_sample_ once all that was enqueued has run
     std::uint32_t* offset_ = nullptr;  // device: segments that earlier rounds of this batch took; 0 outside the loop
     std::uint64_t* rounds_ = nullptr;  // device: rounds run since the render began
 };

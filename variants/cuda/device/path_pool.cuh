@@ -1,9 +1,9 @@
-// A block's paths between two stages, in shared memory, and a ring of them for each kind of what comes next: a warp
-// takes up to 32 paths of one kind, whoever worked on them before, does what comes next, and hands them back. No warp
-// waits for another: a ring's ends are moved by atomic operations, and an entry says by itself whether it is there.
+// Paths of a thread block between two stages, in shared memory, and a ring of them for each kind of next stage: a warp
+// takes up to 32 paths of one kind, whoever worked on them before, runs their stage, and hands them back. No warp waits
+// for another: a ring's ends are moved by atomic operations, and an entry itself says whether it is filled.
 //
-// By the pigeonhole principle enough paths keep every warp full: those that other warps hold are 32 a warp, and of the
-// rest some kind has at least 32 as soon as there are more than 31 for each kind.
+// By the pigeonhole principle enough paths keep every warp full: other warps hold 32 paths each, and among the rest
+// some kind has at least 32 as soon as there are more than 31 for each kind.
 #pragma once
 
 #include "variants/cuda/device/packed_path.cuh"
@@ -95,7 +95,7 @@ private:
             first = atomicAdd(&tails_[kind], static_cast<std::uint32_t>(__popc(peers)));
         }
         first = __shfl_sync(pt::cuda::all_lanes, first, __ffs(static_cast<int>(peers)) - 1);
-        // Positions that are a ring apart share an entry: who read it last may yet have to say so.
+        // Positions a ring's length apart share an entry, which the last reader may not have emptied yet.
         bool has_entry = kind < Kinds::lists;
         while (__any_sync(pt::cuda::all_lanes, has_entry)) {
             if (has_entry) {
@@ -134,7 +134,7 @@ private:
             }
         } while (!has_taken && !taken.finished);
         taken.count = has_taken ? taken.count : 0;
-        // An entry whose position is given away but that is not yet written will be in a moment.
+        // A ring entry that was taken but is not yet written will be written in a moment: wait for it.
         taken.slot = 0;
         bool waits = lane < taken.count;
         while (__any_sync(pt::cuda::all_lanes, waits)) {
