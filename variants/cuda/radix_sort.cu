@@ -58,8 +58,7 @@ cudaError_t sort_bits(void* memory, std::size_t& bytes, Words& keys, Words& valu
 
 }  // namespace
 
-// Reserves storage for both numbers of bits that may be sorted by: all bits need the most passes, and mostly the most
-// storage.
+// Reserves CUB's storage for both numbers of key bits: all bits need the most passes, and mostly the most storage.
 void RadixSort::reserve(Arena& arena, const Queue& queue) {
     storage_.reserve(arena, [&](void* memory, std::size_t& bytes) {
         Words keys, slots;
@@ -83,7 +82,7 @@ void RadixSort::sort(Queue& queue, std::uint32_t key_count) {
         queue.indirect = true;
     }
     const int bits = key_bits_ == KeyBits::all ? all_bits : std::bit_width(key_count - 1);
-    if (bits == 0) {  // one key: the order is that already
+    if (bits == 0) {  // with a single key the order stays
         return;
     }
     Words keys(queue.keys, queue.keys_spare), slots(queue.order, queue.order_spare);

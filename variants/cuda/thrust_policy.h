@@ -37,8 +37,8 @@ inline Descriptor on_device(Descriptor descriptor,
     return descriptor;
 }
 
-// The allocator that Thrust takes temporaries from. It is one type for both kinds, so that each algorithm is compiled
-// once.
+// The allocator that Thrust takes temporaries from. One type either keeps blocks or frees them, so that each algorithm
+// is compiled once.
 class TemporaryMemory {
 public:
     using value_type = char;
@@ -88,7 +88,7 @@ public:
 
 private:
     bool keeps_blocks_;
-    std::multimap<std::size_t, char*> free_;  // by size; empty unless keeps_blocks_
+    std::multimap<std::size_t, char*> free_;  // free blocks by size; empty unless keeps_blocks_
     std::map<char*, std::size_t> used_;
 };
 

@@ -23,8 +23,8 @@ void check_round_trip(const Queue& before, const Queue& after) {
 
 }  // namespace
 
-// The device counts the paths that each segment finds alive. Made before the segment is enqueued; the pinned words are
-// those of a read-back, which there is none of where this asks.
+// Whether all paths of a batch have ended, by the device's count of the paths that a segment finds alive. Made before
+// the segment is enqueued; the pinned words are those of a read-back, which does not take place where this class asks.
 class Wavefront::EndOfPaths {
 public:
     EndOfPaths(Wavefront& wavefront, std::uint32_t segment)
@@ -45,7 +45,7 @@ public:
         read(1);
         PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));
         job_.work.host_waits += 1;
-        return counts_[0] == counts_[1];  // it counts earlier batches too
+        return counts_[0] == counts_[1];  // the count includes earlier batches
     }
 
 private:

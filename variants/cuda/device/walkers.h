@@ -11,7 +11,7 @@
 
 namespace pt::cuda {
 
-// A path on a walk. What else there is of it lies in its slot.
+// A path on a subsurface walk. The rest of the path's state lies in its slot.
 template <class Walk>
 struct Walker {
     std::uint32_t slot;
