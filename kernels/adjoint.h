@@ -10,8 +10,8 @@
 
 namespace pt {
 
-// Bounds of adjoint-driven Russian roulette: the least survival probability, and the throughput above which a surviving
-// path is not scaled. Without them an estimate that is far too small would leave samples beyond the film's range.
+// Bounds of adjoint-driven Russian roulette: the least survival probability, and the most throughput to which a
+// survivor is scaled up. Without them an estimate that is far too small would leave samples beyond the film's range.
 template <class Real>
 inline constexpr Real least_survival = Real(0.0625);
 template <class Real>
@@ -74,7 +74,7 @@ PT_HD inline Real expected_share(const AdjointCache<Real>& cache, const Path<Rea
 }
 
 // Survival probability of a path in adjoint-driven Russian roulette: 1 within the weight window and above it. An
-// expected share that is NaN does not end the path, so the film will count it.
+// expected contribution that is NaN does not end the path, so the film will count it.
 template <class Real>
 PT_HD inline Real survival_probability(Real share, Real lowest, const Vec3<Real>& throughput) {
     const Real wanted = min(share / lowest, Real(1));
@@ -82,7 +82,7 @@ PT_HD inline Real survival_probability(Real share, Real lowest, const Vec3<Real>
     return min(max(wanted, max(least_survival<Real>, carried * (Real(1) / most_carried<Real>))), Real(1));
 }
 
-// Number of branches that a path of this expected share splits into: 1 within the weight window and below it.
+// Number of branches that a path splits into by its expected contribution: 1 within the weight window and below it.
 template <class Real>
 PT_HD inline std::uint32_t branch_count(Real share, Real highest, std::uint32_t most) {
     return share > highest ? 1 + static_cast<std::uint32_t>(min(share / highest, static_cast<Real>(most - 1))) : 1u;
@@ -102,7 +102,7 @@ PT_HD inline bool survives_by_share(Path<Real>& path, Real share, Real lowest, R
     return true;
 }
 
-// Branch of kernels that do not split paths: at most it plays adjoint-driven roulette before the path scatters.
+// Branch policy of kernels without path splitting: at most adjoint-driven roulette is played before a path scatters.
 struct OneBranch {
     template <class Config>
     static constexpr bool acts_in = has<Config>(Feature::adjoint_roulette);

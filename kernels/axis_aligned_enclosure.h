@@ -11,7 +11,7 @@ namespace pt {
 
 template <class Real>
 struct AxisAlignedEnclosure {
-    Vec3<Real> low{Real(0), Real(0), Real(0)};  // lowest corner, scene units relative to the camera's eye
+    Vec3<Real> low{Real(0), Real(0), Real(0)};  // lowest corner of the enclosure, scene units from the eye
     Vec3<Real> high{Real(0), Real(0), Real(0)};
     Vec3<Real> reach_low{Real(0), Real(0), Real(0)};  // bounding box of axis boxes at all times; infinite: one moves
     Vec3<Real> reach_high{Real(0), Real(0), Real(0)};

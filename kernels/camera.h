@@ -18,7 +18,7 @@ struct Camera {
     Real shutter_open, shutter_length;  // shutter times in seconds
     std::uint32_t shutter_late;         // 1: ray times have density 2s/length^2, s = time since the opening
     std::uint32_t jitter;               // 0: every camera ray passes through its pixel's centre
-    std::uint32_t initial_medium;       // material that absorbs at the eye, or Path::no_medium
+    std::uint32_t initial_medium;       // material whose medium the eye is in, or Path::no_medium
 };
 
 // Unit vector along a camera ray. Without a lens the direction is no shorter than the camera's forward vector, so the

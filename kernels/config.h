@@ -8,14 +8,15 @@
 
 #include <cstdint>
 
-// The one host/device macro. Under g++ it vanishes; under nvcc and NVRTC every function serves both sides.
+// PT_HD marks a function for host and device: under g++ it vanishes; under nvcc and NVRTC every function serves both
+// sides.
 #if defined(__CUDACC__)
 #define PT_HD __host__ __device__
 #else
 #define PT_HD
 #endif
 
-// Stands before a loop that device code must not unroll, however short: a long kernel stalls on instruction fetch.
+// PT_ROLLED marks a loop that a device must not unroll, however short: a long kernel stalls on instruction fetch.
 #if defined(__CUDA_ARCH__)
 #define PT_ROLLED _Pragma("unroll 1")
 #else
@@ -28,12 +29,12 @@ using FeatureSet = std::uint64_t;
 
 // First bit of each group of features in a FeatureSet. A group's bits stand together, with room for more of its kind.
 namespace feature_bit {
-inline constexpr FeatureSet camera = FeatureSet{1} << 0;      // 4 bits for camera features
-inline constexpr FeatureSet shape = FeatureSet{1} << 4;       // 16 bits for shapes
-inline constexpr FeatureSet material = FeatureSet{1} << 20;   // 17 bits for materials
-inline constexpr FeatureSet light = FeatureSet{1} << 37;      // 11 bits for lights
-inline constexpr FeatureSet sampling = FeatureSet{1} << 48;   // 10 bits for sampling
-inline constexpr FeatureSet traversal = FeatureSet{1} << 58;  // 6 bits for traversal
+inline constexpr FeatureSet camera = FeatureSet{1} << 0;      // 4 feature bits for the camera
+inline constexpr FeatureSet shape = FeatureSet{1} << 4;       // 16 feature bits for shapes
+inline constexpr FeatureSet material = FeatureSet{1} << 20;   // 17 feature bits for materials
+inline constexpr FeatureSet light = FeatureSet{1} << 37;      // 11 feature bits for lights
+inline constexpr FeatureSet sampling = FeatureSet{1} << 48;   // 10 feature bits for sampling
+inline constexpr FeatureSet traversal = FeatureSet{1} << 58;  // 6 feature bits for traversal
 }  // namespace feature_bit
 
 enum class Feature : FeatureSet {
@@ -53,10 +54,10 @@ enum class Feature : FeatureSet {
 #define PT_FEATURE(name, Type, traits) name = feature_bit::material << static_cast<std::uint32_t>(MaterialType::name),
     PT_MATERIALS(PT_FEATURE)
 #undef PT_FEATURE
-    // What materials do beyond their type.
+    // Features of what materials do beyond their type.
     emission = feature_bit::material << 11,             // surfaces that both reflect and emit light
-    absorption = feature_bit::material << 12,           // Beer-Lambert inside a dielectric, smooth or rough
-    subsurface_boundary = feature_bit::material << 13,  // a subsurface body whose index is not 1
+    absorption = feature_bit::material << 12,           // Beer-Lambert absorption inside a dielectric, smooth or rough
+    subsurface_boundary = feature_bit::material << 13,  // a subsurface body whose index of refraction is not 1
     multiple_scattering = feature_bit::material << 14,  // rough conductors with energy compensation
     textures = feature_bit::material << 15,             // colours and roughnesses that are images (kernels/texture.h)
     shading_normals = feature_bit::material << 16,      // normals other than geometric ones (kernels/shading_normal.h)
@@ -136,7 +137,7 @@ inline constexpr FeatureSet material_features =
 inline constexpr FeatureSet light_samplings =
     set_of(Feature::area_sampling, Feature::projected_sampling, Feature::automatic_sampling);
 inline constexpr FeatureSet light_selections = set_of(Feature::power_selection, Feature::tree_selection);
-// What a scene or an estimator may need: a kernel with all of these renders any scene without meshes.
+// Features that a scene or an estimator may need: a kernel with all of them renders any scene without meshes.
 inline constexpr FeatureSet all_features =
     (shape_features & ~static_cast<FeatureSet>(Feature::mesh)) | material_features | light_samplings |
     light_selections |
@@ -183,7 +184,7 @@ PT_HD constexpr LightSelection light_selection_in(FeatureSet set) {
 }
 PT_HD constexpr bool is_superset(FeatureSet set, FeatureSet subset) { return (set & subset) == subset; }
 
-// Takes rays through a mesh (kernels/mesh_view.h); a choice of the axis accelerator.
+// BruteForce tests every triangle of a mesh (kernels/mesh_view.h); a choice of the axis `accelerator`.
 struct BruteForce;
 
 template <class RealT, FeatureSet Features, class AcceleratorT = BruteForce>

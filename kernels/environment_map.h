@@ -29,11 +29,11 @@ struct EnvironmentTexel {
 template <class Real>
 struct EnvironmentMap {
     View<EnvironmentRow<Real>> rows;      // rows of the image from +y down
-    View<EnvironmentTexel<Real>> texels;  // texels, row by row
-    std::uint32_t width;                  // texels in a row
-    Real turn;                            // rotation about y: image column of -z, in widths
-    std::uint32_t object_share;           // of 2^32: a word below it draws an emitting object
-    std::uint32_t stretch;                // 2^31 times 2^32 / object_share
+    View<EnvironmentTexel<Real>> texels;  // texels of the image, row by row
+    std::uint32_t width;                  // number of texels in a row
+    Real turn;                            // rotation about y: where -z is in the image, in widths
+    std::uint32_t object_share;           // a random word below this draws an object that emits, not the environment
+    std::uint32_t stretch;                // 2^63 / object_share, to stretch random words below object_share
     Real inverse_probability;             // 1 / probability of drawing the environment
     Real inverse_object_probability;      // 1 / probability of drawing an emitting object
 };

@@ -51,7 +51,7 @@ struct FilmView {
     // Scale and limit in single precision, in which a product with a power of two is exact as well. A negative limit:
     // single precision is not to be used.
     float single_scale = 1.0f;
-    float single_limit = -1.0f;  // the largest number not above `limit`
+    float single_limit = -1.0f;  // the largest float not above `limit`
 
     // Converts one sample's radiance to quanta. Faults are counted; a sample that is not finite is left out.
     PT_HD FilmSum quanta(const Vec3<float>& radiance) const {

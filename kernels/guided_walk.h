@@ -65,7 +65,7 @@ PT_HD inline Real guided_cosine(Real decay, Real albedo, Real u) {
 }
 
 // What the pdf of a guided walk's step depends on: the cosine to the outward normal, and whether the direction was
-// drawn too. It was not at the start, after internal reflection, or where the phase function draws all directions.
+// drawn with the step: not so at the start, after internal reflection, or where the phase function draws all of them.
 template <class Real>
 struct GuidedStep {
     Real cosine;
@@ -99,7 +99,7 @@ PT_HD inline Vec3<Real> guided_step_weight(const ScatteringMedium<Real>& medium,
         return step.scattered ? medium.scattering_albedo * weight : Vec3<Real>{weight, weight, weight};
     }
     const auto guided_sigma = [&](int i) { return medium.sigma_t[i] * step.thinned(medium.guide_decay[i]); };
-    // Relative to the most transparent of the six densities, so that no transmittance underflows in all at once.
+    // Transmittances are relative to the most transparent of the six densities, so that not all of them underflow.
     Real least = min(medium.sigma_t.x, guided_sigma(0));
     for (int i = 1; i < 3; ++i) {
         least = min(least, min(medium.sigma_t[i], guided_sigma(i)));

@@ -192,7 +192,7 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
         }
         const std::uint32_t object = first + i;
         const Vec3<Real> origin = at_rest<Config>(scene, object, ray.origin, ray.time);
-        // A copy of the box: through a reference nvcc 13.0 loads plane by plane, at an address that depends on the
+        // A copy of the box: through a reference nvcc 13.0 loads each plane by itself, at an address that varies by
         // lane.
         const AxisBox<Real> box = scene.axis_boxes[i];
         // A ray known to hit no wall lies clearly within the enclosure, and so its direction has a finite reciprocal.
@@ -201,7 +201,7 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
         bool starts_here = ray.origin_surface.is_of(object);
         if constexpr (has<Config>(Feature::enclosure)) {
             starts_here =
-                starts_here && !scene.enclosure.is_lamp(i);  // a constant where the compiler knows the enclosure
+                starts_here && !scene.enclosure.is_lamp(i);  // is_lamp: a constant if the compiler knows the enclosure
         }
         if (!starts_here) {
             keep_nearer(best, crossing, object);
@@ -345,7 +345,7 @@ PT_HD inline Vec3<Real> corners_along(const LeafTriangle::Row& row, const Real& 
 // Updates the closest hit `best` by a leaf's triangle. The leaf lies in memory, where rows are chosen by address.
 template <class Real>
 PT_HD inline void meet_triangle(Hit<Real>& best, const LeafTriangle& leaf, const MeshRay<Real>& ray) {
-    // Each row is loaded whole, in one memory access.
+    // Each row of the leaf's triangle is loaded whole, in one memory access.
     const LeafTriangle::Row z = leaf.row[ray.sheared.kz], x = leaf.row[ray.sheared.kx], y = leaf.row[ray.sheared.ky];
     const TriangleHit<Real> hit = intersect_along(corners_along(x, ray.along.x), corners_along(y, ray.along.y),
                                                   corners_along(z, ray.along.z), ray.sheared.shear);

@@ -51,9 +51,9 @@ struct LitVertex {
 template <class Real>
 struct SeenNode {
     Vec3<Real> to_centre;
-    Real inverse;         // 1 / distance to the centre, which is taken as at least half the box's diagonal
-    Real inverse_square;  // square of `inverse`
-    Real shown;           // radiance times area shown towards the position, times the distance
+    Real inverse;         // 1 / distance to the node's centre, taken as at least half the box's diagonal
+    Real inverse_square;  // 1 / squared distance to the node's centre
+    Real shown;           // radiance times area that the node shows the position, times the distance
 
     PT_HD SeenNode(const LightNode<Real>& node, const Vec3<Real>& position) : to_centre(node.centre - position) {
         const Real square = min(max(dot(to_centre, to_centre), node.least_square), Real(0x1p120));
@@ -86,7 +86,7 @@ struct Shares {
 
     PT_HD Shares(Real total, std::uint32_t count) {
         const Real number = static_cast<Real>(count);
-        // A total that is 0, out of range or NaN gives every child the same share.
+        // A total that is 0, out of range or NaN gives every child of the node the same share.
         const bool is_known = total > Real(0x1p-80) && total < Real(0x1p80);
         scale = is_known ? nearly_divide(Real(0x1p32) - (number + Real(1)) * least, total) : Real(0);
         floor = is_known ? least : nearly_divide(Real(0x1p32), number) - Real(0x1p9);

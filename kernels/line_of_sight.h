@@ -92,7 +92,8 @@ PT_HD inline bool is_hidden_by_axis_boxes(Segment<typename Config::Real>& segmen
     const std::uint32_t first = first_of<ShapeKind::axis_box>(scene);
     if constexpr (has<Config>(Feature::enclosure)) {
         if (without_walls) {
-            // Mostly the light alone is left of the axis boxes, so the reciprocal direction is not computed in advance.
+            // Without walls the light is mostly the only axis box, so the reciprocal direction is formed where it is
+            // needed.
             for (std::uint32_t i = 0; i < scene.axis_boxes.size; ++i) {
                 if (!scene.enclosure.is_wall(i) && first + i != segment.object &&
                     is_hidden_by_axis_box<Config>(segment, scene, i, reciprocal(segment.ray.direction))) {

@@ -34,7 +34,7 @@ template <class Real>
 struct Material {
     MaterialType type;
     std::uint32_t emits;    // 1 if emission is not black
-    Vec3<Real> emission;    // radiance, linear RGB
+    Vec3<Real> emission;    // emitted radiance, linear RGB
     Vec3<Real> sigma_a;     // absorption coefficient behind the surface, 1 / scene unit
     std::uint32_t absorbs;  // 1 if paths run in the medium behind the surface, and sigma_a is not 0
     // Parameters of the material's type.

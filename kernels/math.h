@@ -97,7 +97,7 @@ PT_HD inline Real absolute(Real x) {
     return fabs(x);
 }
 
-// Bits of a number and back; NVRTC has no std::bit_cast.
+// Converts a number to its bits and back; NVRTC has no std::bit_cast.
 PT_HD inline std::int32_t bits_of(float x) { return __builtin_bit_cast(std::int32_t, x); }
 PT_HD inline std::int64_t bits_of(double x) { return __builtin_bit_cast(std::int64_t, x); }
 PT_HD inline float number_of(std::int32_t bits) { return __builtin_bit_cast(float, bits); }
@@ -151,7 +151,7 @@ PT_HD inline double exponential_series(double z) {
 template <class Real>
 PT_HD inline Real exponential(Real x) {
     constexpr Real log2_e = Real(1.44269504088896340736);
-    // At these bounds the result already rounds to 0 or to infinity. NaN counts as the lower bound until the last line.
+    // At these bounds e^x already rounds to 0 or to infinity. NaN counts as the lower bound until the last line.
     const Real within = sizeof(Real) == 4 ? clamp(x, Real(-104), Real(89)) : clamp(x, Real(-746), Real(710));
     const int k = static_cast<int>(within * log2_e + (within < Real(0) ? Real(-0.5) : Real(0.5)));
     const Real high = within - Real(k) * ln2_high<Real>;
@@ -273,7 +273,7 @@ PT_HD inline SinCos<double> sin_cos_octant(double x) {
 template <class Real>
 PT_HD inline SinCos<Real> sin_cos_turn(Real u) {
     const int quarter = static_cast<int>(u * Real(4) + Real(0.5));  // nearest quarter turn, 0..4
-    const Real rest = u - Real(quarter) * Real(0.25);               // exact (Sterbenz), in [-1/8, 1/8]
+    const Real rest = u - Real(quarter) * Real(0.25);               // exact remainder (Sterbenz), in [-1/8, 1/8]
     const SinCos<Real> octant = sin_cos_octant(rest * (Real(2) * pi<Real>));
     switch (quarter & 3) {
         case 0:

@@ -11,7 +11,7 @@ struct TreeView {
     const void* nodes = nullptr;
     std::uint32_t node_count = 0;
     std::uint32_t slot_count = 0;  // primitive slots in all leaves
-    std::uint32_t node_bytes = 0;  // size of a node
+    std::uint32_t node_bytes = 0;  // size of a node in bytes
 };
 
 // Counters of one ray's traversal; NoTraversalCounter counts nothing and costs nothing.
@@ -85,7 +85,7 @@ static_assert(sizeof(LeafTriangle) == 48);
 struct MeshView {
     const LeafTriangle* leaves = nullptr;        // triangles by slot, in the order of the tree's leaves
     const Triangle<float>* triangles = nullptr;  // triangles by primitive index
-    const float* cumulative_area = nullptr;      // area of all triangles up to each; emissive meshes only
+    const float* cumulative_area = nullptr;      // cumulative area of the triangles; emissive meshes only
     TreeView tree;
     const void* native = nullptr;  // own structure of a host accelerator for this mesh
     std::uint32_t triangle_count = 0;

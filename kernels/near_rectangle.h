@@ -12,7 +12,7 @@ namespace pt {
 template <class Real>
 struct NearRectangle {
     Real x0, x1, y0, y1, height;
-    Real length;  // y1 - y0, known more precisely than its ends
+    Real length;  // extent along y, known more precisely than y1 - y0
     Real angle;   // angle that the strip subtends, up to pi; 0: the rectangle is not visible
 
     // `at`: the observer's position over the rectangle, from its centre; `half`: the rectangle's half sides.

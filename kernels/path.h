@@ -23,7 +23,8 @@ struct SurfaceId {
     }
     PT_HD constexpr bool exists() const { return code != nowhere; }
     PT_HD constexpr std::uint32_t object() const { return (code >> 1) & (most_objects - 1); }
-    // Whether this surface's object has the lower number; both surfaces must exist and be of different objects.
+    // Whether this surface's object has a lower index than that of `other`; both surfaces must exist, on different
+    // objects.
     PT_HD constexpr bool precedes(const SurfaceId& other) const { return (code << 4) < (other.code << 4); }
     // Whether this is a surface of object `number`; false for nowhere.
     PT_HD constexpr bool is_of(std::uint32_t number) const { return exists() && object() == number; }

@@ -8,7 +8,7 @@
 namespace pt {
 
 enum class FieldType {
-    vector,  // 3 x Real
+    vector,  // three numbers of type Real
     real,
     word  // 32 bits
 };
@@ -41,11 +41,11 @@ enum class PathField : std::size_t {
 };
 
 struct PathFieldInfo {
-    const char* name;  // member of struct Path
+    const char* name;  // name of the member of struct Path
     FieldType type;
     FieldChange change;
     bool is_optional;
-    FeatureSet features;  // a kernel with one of these carries an optional field
+    FeatureSet features;  // an optional field is carried by kernels with one of these
 
     PT_HD constexpr std::size_t bytes(std::size_t real_bytes) const {
         return type == FieldType::vector ? 3 * real_bytes

@@ -16,7 +16,7 @@ namespace pt {
 // Four whitening words derived from the user's seed, and the sampler of a kernel that has several.
 struct RandomSeed {
     RandomWords words{0, 0, 0, 0};
-    FeatureSet sampler = no_features;  // one of `samplers`, or none for pcg4d
+    FeatureSet sampler = no_features;  // sampler: one of `samplers`, or none for pcg4d
 
     PT_HD static RandomSeed from(std::uint64_t seed) {
         return {

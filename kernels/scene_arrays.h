@@ -17,7 +17,7 @@ enum class ArrayKind : std::uint32_t {
 };
 
 struct SceneArray {
-    const char* name;  // member of SceneView
+    const char* name;  // name of the member of SceneView
     ArrayKind kind;
 
     PT_HD constexpr bool is_used(FeatureSet features) const {

@@ -12,7 +12,7 @@
 namespace pt {
 
 template <class Real>
-struct Material;  // kernels/materials.h
+struct Material;  // defined in kernels/materials.h
 
 // What most hits need of an object's material, in one 16-byte read.
 template <class Real>
@@ -30,7 +30,7 @@ struct Light {
 template <class Real>
 struct LightSlot {
     std::uint32_t threshold;   // share, of 2^32, of the slot's own light; the rest is the alias's
-    std::uint32_t alias;       // light that gets the rest of the slot
+    std::uint32_t alias;       // light that gets the rest of the alias-table slot
     Real inverse_probability;  // 1 / probability of the light by power
     std::uint32_t way;         // way down the light tree: bits 4i to 4i + 3 are the child at level i
 };
@@ -40,11 +40,11 @@ struct LightSlot {
 template <class Real>
 struct alignas(16) LightNode {
     Vec3<Real> centre;
-    std::uint32_t link;  // first child (children are adjacent), or leaf_bit and a light
+    std::uint32_t link;  // index of the first child (children are adjacent), or leaf_bit and a light
     Vec3<Real> half;     // half extents of the bounding box
     std::uint32_t child_count;
     Vec3<Real> shown;
-    Real least_square;  // lower bound on squared distances: that of half the diagonal, and 2^-100
+    Real least_square;  // least squared distance: that of half the box's diagonal, at least 2^-100
 
     static constexpr std::uint32_t leaf_bit = 0x80000000u;
     // Limits of the light tree, with which the way to a light fits 32 bits.
@@ -59,7 +59,7 @@ struct alignas(16) LightNode {
 struct TexelBlock {
     std::uint32_t width;  // width in texels; 0: there is no image
     std::uint32_t height;
-    std::uint32_t first_texel;  // index in SceneView::texels
+    std::uint32_t first_texel;  // index of the first texel in SceneView::texels
 };
 
 // The images that an object shows, and how points of the object map to their coordinates.
@@ -79,12 +79,12 @@ struct ObjectNormals {
     Vec3<Real> row[3];
     std::uint32_t first_normal;  // index of a mesh's first triangle in ShadingNormals::corners, or none
     TexelBlock map;              // normal map, in the tangent space of the texture coordinates
-    Real map_scale;              // factor on the map's first two components
+    Real map_scale;              // factor on the normal map's first two components
 };
 
 template <class Real>
 struct ShadingNormals {
-    View<ObjectNormals<Real>> objects;  // by object index; empty: all surfaces have geometric normals
+    View<ObjectNormals<Real>> objects;  // shading normals by object index; empty: none differ from geometric normals
     View<CornerNormals> corners;
 };
 
@@ -112,7 +112,7 @@ struct AdjointCache;
 
 // One tree over the triangles of all mesh instances, in scene space; its slots name the triangles.
 struct FlatSlot {
-    std::uint32_t mesh;  // index of the mesh instance
+    std::uint32_t mesh;  // index of the triangle's mesh instance
     std::uint32_t primitive;
 };
 struct FlatTree {
@@ -148,7 +148,7 @@ struct SceneView {
     View<std::uint32_t> object_light;   // light index by object index; this and the next two for light_selections
     View<LightSlot<Real>> light_slots;  // alias table by light index
     View<LightNode<Real>> light_nodes;  // nodes of the light tree, root first
-    View<ObjectTexture<Real>> object_textures;  // by object index; empty: the scene has no textures
+    View<ObjectTexture<Real>> object_textures;  // textures by object index; empty: there are none
     View<Vec3<float>> texels;
     View<CornerCoordinates> texture_coordinates;
     Vec3<Real> environment;  // radiance of rays that leave the scene

@@ -19,7 +19,7 @@ namespace pt {
 template <class Count>
 struct PathCountersOf {
     Count paths = 0;
-    Count rays = 0;              // queries: path segments (closest hit) and connections to lights
+    Count rays = 0;              // rays traced: path segments (closest hit) and connections to lights
     Count connections = 0;       // rays that connect a vertex to a light
     Count unfinished_walks = 0;  // paths lost in a subsurface body: the walk met its cap, or began inside
 };
@@ -55,8 +55,8 @@ PT_HD inline void accumulate(const FilmView& film, const Path<Real>& path) {
     film.add(path.pixel, path.radiance);
 }
 
-// Has the vertex's material pick the next direction. Returns whether the path goes on. The list is expanded as
-// statements: other forms give kernels other registers.
+// Has the vertex's material pick the next direction. Returns whether the path goes on. The list of material types is
+// expanded as statements: other forms give kernels other registers.
 template <class Config, class At>
 PT_HD inline bool scatter(const At& at) {
     using Real = typename Config::Real;

@@ -27,7 +27,7 @@ namespace pt {
 
 static_assert(shape_count <= 13, "kernels/shapes.h includes, and kernels/config.h has bits for, 13 shapes");
 
-// The class of a kind of shape.
+// ShapeOf<kind, Real> is the class of a kind of shape.
 template <ShapeKind kind, class Real>
 struct ShapeOfKind;
 #define PT_SHAPE_OF(name, array, Type)          \

@@ -16,7 +16,7 @@ namespace pt {
 // The cone of directions in which an observer sees a sphere: solid angle 2 pi (1 - cos); all directions from inside.
 template <class Real>
 struct Cone {
-    Real one_minus_cosine;  // of the cone's half angle; 2: the whole sphere of directions
+    Real one_minus_cosine;  // 1 - cos of the half angle; 2: the whole sphere of directions
 
     // A `radius_over_distance` above 1 means that the observer is inside the sphere, which then fills all directions.
     PT_HD explicit Cone(Real radius_over_distance) : one_minus_cosine(Real(2)) {
@@ -47,14 +47,14 @@ template <class Real>
 struct SphericalRectangle {
     Real x0, x1, y0, y1, height;
     Real skew;         // angle from which shares of the solid angle are counted
-    Real solid_angle;  // not above 0, or NaN: the rectangle is not visible
+    Real solid_angle;  // solid angle of the rectangle; not above 0, or NaN: not visible
 
     PT_HD SphericalRectangle(Real low_x, Real high_x, Real low_y, Real high_y, Real z)
         : x0(low_x), x1(high_x), y0(low_y), y1(high_y), height(z) {
         skew = corner(x0, y0) - corner(x0, y1);
         solid_angle = corner(x1, y1) - corner(x1, y0) + skew;
     }
-    // The point for which u of the solid angle lies on the side of x0, and v of the rest on that of y0.
+    // Point of the rectangle for which u of the solid angle lies on the side of x0, and v of the rest on that of y0.
     PT_HD Vec3<Real> point(Real u, Real v) const {
         const SinCos<Real> angle = sin_cos(u * solid_angle - skew);
         const Real b0 = -y0 / square_root(y0 * y0 + height * height);
@@ -92,11 +92,11 @@ PT_HD inline Real far_inverse_pdf(Real total, Real distance, Real diagonal) {
 // A box light in its own frame as an observer sees it, in units of its diagonal. A quad is a box without height.
 template <class Real>
 struct SeenBox {
-    Vec3<Real> observer;  // position from the box's centre
+    Vec3<Real> observer;  // position relative to the box's centre
     Vec3<Real> half;
     Real diagonal;  // length of the box's diagonal, scene units
     bool near;
-    Real share[3];  // of the seen face across each axis: solid angle (near) or projected area times distance (far)
+    Real share[3];  // share of each axis's seen face: solid angle (near) or projected area times distance (far)
     Real total;
     bool inside;
 

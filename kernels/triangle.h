@@ -36,7 +36,7 @@ struct ShearedDirection {
 template <class Real>
 struct TriangleHit {
     Real t;        // distance in multiples of the direction
-    Real det;      // u + v + w
+    Real det;      // determinant u + v + w
     Real u, v, w;  // barycentric weights of a, b, c times det
     bool hits;
     bool from_behind;  // hit on the side where a, b, c go round clockwise

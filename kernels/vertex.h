@@ -9,7 +9,7 @@ namespace pt {
 template <class Real>
 struct Vertex {
     Vec3<Real> position;
-    Vec3<Real> surface_normal;  // unit, on the incoming ray's side; not set for hits with a box face
+    Vec3<Real> surface_normal;  // unit normal on the incoming ray's side; not set for hits with a box face
     std::uint32_t object;
     bool inside;  // the incoming ray ran inside the object
     std::uint32_t material;

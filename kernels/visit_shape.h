@@ -42,7 +42,7 @@ PT_HD inline void visit_shape(const Scene& scene, std::uint32_t object, Visitor&
 #undef PT_VISIT
 }
 
-// Whether the object is a surface without an inside.
+// Whether an object is flat: a surface without an inside.
 template <class Scene>
 PT_HD inline bool is_flat(const Scene& scene, std::uint32_t object) {
     bool flat = false;

@@ -76,8 +76,7 @@ PT_HD inline bool shade_diffuse(const At& at, const Vec3<typename At::Real>& alb
             path.bsdf_pdf =
                 kept_pdf<Config>(path, max(at.vertex.dot_normal(path.direction), least) * (Real(1) / pi<Real>));
         } else {
-            // Where lights that are hit are not weighted, any pdf will do but 0, which means that there was no
-            // connection.
+            // Where lights that are hit are not weighted, any pdf will do but 0, which stands for no connection.
             path.bsdf_pdf = Real(1);
         }
     }

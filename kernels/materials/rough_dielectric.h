@@ -47,7 +47,7 @@ struct RoughDielectric {
         const Real across_squared = dot(across, across);
         const Real square = along * along + across_squared;
         const Real length = (along < Real(0) ? Real(-1) : Real(1)) * square_root(square);
-        // These are the cosines to the facet's normal, turned to the side of the surface's normal.
+        // Cosines of both directions to the facet normal, which is turned to the surface normal's side.
         const Real between = dot(facets.outgoing, incoming);
         const Real facet_cosine = passes ? (Real(1) + index * between) / length : Real(0.5) * length;
         const Real beyond = (between + index) / length;
@@ -81,7 +81,7 @@ struct RoughDielectric {
         return sample;
     }
 
-    // The sample refracted by a facet that sample() has drawn.
+    // Sample of a rough dielectric's lobe that is refracted by a facet which sample() has drawn.
     PT_HD LobeSample<Real> refracted(const GgxFacet<Real>& facet, Real facet_cosine,
                                      const Refraction<Real>& refraction) const {
         LobeSample<Real> sample{refract(boundary, -facets.outgoing, facet.normal, facet_cosine, refraction.q),

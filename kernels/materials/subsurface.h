@@ -190,8 +190,8 @@ private:
         using Config = typename At::Config;
         Path<Real>& path = at.path;
         const VertexOf<Config>& vertex = at.vertex;
-        // Walks start outside. A path that hits the surface from inside came through another body that reaches in: what
-        // it missed is not known, so it is lost and counted (the loader refuses an eye inside a body).
+        // Walks start at the surface, from outside. A path that hits it from inside came through another body that
+        // reaches in: what it missed is not known, so it is lost and counted (the loader refuses an eye inside a body).
         if (vertex.inside) {
             return false;
         }

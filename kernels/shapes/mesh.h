@@ -157,7 +157,7 @@ PT_HD inline SurfacePoint<Real> surface_point(const MeshTriangle<Real>& met, con
     return {placed + normal * (hit.from_behind ? -reach : reach), normal};
 }
 
-// The primitive with the first cumulative area above `area`.
+// Triangle of a mesh with the first cumulative area above `area`, by binary search.
 template <class Real>
 PT_HD inline std::uint32_t primitive_at_area(const MeshInstance<Real>& mesh, float area) {
     std::uint32_t low = 0, high = mesh.geometry.triangle_count - 1;

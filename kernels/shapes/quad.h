@@ -1,4 +1,4 @@
-// Rectangles: two-sided, anywhere. A ray that starts on a quad never meets it again.
+// Quads: two-sided rectangles of any place and orientation. A ray that starts on a quad never hits it again.
 #pragma once
 
 #include "kernels/light_sampling.h"

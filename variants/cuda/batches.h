@@ -38,7 +38,7 @@ public:
     const std::uint32_t* cursor() const { return is_capturing_ ? next_sample_ : nullptr; }
     bool is_capturing() const { return is_capturing_; }
     std::uint32_t samples_in_flight() const { return samples_in_flight_; }
-    // The work that the rounds of loops have counted. Waits for the device.
+    // The work that the rounds of graph loops have counted so far. Waits for the device.
     WorkCounters loop_work() const;
 
 private:
@@ -51,11 +51,11 @@ private:
     WorkCounters work_per_graph_;  // what the host counts for one captured batch
     WorkCounters work_per_round_;  // work of one round of the loop
     bool is_capturing_ = false;
-    bool is_in_loop_ = false;               // the loop's body is being captured
+    bool is_in_loop_ = false;               // the body of the graph's loop is being captured
     std::uint32_t* next_sample_ = nullptr;  // device address of the graph's first sample
     std::uint32_t graph_sample_ = 0;        // value at next_sample_ once all that was enqueued has run
     std::uint32_t* offset_ = nullptr;  // device: segments that earlier rounds of this batch took; 0 outside the loop
-    std::uint64_t* rounds_ = nullptr;  // device: rounds run since the render began
+    std::uint64_t* rounds_ = nullptr;  // in device memory: rounds of the loop run since the render began
 };
 
 }  // namespace pt::cuda

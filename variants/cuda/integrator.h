@@ -14,8 +14,8 @@ namespace pt::cuda {
 
 // Bytes of device memory that one path in a queue takes.
 struct PathBytes {
-    std::size_t state = 0;       // one copy of the path itself
-    std::size_t everything = 0;  // the path with its share of all memory of the queue
+    std::size_t state = 0;       // bytes of one copy of the path itself
+    std::size_t everything = 0;  // bytes of the path with its share of all memory of the queue
 };
 
 class Integrator {
@@ -47,8 +47,8 @@ struct IntegratorNeeds {
     // The queue's memory layout and the choices that work on the queue; only integrators with a queue use them.
     Layout layout = {};
     std::vector<unsigned char> object_class = {};      // class of each object, as in Queue
-    std::unique_ptr<Compaction> compaction = nullptr;  // null: no compaction
-    std::unique_ptr<Sorting> sorting = nullptr;        // null: no sorting
+    std::unique_ptr<Compaction> compaction = nullptr;  // compaction of the queue; null: none
+    std::unique_ptr<Sorting> sorting = nullptr;        // sorting of the queue; null: none
 
     std::uint32_t tunable(std::string_view name) const { return pt::tunable(variant, name, Backend::cuda); }
 };

@@ -20,8 +20,7 @@ struct Job {
     std::uint32_t longest_path = 1;   // most segments of a path
     std::uint32_t most_branches = 1;  // most branches of a path that splits
     std::uint32_t materials = 0;
-    // Samples per pixel to take in this job: the whole render's, or those of one part of it, from checkpoint to
-    // checkpoint.
+    // Samples per pixel to take in this job: the whole render's, or those of one part, from checkpoint to checkpoint.
     std::uint32_t first_sample = 0;
     std::uint32_t samples = 1;
     std::uint32_t all_samples = 1;  // samples per pixel of the whole render

@@ -65,8 +65,7 @@ public:
     // Enqueues the compaction. Afterwards *queue.count paths are in play, and queue.bound is not less.
     virtual void compact(Queue& queue) = 0;
     virtual bool needs_spare_paths() const { return false; }
-    // Whether the compaction copies whole paths, so that a store must have room for every field, whatever the scene
-    // needs.
+    // Whether the compaction copies whole paths, so that a store must have room for every field of a path.
     virtual bool moves_paths() const { return true; }
 };
 
@@ -87,7 +86,7 @@ public:
     virtual void sort(Queue& queue, std::uint32_t key_count) = 0;
     // The ranges to shade, one launch each; empty: one launch over the queue.
     virtual std::vector<ShadeRange> shade_ranges() const { return {}; }
-    // Whether the sort copies whole paths, so that a store must have room for every field, whatever the scene needs.
+    // Whether the sort copies whole paths, so that a store must have room for every field of a path.
     virtual bool moves_paths() const { return true; }
 };
 

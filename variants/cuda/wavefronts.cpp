@@ -69,7 +69,7 @@ Wavefront::Wavefront(Job& job, IntegratorNeeds&& needs, std::size_t real_bytes, 
       reads_back_(!needs_.traits.integrator.refills_queue && needs_.tunable("read_back") != 0),
       pinned_(make_pinned_words(pinned_words)) {}
 
-// ---- the loop over the segments
+// ---- the loop over the segments of a batch
 
 void Wavefront::prepare() {
     batches_.prepare([this](std::uint32_t first_sample, std::uint32_t samples) { enqueue(first_sample, samples); });
@@ -215,7 +215,7 @@ void Wavefront::upload() {
         clear(index, std::size_t{start_.capacity} * sizeof(std::uint32_t), job_.stream);
     }
     if (copies_whole_paths()) {
-        // The whole store is cleared, for fields that the scene's kernels never write are copied too.
+        // The whole store of paths is cleared, for fields that the scene's kernels never write are copied too.
         clear(start_.paths.base, needs_.layout.bytes(start_.capacity, real_bytes_, every_path_field), job_.stream);
     }
     clear(start_.count, sizeof(std::uint32_t), job_.stream);

@@ -66,7 +66,7 @@ protected:
 
     // Resets queue_ to the state in which a batch starts, with `paths` paths in play.
     void start_queue(std::uint32_t paths);
-    // Counts a segment that was enqueued, and compacts where the kernel did not.
+    // Counts a segment that was enqueued, and compacts the queue where the kernel has not appended to it.
     void end_segment(std::uint32_t segment);
     bool is_last(std::uint32_t segment) const { return segment + 1 == job_.longest_path; }
     const std::uint32_t* order() const { return queue_.indirect ? queue_.order : nullptr; }

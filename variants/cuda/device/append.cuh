@@ -49,7 +49,7 @@ __device__ inline std::uint32_t append_by_block(std::uint32_t* count, bool keep)
     }
     __syncthreads();
     const std::uint32_t position = before[warp] + static_cast<std::uint32_t>(__popc(kept & ((1u << lane()) - 1u)));
-    __syncthreads();  // `before` may be used again
+    __syncthreads();  // after this barrier `before` may be written again
     return position;
 }
 
@@ -67,7 +67,7 @@ __device__ inline void finish_list(ListCounts* counts) {
 // Elements gathered by a block: element i below `count` has position first + i among those of all blocks.
 struct Gathered {
     std::uint32_t first, count;   // `first` is undefined if count is 0
-    const std::uint32_t* values;  // in shared memory, valid until the block gathers again
+    const std::uint32_t* values;  // gathered values in shared memory, valid until the block gathers again
 };
 
 // append_by_block, with the kept values of the block side by side in shared memory, in the order of their threads.

@@ -32,7 +32,8 @@ struct GivenItems {
 
 class BlockItems {
 public:
-    // Begins with no items. Every thread of the block must call it, and synchronise before any thread takes items.
+    // Starts a block's store without items. Every thread of the block must call it, and synchronise before any takes
+    // items.
     __device__ void begin() {
         if (threadIdx.x == 0) {
             locked_ = next_ = 0;

@@ -116,7 +116,7 @@ constexpr bool is_kernel_of(const char* name) {
 struct KernelSignature {
     const char* name = nullptr;
     std::size_t parameter_bytes = 0;
-    bool is_reported = true;           // results have the kernel's registers: it does the work
+    bool is_reported = true;           // whether results have the kernel's register count
     std::uint32_t most_threads = ~0u;  // most threads of a block, if fewer than the program's
 };
 

@@ -30,11 +30,11 @@ struct Kinds {
     // Kind of a path that shading ends, or of a slot without a path: a new path begins.
     static constexpr std::uint32_t over = 0;
     static constexpr SurfaceKinds surfaces = SurfaceKinds::after(over + 1);
-    static constexpr std::uint32_t walking = over + 1 + surfaces.count;       // on a walk in a body
-    static constexpr std::uint32_t starting = walking + (has_walks ? 1 : 0);  // the next ray is yet to be traced
-    static constexpr std::uint32_t lists = starting + (has_walks ? 1 : 0);    // number of the kinds above
-    static constexpr std::uint32_t retired = lists;                           // the slot gets no path any more
-    static constexpr std::uint32_t nothing = lists + 1;                       // the lane has no slot
+    static constexpr std::uint32_t walking = over + 1 + surfaces.count;       // path on a walk in a body
+    static constexpr std::uint32_t starting = walking + (has_walks ? 1 : 0);  // path whose next ray is yet to be traced
+    static constexpr std::uint32_t lists = starting + (has_walks ? 1 : 0);    // number of kinds with a ring of paths
+    static constexpr std::uint32_t retired = lists;                           // slot that gets no path any more
+    static constexpr std::uint32_t nothing = lists + 1;                       // lane without a slot
     static_assert(nothing < 16);
 
     __device__ static std::uint32_t of(pt::MaterialType type) {

@@ -19,7 +19,7 @@ struct PoolSize {
     static constexpr std::uint32_t enough = kernel_config.block - warp_size + 31 * Kinds::lists + 1;
     static constexpr std::uint32_t wanted = tuned::pool != 0 ? tuned::pool : enough;
 
-    // Entries of a ring for so many slots: a power of two, so that positions may wrap around.
+    // Number of ring entries for `slots` slots: a power of two, so that positions may wrap around.
     __device__ static constexpr std::uint32_t ring(std::uint32_t slots) {
         std::uint32_t entries = warp_size;
         while (entries < slots) {
@@ -27,8 +27,8 @@ struct PoolSize {
         }
         return entries;
     }
-    // Number of slots: as many as wanted, in whole warps, as far as a block's shared memory holds them (48 KiB without
-    // asking for more).
+    // Number of a block's path slots: as many as wanted, in whole warps, as far as its shared memory holds them (48 KiB
+    // without asking for more).
     __device__ static constexpr std::uint32_t slots() {
         std::uint32_t fit = (wanted + warp_size - 1) / warp_size * warp_size;
         while (16 * PackedPath::columns * fit + 2 * Kinds::lists * ring(fit) > 49152 - 512 - scene_bytes_shared) {
@@ -114,8 +114,8 @@ private:
         std::uint32_t first = 0;
         bool has_taken = false;
         do {
-            // The head is read first: then the tail is not behind it, and what lies between is there until the head
-            // moves.
+            // A ring's head is read before its tail: then the tail is not behind it, and the entries in between are
+            // there until the head moves.
             const std::uint32_t head = lane <= Kinds::retired ? pt::cuda::load_acquire(heads_[lane]) : 0;
             const std::uint32_t tail = lane <= Kinds::retired ? pt::cuda::load_acquire(tails_[lane]) : 0;
             const std::uint32_t fullest = pt::cuda::warp_max(lane < Kinds::lists ? (tail - head) << 5 | lane : 0);

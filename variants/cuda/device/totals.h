@@ -29,7 +29,7 @@ inline constexpr std::uint32_t few_segments = 4096;
 // segment * copies + c.
 struct SegmentCounts {
     std::uint64_t* live = nullptr;     // paths that were alive when the segment was traced
-    std::uint64_t* in_play = nullptr;  // paths that were looked at, alive or not
+    std::uint64_t* in_play = nullptr;  // paths in play then, alive or ended
     std::uint32_t copies = 1;
 };
 

@@ -62,8 +62,7 @@ public:
     }
 
 private:
-    // Stores the guide of a guided walk. These are templates, so that kernels without guided walks need not compile
-    // them.
+    // Stores the guide of a guided walk. A template, so that kernels without guided walks need not compile it.
     template <class WalkHere>
     __device__ void put_guide(std::uint32_t slot, const WalkHere& walk) {
         if constexpr (guides_walks) {

@@ -11,7 +11,7 @@ using Walker = pt::cuda::Walker<OwnWalk>;
 
 namespace pt::cuda {
 
-// Puts the walks that have begun into the list. Every lane of the warp must call it.
+// Appends walks that have begun to a list of walkers. Every lane of the warp must call it.
 __device__ inline void put_walkers(const WalkerList& list, const OwnWalk& walk, std::uint32_t slot,
                                    std::uint32_t place) {
     const std::uint32_t position = append_by_warp(&list.counts->waiting, walk.is_on());

@@ -10,7 +10,7 @@
 // What a warp begins together: a sample of each of 32 pixels. A strip may reach beyond the last pixel; such pixels have
 // no path.
 struct Round {
-    pt::PixelPlace first;  // among the device's own pixels
+    pt::PixelPlace first;  // first pixel, among the device's own
     std::uint32_t sample;
 
     // The pixel of the calling lane. The division by the width is made once a strip instead of once a path.
@@ -67,7 +67,7 @@ __device__ inline void trace_items(const SceneViews& scene, const FilmView& film
             const std::uint32_t wanted = __popc(~living);
             Round round;
             if (wanted > waiting_count && rounds.take(round, counters)) {
-                // There is room: fewer than 32 paths of the warp wait or live.
+                // Shared memory has room: fewer than 32 paths of the warp wait or live.
                 if (may_wait && alive) {
                     waiting.put(waiting_count + __popc(living & before), path, walk);
                 }

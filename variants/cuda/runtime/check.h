@@ -23,7 +23,7 @@ public:
 
 inline void check(cudaError_t code, const char* expression, const char* file, int line) {
     if (code != cudaSuccess) {
-        (void)cudaGetLastError();  // else the next call would report this error
+        (void)cudaGetLastError();  // clears the error, which the next call would report otherwise
         throw Error(std::string(file) + ":" + std::to_string(line) + ": " + expression + ": " +
                     cudaGetErrorString(code));
     }

@@ -11,9 +11,9 @@ namespace pt::cuda {
 
 struct KernelReport {
     std::string name;
-    int registers = 0;                                                 // per thread
-    int stack_bytes = 0, spill_store_bytes = 0, spill_load_bytes = 0;  // per thread
-    int shared_bytes = 0;                                              // per block
+    int registers = 0;                                                 // registers per thread
+    int stack_bytes = 0, spill_store_bytes = 0, spill_load_bytes = 0;  // stack and spills per thread
+    int shared_bytes = 0;                                              // shared memory per block
 };
 
 struct CompilerReport {

@@ -41,7 +41,7 @@ public:
 
 private:
     void begin(cudaGraph_t target, const cudaGraphNode_t* after);
-    // Ends the stretch being recorded into `target`.
+    // Ends the capture into `target`.
     void end(cudaGraph_t target);
 
     cudaStream_t stream_;

@@ -93,7 +93,7 @@ bool write_whole(const fs::path& path, std::string_view text) {
 // trusted only if it has the right text: it may be incomplete, or edited. Throws std::runtime_error.
 fs::path unpacked_sources() {
     const fs::path folder = cache_folder() / fmt::format("include-{:016x}", sources_hash());
-    static fs::path unpacked;  // the folder changes where XDG_CACHE_HOME does
+    static fs::path unpacked;  // the folder depends on XDG_CACHE_HOME
     if (unpacked == folder) {
         return folder;
     }

@@ -41,9 +41,9 @@ struct ModuleImage {
     bool from_cache = false;
 };
 
-// While it lives, what this process compiles takes the headers that all programs share from a file that NVRTC has
-// translated once (CUDA 12.8 and newer): a fifth of a program's time. For processes that compile several; one at a
-// time.
+// While an instance lives, programs that this process compiles take their common headers from a file that NVRTC has
+// translated once (CUDA 12.8 and newer): a fifth of a program's time. For processes that compile several programs; one
+// instance at a time.
 class PrecompiledHeaders {
 public:
     PrecompiledHeaders();
@@ -81,10 +81,10 @@ std::string kernel_cache_folder();
 
 // Resources that the compiler gave a kernel, per thread or per block.
 struct KernelFacts {
-    int registers = 0;             // per thread
-    std::size_t local_bytes = 0;   // spills and arrays, per thread
-    std::size_t shared_bytes = 0;  // per block
-    int max_threads = 0;           // of a block
+    int registers = 0;             // registers per thread
+    std::size_t local_bytes = 0;   // local memory per thread: spills and arrays
+    std::size_t shared_bytes = 0;  // shared memory per block
+    int max_threads = 0;           // most threads of a block
 };
 
 class Module {

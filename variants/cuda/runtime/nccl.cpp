@@ -125,7 +125,7 @@ void connect_devices(const std::vector<Addend>& addends, std::int64_t* sum, std:
         check_nccl(nccl().make_all(fresh.data(), static_cast<int>(fresh.size()), numbers.data()), "ncclCommInitAll");
         all = std::move(fresh);
     }
-    // One thread may enqueue the parts of all devices only within a group.
+    // One thread may enqueue the parts of all devices only within an NCCL group.
     check_nccl(nccl().group_start(), "ncclGroupStart");
     NcclResult failed = nccl_success;
     for (std::size_t i = 0; i < addends.size() && failed == nccl_success; ++i) {
@@ -143,7 +143,7 @@ void add_to_first(const Addend& addend, std::int64_t* sum, std::size_t count) {
 void disconnect_devices() {
     for (const auto& [devices, all] : connections()) {
         for (NcclCommunicator* const one : all) {
-            (void)nccl().abort(one);  // the failed call has reported the error
+            (void)nccl().abort(one);  // errors are ignored: the call that failed has reported its own
         }
     }
     connections().clear();
