@@ -8,8 +8,7 @@
 
 #include <cstdint>
 
-// PT_HD marks a function for host and device: under g++ it vanishes; under nvcc and NVRTC every function serves both
-// sides.
+// PT_HD marks functions for both sides. Under g++ it vanishes; under nvcc and NVRTC every function serves both.
 #if defined(__CUDACC__)
 #define PT_HD __host__ __device__
 #else

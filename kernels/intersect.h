@@ -192,8 +192,7 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
         }
         const std::uint32_t object = first + i;
         const Vec3<Real> origin = at_rest<Config>(scene, object, ray.origin, ray.time);
-        // A copy of the box: through a reference nvcc 13.0 loads each plane by itself, at an address that varies by
-        // lane.
+        // The box is copied: by reference, nvcc 13.0 loads plane by plane, at an address that varies by lane.
         const AxisBox<Real> box = scene.axis_boxes[i];
         // A ray known to hit no wall lies clearly within the enclosure, and so its direction has a finite reciprocal.
         const Interval<Real> crossing = without_walls ? finite_slab_interval(box.low, box.high, origin, inverse)

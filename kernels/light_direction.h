@@ -102,7 +102,7 @@ PT_HD inline Real distance_to_light(const Shape& shape, const Vec3<Real>& observ
     }
 }
 
-// Samples a direction in the scene towards an object that emits; its distance is that to the shadow ray's end.
+// Samples a direction in the scene towards an object that emits. Its distance is the length of the shadow ray.
 template <class Config>
 PT_HD inline DirectionSample<typename Config::Real> sample_direction_to(
     const SceneView<typename Config::Real>& scene, std::uint32_t object, const Vec3<typename Config::Real>& position,

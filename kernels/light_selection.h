@@ -94,7 +94,7 @@ struct Shares {
     PT_HD Real of(Real amount) const { return scale > Real(0) ? amount * scale + floor : floor; }
 };
 
-// Descends the light tree. The first word decides at the root, where stratification does the most; hashes below.
+// Picks a light by the light tree. The first word decides at the root, where stratification does most; hashes below.
 template <class Real>
 PT_HD inline LightPick<Real> pick_from_tree(const View<LightNode<Real>>& nodes, const LitVertex<Real>& vertex,
                                             const RandomWords& words) {

@@ -232,7 +232,7 @@ PT_HD inline Vec3<Real> renormalize(const Vec3<Real>& v) {
 template <class Real>
 PT_HD inline Vec3<Real> nearly_unit(const Vec3<Real>& v) {
     const Real excess = dot(v, v) - Real(1);
-    constexpr Real most = sizeof(Real) == 4 ? Real(1e-4) : Real(1e-8);  // the Newton error 3/8 most^2 is below rounding
+    constexpr Real most = sizeof(Real) == 4 ? Real(1e-4) : Real(1e-8);  // so the Newton step's error is below rounding
     return absolute(excess) < most ? v * (Real(1) - Real(0.5) * excess) : normalize(v);
 }
 

@@ -45,7 +45,7 @@ struct PathFieldInfo {
     FieldType type;
     FieldChange change;
     bool is_optional;
-    FeatureSet features;  // an optional field is carried by kernels with one of these
+    FeatureSet features;  // features: kernels with one of them carry an optional field
 
     PT_HD constexpr std::size_t bytes(std::size_t real_bytes) const {
         return type == FieldType::vector ? 3 * real_bytes

@@ -18,11 +18,11 @@ struct Queue {
     PathStore spare;                       // second store as large as `paths`, for choices that move whole paths
     void* hits = nullptr;                  // StoredHit<Real> by slot, valid between intersect and shade
     std::uint32_t* order = nullptr;        // slots by position, capacity entries
-    std::uint32_t* order_spare = nullptr;  // second `order`, capacity entries
+    std::uint32_t* order_spare = nullptr;  // second array of slots, capacity entries
     std::uint32_t* keys = nullptr;        // sort keys by position in play, capacity entries; written before a sort only
-    std::uint32_t* keys_spare = nullptr;  // second `keys`, capacity entries
+    std::uint32_t* keys_spare = nullptr;  // second array of sort keys, capacity entries
     std::uint32_t* count = nullptr;       // number of paths in play, in device memory
-    std::uint32_t* count_spare = nullptr;  // second `count`, in device memory
+    std::uint32_t* count_spare = nullptr;  // second count of paths, in device memory
     std::uint32_t bound = 0;               // upper bound on the paths in play
     bool indirect = false;
     std::uint32_t capacity = 0;                   // number of slots

@@ -103,15 +103,15 @@ public:
           nosync_(cell.tunable("par_nosync") != 0),
           memory_(caches_) {}
 
-    // Calls call(policy), which returns a count: Thrust waits for it under either policy. The call counts as one
-    // launch.
+    // Calls Thrust by call(policy), which returns a count: Thrust waits for it under either policy. The call counts as
+    // one launch.
     template <class Call>
     auto for_count(Call&& call) {
         *launches_ += 1;
         *host_waits_ += 1;
         return with_policy(call);
     }
-    // Calls call(policy), which returns nothing: what waits for the device is par, or the cudaFree of a temporary.
+    // Calls Thrust by call(policy), which returns nothing: what waits is par, or the cudaFree of a temporary.
     template <class Call>
     void for_effect(Call&& call) {
         *launches_ += 1;

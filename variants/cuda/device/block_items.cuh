@@ -32,8 +32,7 @@ struct GivenItems {
 
 class BlockItems {
 public:
-    // Starts a block's store without items. Every thread of the block must call it, and synchronise before any takes
-    // items.
+    // Starts a block without items. Every thread of the block must call it, and synchronise before any takes items.
     __device__ void begin() {
         if (threadIdx.x == 0) {
             locked_ = next_ = 0;

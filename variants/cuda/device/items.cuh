@@ -13,7 +13,7 @@ struct Items {
     std::uint32_t first_sample, sample_stride;
 
     __device__ bool exists(std::uint32_t item) const { return item < count && first.index + item % warp_size < pixels; }
-    // Pixel of an item of the strip. The division by the image's width is made once a strip instead of once a path.
+    // Pixel of item number `item` of a strip. The division by the image's width is made once a strip, not once a path.
     __device__ pt::PixelPlace place(std::uint32_t item) const {
         const std::uint32_t step = item % warp_size;
         const std::uint32_t x = first.x + step;

@@ -11,7 +11,7 @@ namespace pt::cuda {
 
 namespace members {
 
-// Converts to any type, to count the members of a struct by how many values initialise it.
+// A value of any type, to count the members of a struct by how many values initialise it.
 struct Any {
     template <class T>
     operator T() const;  // NOLINT: converts; only in expressions that are not evaluated

@@ -46,7 +46,7 @@ __device__ inline void trace_items(const SceneViews& scene, const FilmView& film
         !pt::has<Configuration>(pt::Feature::splitting) && warps * sizeof(WaitingPaths) <= most_waiting_bytes;
     __shared__ WaitingPaths waiting_of_warp[may_wait ? warps : 1];
     WaitingPaths& waiting = waiting_of_warp[may_wait ? threadIdx.x / warp_size : 0];
-    std::uint32_t waiting_count = 0;  // paths that wait; the same in all lanes, as `held` is
+    std::uint32_t waiting_count = 0;  // number of waiting paths; the same in all lanes, as `held` is
     unsigned held = 0;                // the lanes that hold a path, alive or ended
     bool alive = false;
     pt::WalkOf<Configuration> walk;
