@@ -80,8 +80,8 @@ enum class Feature : FeatureSet {
     // An environment that is sampled as lights are (kernels/environment_map.h): an image, or one constant radiance.
     environment_map = feature_bit::light << 10,
     russian_roulette = feature_bit::sampling << 0,
-    // Sources of random numbers other than pcg4d. A kernel with none of them has pcg4d, one with a single one has that,
-    // and one with several chooses at run time among all (RandomSeed::sampler).
+    // Samplers other than pcg4d. A kernel with none of these features has pcg4d, a kernel with a single one has that
+    // one, and a kernel with several chooses at run time among all (RandomSeed::sampler).
     philox = feature_bit::sampling << 1,
     sobol_owen = feature_bit::sampling << 2,
     minstd = feature_bit::sampling << 3,

@@ -136,8 +136,8 @@ inline constexpr Real ln2_high = sizeof(Real) == 4 ? Real(0x1.62e4p-1) : Real(0x
 template <class Real>
 inline constexpr Real ln2_low = sizeof(Real) == 4 ? Real(1.4286067653e-6) : Real(1.90821492927058770002e-10);
 
-// r coth(r/2) - 2 from z = r^2 for |r| <= ln(2)/2. Coefficients: fdlibm, e_exp.c (Sun Microsystems 1993), and its
-// single precision in FreeBSD's msun, e_expf.c.
+// Series of r coth(r/2) - 2 in z = r^2, for |r| <= ln(2)/2. Coefficients: fdlibm, e_exp.c (Sun Microsystems 1993), and
+// its single precision in FreeBSD's msun, e_expf.c.
 PT_HD inline float exponential_series(float z) { return (-2.7667332906e-3f * z + 1.6666625440e-1f) * z; }
 PT_HD inline double exponential_series(double z) {
     double s = 4.13813679705723846039e-8 * z - 1.65339022054652515390e-6;
@@ -164,7 +164,7 @@ PT_HD inline Real exponential(Real x) {
     return x == x ? result : x;
 }
 
-// ln((1+s)/(1-s)) / s - 2 from z = s^2 for |s| <= 3 - sqrt(8). Coefficients: fdlibm, e_log.c, and msun, e_logf.c.
+// Series of ln((1+s)/(1-s)) / s - 2 in z = s^2, |s| <= 3 - sqrt(8). Coefficients: fdlibm, e_log.c; msun, e_logf.c.
 PT_HD inline float logarithm_series(float z) {
     return (((0.24279078841f * z + 0.28498786688f) * z + 0.40000972152f) * z + 0.66666662693f) * z;
 }
@@ -227,8 +227,8 @@ PT_HD inline Vec3<Real> renormalize(const Vec3<Real>& v) {
     return v * (Real(1.5) - Real(0.5) * dot(v, v));
 }
 
-// Normalizes a vector that is unit but for the rounding of a point on a surface: seen from afar that may be more than a
-// Newton step from 1 can mend.
+// Normalizes a vector that is unit but for the rounding of a point on a surface, which far from the eye may be more
+// than a Newton step from 1 can mend.
 template <class Real>
 PT_HD inline Vec3<Real> nearly_unit(const Vec3<Real>& v) {
     const Real excess = dot(v, v) - Real(1);
@@ -294,8 +294,8 @@ PT_HD inline SinCos<Real> sin_cos(Real x) {
     return {x < Real(0) ? -of_size.sine : of_size.sine, of_size.cosine};
 }
 
-// atan(x) / x - 1 from z = x^2, for |x| up to tan(pi/8) in single precision and up to 0.66 in double. Coefficients:
-// Cephes, atanf.c and atan.c.
+// Series of atan(x) / x - 1 in z = x^2, for |x| up to tan(pi/8) in single precision and up to 0.66 in double.
+// Coefficients: Cephes, atanf.c and atan.c.
 PT_HD inline float arc_tangent_series(float z) {
     return (((8.05374449538e-2f * z - 1.38776856032e-1f) * z + 1.99777106478e-1f) * z - 3.33329491539e-1f) * z;
 }

@@ -71,8 +71,8 @@ PT_HD inline bool is_to_be_connected(const SceneView<typename Config::Real>& sce
     using Real = typename Config::Real;
     if constexpr (has<Config>(Feature::one_sample)) {
         if (scene.one_sample != 0) {
-            // The hash of the light's random words differs from the one by which kernels/light_selection.h goes on, so
-            // that the two choices are independent.
+            // This choice hashes the light's random words in another order than kernels/light_selection.h does, so that
+            // the two choices are independent.
             const bool connects = (pcg4d({words.w, words.z, words.y, words.x}).x >> 31) != 0;
             path.bsdf_pdf = connects ? Real(-1) : Real(1);
             return connects;

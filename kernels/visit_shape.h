@@ -29,8 +29,8 @@ PT_HD inline decltype(auto) shape_in(const Shapes& shapes, std::uint32_t i) {
     return shapes[i];
 }
 
-// Calls visit(shape) with the object's shape: a Sphere, Ellipsoid, and so on. Kinds that the kernel has not leave
-// nothing behind; an object of such a kind is not visited. The last kind takes what is left, with no comparison.
+// Calls visit(shape) with the object's shape: a Sphere, Ellipsoid, and so on. Kinds of shapes that the kernel lacks
+// cost nothing, and their objects are not visited. The last kind takes all objects that are left, without a comparison.
 template <class Config, class Scene, class Visitor>
 PT_HD inline void visit_shape(const Scene& scene, std::uint32_t object, Visitor&& visit) {
 #define PT_VISIT(name, array, Type)                                                                \

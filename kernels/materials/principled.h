@@ -1,6 +1,6 @@
 // Metal, plastic and glass in one: the base colour, metallic, roughness and transmission of glTF 2.0 (appendix B of its
 // specification, KHR_materials_transmission and _ior), over the facets of the other rough materials (kernels/ggx.h,
-// alpha = roughness^2). With c the base colour, m metallic, t transmission, h the facet between both directions,
+// alpha = roughness^2). With c the base colour, m metallic, t transmission, h the half vector,
 //   m      a metal: facets that reflect c + (1 - c) (1 - v.h)^5 (Schlick 1994), as kernels/materials/rough_conductor.h,
 //   1 - m  a dielectric: facets that reflect F(v.h), and beneath them
 //            t      glass, tinted by c, as kernels/materials/rough_dielectric.h,
@@ -179,7 +179,7 @@ private:
     PT_HD LobeValue<Real> through(const LobeValue<Real>& of_glass) const {
         return {of_glass.weight, of_glass.pdf * glass_share};
     }
-    // Keeps a lobe's pdf above 0: in a path 0 means that no light was connected.
+    // Keeps a lobe's pdf above 0: in a path a pdf of 0 means that no light was connected.
     PT_HD static LobeValue<Real> kept(const LobeValue<Real>& value) {
         return {value.weight, max(value.pdf, Real(0x1p-60))};
     }

@@ -4,7 +4,7 @@
 // coefficients bring no bias, and the sum of the three throughputs never grows; under a uniform choice their variance
 // grows with every step. A grey medium has the weight sigma_s / sigma_t exactly. Phase function: Henyey and Greenstein
 // 1941. Boundary: index-matched, or Fresnel with internal reflection. The walk sees its own body only: objects inside
-// the body are not met. Where the variant asks for it, walks are guided to the surface (kernels/guided_walk.h).
+// the body are not hit. Where the variant asks for it, walks are guided to the surface (kernels/guided_walk.h).
 #pragma once
 
 #include "kernels/boundary.h"

@@ -25,8 +25,9 @@ struct Quad {
     static bool contains(const Vec3<double>&) { return false; }
 };
 
-// Ray parameter of the quad's plane within its edges. The edges reach out by gamma(16) times the lengths that the hit
-// point is formed from, a bound on its rounding, so that two quads which share an edge leave no gap between them.
+// Intersects a ray with a quad: the ray parameter of its plane, within its edges. The edges reach out by gamma(16)
+// times the lengths that form the hit point, a bound on its rounding, so that quads which share an edge leave no gap
+// between them.
 template <class Real>
 PT_HD inline Interval<Real> interval(const Quad<Real>& quad, const Vec3<Real>& origin, const Vec3<Real>& direction) {
     const Vec3<Real> to_centre = quad.centre - origin;

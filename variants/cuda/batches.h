@@ -22,15 +22,14 @@ public:
     void clear();
     // Captures a full batch as a CUDA graph before the clock starts, if the variant's launches are captured.
     void prepare(const Enqueue& enqueue);
-    // Enqueues all samples of the job, samples_in_flight at a time. A last batch that is not full, and so every part of
-    // a render with fewer samples than that, takes the places of the first paths of the queue only. Full batches run as
-    // a graph where one was captured, others by stream.
+    // Enqueues all samples of the job, samples_in_flight at a time. A batch that is not full (the last one, or the only
+    // one of a short part of a render) fills the first slots of the queue only. Full batches run as a CUDA graph where
+    // one was captured, others by stream.
     void run(const Enqueue& enqueue);
 
-    // Captures the body of a loop over segments, where the graph loops and a batch is being captured: `enqueue_round`
-    // enqueues segments 1 and 2 and returns where the paths then alive are counted, and the loop ends with the last
-    // path. Returns the number of segments that the loop may take: none of them is the last possible one, which ends
-    // differently.
+    // Captures the body of a loop over segments, if the graph loops and a batch is being captured: `enqueue_round`
+    // enqueues segments 1 and 2 and returns the counters of the paths then alive, and the loop ends with the last path.
+    // Returns the number of segments that the loop may take, without the last possible segment, which ends differently.
     std::uint32_t enqueue_loop(const std::function<LiveCounts()>& enqueue_round);
     SegmentNumber segment(std::uint32_t number) const { return {number, is_in_loop_ ? offset_ : nullptr}; }
     // The device address of a batch's first sample while the batch is being captured; null: the sample is in the

@@ -1,4 +1,4 @@
-// The chunks of a queue's slots within which sort_key=chunk_material has paths put in order. Host side.
+// The chunks of a queue's slots within which sort_key=chunk_material sorts paths. Host side.
 #pragma once
 
 #include <algorithm>

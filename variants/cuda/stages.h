@@ -47,8 +47,8 @@ struct CellContext {
     cudaStream_t stream = nullptr;
     // Returns the value of a tunable in the variant.
     std::function<std::uint32_t(std::string_view)> tunable;
-    // The choice's kernels (Hooks::kernels), of the source of its name (variants/compaction/NAME.cuh), compiled for the
-    // cell's layout, precision and GPU.
+    // Kernels of the choice (Hooks::kernels), from the source of its name (variants/compaction/NAME.cuh), compiled for
+    // the cell's layout, precision and GPU.
     std::function<const Module&()> module;
     // Counters of the kernels that the choice enqueues, and of its waits for the device.
     std::uint64_t* launches = nullptr;

@@ -50,7 +50,7 @@ protected:
     // Constructs a wavefront. hit_bytes: size of a hit that is stored between two kernels; 0: none is.
     Wavefront(Job& job, IntegratorNeeds&& needs, std::size_t real_bytes, std::size_t hit_bytes);
 
-    // Enqueues the start of the first queue_.bound paths of queue_. They may have done their first segment.
+    // Enqueues the start of the first queue_.bound paths of queue_. These paths may have done their first segment.
     virtual void begin(std::uint32_t first_sample) = 0;
     // Enqueues a segment of the paths in queue_, but for the compaction after it.
     virtual void trace(std::uint32_t segment) = 0;

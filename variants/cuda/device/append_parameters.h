@@ -1,4 +1,4 @@
-// The parameters of the kernels of the appending compactions, for both sides.
+// Parameters of the kernels of the appending compactions, for host and device.
 #pragma once
 
 #include "variants/cuda/device/path_store.h"

@@ -4,8 +4,8 @@
 #include "variants/cuda/device/items.cuh"
 #include "variants/cuda/device/warp_lock.cuh"
 
-// Pieces of the image, numbered strip by strip within `samples_per_piece` samples of the whole image, and a counter in
-// global memory of those taken.
+// Pieces of work on the image: `samples_per_piece` samples of a strip of 32 pixels each, numbered strip by strip.
+// `next` counts the pieces taken, in global memory.
 struct Pieces {
     std::uint32_t pixels, width, first_sample, samples, samples_per_piece;
     std::uint64_t* next;

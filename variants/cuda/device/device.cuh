@@ -88,9 +88,9 @@ __device__ inline void add_votes(std::uint64_t* total, bool vote) {
     }
 }
 
-// Adds up the counts of a kernel that shades one segment a thread: whether the thread's path ended and, where the
-// features know them, rare events. Rays are told from how many paths were traced. Every thread of the block must call
-// it.
+// Adds up the counts of a kernel that shades one segment a thread: whether the thread's path ended and, in kernels that
+// may have them, connections and unfinished walks. The number of rays follows from that of paths traced. Every thread
+// of the block must call it.
 __device__ inline void add_shade_counters(Totals* totals, const ThreadCounters& counters) {
     Totals* const mine = own_copy(totals);
     add_votes(&mine->paths.paths, counters.paths != 0);
@@ -263,10 +263,10 @@ __device__ inline Hit next_hit(const SceneViews& scene, const Path& path, const 
     return kernel_config.keeps_first_hits && path.segment == 0 ? first_hit(scene, path, cache) : trace(scene, path);
 }
 
-// Stands in for a costlier material: kernel_config.shading_fmas dependent multiply-adds, executed material by material,
-// so that a warp whose lanes hit k materials pays for k. The path depends on the result as far as ptxas can tell (it
-// drops unused inline assembly, volatile or not): x starts at 0 or above and never falls, so it is never below 0 in
-// fact.
+// Injects the cost of a costlier material: kernel_config.shading_fmas dependent multiply-adds, executed material by
+// material, so that a warp whose lanes hit k materials pays for k. The path depends on the result as far as ptxas can
+// tell (it drops unused inline assembly, volatile or not): x starts at 0 or above and never falls, so it is never below
+// 0 in fact.
 __device__ inline void injected_cost(const Scene& scene, const Hit& hit, Path& path) {
     if constexpr (kernel_config.shading_fmas > 0) {
         const std::uint32_t mine = hit.side.exists() ? scene.object_material[hit.side.object()] : 0xffffffffu;

@@ -26,8 +26,8 @@ struct MeshQueue {
     ListCounts* counts = nullptr;
 };
 
-// Parameters of the kernel for the paths at the listed positions, whose hits among the other shapes are in `hits`. With
-// `keys`, it also writes the sort key of each.
+// Parameters of the kernel that takes the paths at the listed positions through meshes; their hits among the other
+// shapes are in `hits`. With `keys`, the kernel also writes their sort keys.
 template <class Real>
 struct IntersectMeshesParameters {
     static constexpr const char* kernel = "intersect_meshes";

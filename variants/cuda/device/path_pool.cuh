@@ -61,7 +61,7 @@ public:
         __syncthreads();
     }
 
-    // Hands back the lane's slot, with the kind of what its path does next, and takes slots of the kind that most paths
+    // Hands back the lane's slot, with the kind of its path's next stage, and takes slots of the kind that most paths
     // wait for. Every lane of the warp must call it.
     __device__ Taken exchange(std::uint32_t slot, std::uint32_t kind) {
         put(slot, kind);

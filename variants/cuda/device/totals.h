@@ -22,14 +22,14 @@ struct Totals {
 // Rays and paths that each of the 1024 threads of the largest block can count so that their sum fits in 32 bits.
 inline constexpr std::uint32_t few_rays = 1u << 22;
 
-// Paths of no more segments than this have their segments counted in several copies.
+// Renders whose paths have no more segments than this count by segment in several copies.
 inline constexpr std::uint32_t few_segments = 4096;
 
 // Counts by segment (0: the camera ray's), over all batches of a render; copy c of a segment's count is at
 // segment * copies + c.
 struct SegmentCounts {
     std::uint64_t* live = nullptr;     // paths that were alive when the segment was traced
-    std::uint64_t* in_play = nullptr;  // paths in play then, alive or ended
+    std::uint64_t* in_play = nullptr;  // paths in play when the segment was traced, alive or ended
     std::uint32_t copies = 1;
 };
 

@@ -25,8 +25,8 @@ struct Round {
     }
 };
 
-// Bytes of shared memory for waiting paths, of the 48 KiB that a block has without asking for more: what a traversal's
-// stacks and a kernel's sums take is left out.
+// Most bytes of shared memory for waiting paths: what a traversal's stacks and a kernel's sums leave of the 48 KiB that
+// a block has without asking for more.
 #ifdef PT_STACK_BYTES
 inline constexpr std::size_t most_waiting_bytes = 47 * 1024 - PT_STACK_BYTES - scene_bytes_shared;
 #else
@@ -40,8 +40,8 @@ template <class Rounds>
 __device__ inline void trace_items(const SceneViews& scene, const FilmView& film, Rounds& rounds, std::uint32_t pixels,
                                    const HitCache& cache, ThreadCounters& counters, std::uint64_t* ended) {
     constexpr std::uint32_t warps = (kernel_config.block + warp_size - 1) / warp_size;
-    // Paths wait only if their memory fits a block and they do not split: branches stay with their lane. Else warps
-    // begin paths only once all of theirs have ended.
+    // Paths wait in shared memory only if it has room for them, and not if they split: branches stay with their lane.
+    // Otherwise a warp begins paths only once all of its paths have ended.
     constexpr bool may_wait =
         !pt::has<Configuration>(pt::Feature::splitting) && warps * sizeof(WaitingPaths) <= most_waiting_bytes;
     __shared__ WaitingPaths waiting_of_warp[may_wait ? warps : 1];

@@ -1,5 +1,5 @@
-// How the warps of a block hand things to each other in shared memory without a barrier: words that are released and
-// acquired, and a lock that a warp takes as a whole.
+// Communication of a block's warps in shared memory without a barrier: words with release and acquire order, and a lock
+// that a warp takes as a whole.
 #pragma once
 
 #include "variants/cuda/device/device.cuh"
