@@ -16,7 +16,7 @@ namespace pt {
 #define PT_DEVICE_SEQUENCES 0
 #endif
 
-// 1 / x for 2^-100 <= |x| <= 2^120.
+// Reciprocal of x for 2^-100 <= |x| <= 2^120.
 template <class Real>
 PT_HD inline Real reciprocal_in_range(Real x) {
 #if PT_DEVICE_SEQUENCES
@@ -29,7 +29,7 @@ PT_HD inline Real reciprocal_in_range(Real x) {
     return Real(1) / x;
 }
 
-// a / b for 2^-50 <= |b| <= 2^50 and a = 0 or 2^-50 <= |a| <= 2^50.
+// Quotient a / b for 2^-50 <= |b| <= 2^50 and a = 0 or 2^-50 <= |a| <= 2^50.
 template <class Real>
 PT_HD inline Real divide_in_range(Real a, Real b) {
 #if PT_DEVICE_SEQUENCES

@@ -11,7 +11,7 @@ struct TreeView {
     const void* nodes = nullptr;
     std::uint32_t node_count = 0;
     std::uint32_t slot_count = 0;  // primitive slots in all leaves
-    std::uint32_t node_bytes = 0;  // size of a node in bytes
+    std::uint32_t node_bytes = 0;  // size of a tree node in bytes
 };
 
 // Counters of one ray's traversal; NoTraversalCounter counts nothing and costs nothing.

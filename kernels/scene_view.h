@@ -57,7 +57,7 @@ struct alignas(16) LightNode {
 // Size and place of an image's texels, which are single precision in kernels of both precisions; rows from the bottom
 // up.
 struct TexelBlock {
-    std::uint32_t width;  // width in texels; 0: there is no image
+    std::uint32_t width;  // image width in texels; 0: there is no image
     std::uint32_t height;
     std::uint32_t first_texel;  // index of the first texel in SceneView::texels
 };
@@ -116,7 +116,7 @@ struct FlatSlot {
     std::uint32_t primitive;
 };
 struct FlatTree {
-    TreeView tree;  // tree in the accelerator's format
+    TreeView tree;  // tree over triangles in the accelerator's format
     const FlatSlot* slots = nullptr;
 };
 

@@ -92,7 +92,7 @@ PT_HD inline Real far_inverse_pdf(Real total, Real distance, Real diagonal) {
 // A box light in its own frame as an observer sees it, in units of its diagonal. A quad is a box without height.
 template <class Real>
 struct SeenBox {
-    Vec3<Real> observer;  // position relative to the box's centre
+    Vec3<Real> observer;  // observer's position relative to the box's centre
     Vec3<Real> half;
     Real diagonal;  // length of the box's diagonal, scene units
     bool near;

@@ -42,7 +42,7 @@ public:
 struct IntegratorNeeds {
     Variant variant;
     VariantTraits traits;
-    FeatureSet features = no_features;  // features of the kernels
+    FeatureSet features = no_features;  // features that the kernels have
     KeyBounds key_bounds;               // bounds of the scene's positions
     // The queue's memory layout and the choices that work on the queue; only integrators with a queue use them.
     Layout layout = {};

@@ -16,7 +16,7 @@ struct Job {
     const Module* module = nullptr;
     FilmView film;                    // film in device memory
     std::uint32_t pixels = 0;         // pixels that this device renders
-    std::uint32_t image_pixels = 0;   // pixels of the film and the cache
+    std::uint32_t image_pixels = 0;   // pixels of the whole film and of the first-bounce cache
     std::uint32_t longest_path = 1;   // most segments of a path
     std::uint32_t most_branches = 1;  // most branches of a path that splits
     std::uint32_t materials = 0;

@@ -42,7 +42,7 @@ struct CellContext {
     const Layout* layout = nullptr;
     std::string_view layout_name;
     std::size_t real_bytes = 4;
-    std::uint32_t materials = 0;  // materials of the scene
+    std::uint32_t materials = 0;
     std::uint32_t multiprocessors = 1;
     cudaStream_t stream = nullptr;
     // Returns the value of a tunable in the variant.

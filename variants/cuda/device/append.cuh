@@ -66,7 +66,7 @@ __device__ inline void finish_list(ListCounts* counts) {
 
 // Elements gathered by a block: element i below `count` has position first + i among those of all blocks.
 struct Gathered {
-    std::uint32_t first, count;   // `first` is undefined if count is 0
+    std::uint32_t first, count;   // `first` is undefined where nothing was gathered
     const std::uint32_t* values;  // gathered values in shared memory, valid until the block gathers again
 };
 

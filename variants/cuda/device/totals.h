@@ -36,7 +36,7 @@ struct SegmentCounts {
 // Segment that a kernel traces: known at launch or, in the loop of a CUDA graph, `number` plus the loop's count.
 struct SegmentNumber {
     std::uint32_t number = 0;
-    const std::uint32_t* offset = nullptr;  // in device memory; null: no loop
+    const std::uint32_t* offset = nullptr;  // the loop's count in device memory; null: no loop
 
     PT_HD std::uint32_t passed() const { return offset != nullptr ? *offset : 0; }
     PT_HD operator std::uint32_t() const { return number + passed(); }  // NOLINT: it is that number

@@ -27,7 +27,7 @@ struct ModuleRequest {
     std::string pixels = "all";       // which pixels are rendered: variants/cuda/device/pixels_*.cuh
     KernelConfig config = {};
     std::vector<KernelConstant> constants = {};  // constants of the integrator: tuned::NAME
-    std::vector<KernelSignature> kernels = {};   // kernels that are launched
+    std::vector<KernelSignature> kernels = {};   // kernels that the host launches
     std::vector<std::string> options = {};       // compiler options of the arithmetic
     std::string prelude = "";                    // source text in front of everything else
     std::string architecture;                    // "sm_90"
