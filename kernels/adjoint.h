@@ -106,7 +106,7 @@ PT_HD inline bool survives_by_share(Path<Real>& path, Real share, Real lowest, R
 struct OneBranch {
     template <class Config>
     static constexpr bool acts_in = has<Config>(Feature::adjoint_roulette);
-    // Whether the path is a branch that resumes at the vertex where it split off, which has been shaded already.
+    // Whether the path is a branch that resumes at the vertex where it split, and so has arrived there before.
     PT_HD static constexpr bool resumes() { return false; }
     // Plays adjoint-driven Russian roulette before a path scatters, with u in [0, 1). Returns whether the path goes on.
     template <class Config>

@@ -38,7 +38,7 @@ struct Cone {
 template <class Real>
 PT_HD inline Vec3<Real> along(const Vec3<Real>& axis, const Vec3<Real>& local) {
     const Real square = dot(axis, axis);
-    // The direction from the centre is undefined at the very centre, where every axis will do.
+    // An observer at a sphere's very centre has no direction to it, and any axis of the cone will do.
     return square > Real(0) ? Frame<Real>(axis * (Real(1) / square_root(square))).to_world(local) : local;
 }
 

@@ -23,8 +23,9 @@ void check_round_trip(const Queue& before, const Queue& after) {
 
 }  // namespace
 
-// Whether all paths of a batch have ended, by the device's count of the paths that a segment finds alive. Made before
-// the segment is enqueued; the pinned words are those of a read-back, which does not take place where this class asks.
+// Asks whether all paths of a batch have ended, by the device's count of the paths that a segment finds alive. Made
+// before the segment is enqueued; the pinned words are those of a read-back, which does not take place where this class
+// asks.
 class Wavefront::EndOfPaths {
 public:
     EndOfPaths(Wavefront& wavefront, std::uint32_t segment)
