@@ -5,8 +5,8 @@
 
 namespace pt {
 
-// The absorbing medium that the path runs in once it has crossed the surface at the vertex, as a material's number, or
-// no_medium.
+// Index of the material whose medium absorbs along the path once the path has crossed the surface at this vertex, or
+// `no_medium`.
 template <class Real>
 PT_HD inline std::uint32_t medium_behind(const Vertex<Real>& vertex, const Material<Real>& material) {
     return vertex.inside || material.absorbs == 0 ? Path<Real>::no_medium : vertex.material;
@@ -19,7 +19,7 @@ PT_HD inline Vec3<Real> transmittance(const Material<Real>& medium, Real distanc
             exponential(-medium.sigma_a.z * distance)};
 }
 
-// Absorbs the path's throughput along the segment that ends now, which ran `distance` through the medium.
+// Absorbs the throughput along the path's segment that ends at this vertex, which ran `distance` through the medium.
 template <class Real>
 PT_HD inline void attenuate(Path<Real>& path, const Material<Real>& medium, Real distance) {
     path.throughput *= transmittance(medium, distance);

@@ -1,8 +1,8 @@
-// Russian roulette and splitting by what a path is expected to bring: its throughput times an estimate of the radiance
-// that leaves the vertex towards it, over an estimate of its pixel. A path that is expected to bring little of its
-// pixel is likely to be ended before it scatters, and one that is expected to bring much of it scatters several times
-// (kernels/path_tree.h); between the two bounds of the weight window neither happens. The estimates come from paths of
-// their own (harness/scene/adjoint_table.h): whatever they are, the mean is the same.
+// Adjoint-driven Russian roulette and splitting. The expected contribution of a path is its throughput times an
+// estimate of the radiance that leaves the vertex towards it, over an estimate of its pixel's value. A path below the
+// weight window is likely to be ended before it scatters, a path above the window is split into several branches
+// (kernels/path_tree.h), and within the window neither happens. The estimates come from separate paths
+// (harness/scene/adjoint_table.h); whatever they are, the mean of the image is the same.
 // Vorba and Krivanek, "Adjoint-Driven Russian Roulette and Splitting in Light Transport Simulation", SIGGRAPH 2016.
 #pragma once
 
@@ -10,8 +10,8 @@
 
 namespace pt {
 
-// A path is not ended with a higher probability than 1 less this, nor does it then carry more than that. Without such
-// bounds an estimate that is far too small would leave samples that no film has room for.
+// Bounds of adjoint-driven Russian roulette: the least survival probability, and the most throughput to which a
+// survivor is scaled up. Without them an estimate that is far too small would leave samples beyond the film's range.
 template <class Real>
 inline constexpr Real least_survival = Real(0.0625);
 template <class Real>
@@ -19,14 +19,14 @@ inline constexpr Real most_carried = Real(64);
 
 template <class Real>
 struct AdjointCache {
-    Vec3<Real> low;  // the grid's corner, relative to the eye
+    Vec3<Real> low;  // lowest corner of the adjoint grid, relative to the eye
     Vec3<Real> cells_a_unit;
-    std::uint32_t cells;  // along each axis
-    // Window on what a path is expected to bring, in units of its pixel.
+    std::uint32_t cells;  // number of grid cells along each axis
+    // Weight window on a path's expected contribution, in units of its pixel's value.
     Real lowest, highest;
-    std::uint32_t most_branches;  // 1: no splitting
-    // The estimates, relative to the image's mean: what paths bring from a cell and side on, over what they carried
-    // there; how much more it is after so many segments; and 1 over what a pixel is.
+    std::uint32_t most_branches;  // most branches that a path splits into; 1: no splitting
+    // Adjoint estimates, relative to the image's mean: the radiance that paths bring from a grid cell and side, over
+    // their throughput there; a factor for each number of segments; and 1 over each pixel's value.
     View<float> by_place;
     View<float> by_segment;
     View<float> by_pixel;
@@ -41,8 +41,8 @@ PT_HD inline std::uint32_t nearest_side(const Vec3<Real>& normal) {
     return 2 * axis + (component_of(normal, axis) < Real(0) ? 1u : 0u);
 }
 
-// The grid cell that a coordinate in units of cells lies in, from 0 to cells - 1; what lies outside of the grid belongs
-// to the outermost cell.
+// Index, from 0 to cells - 1, of the adjoint grid's cell along one axis for a coordinate in units of cells. A
+// coordinate outside the grid belongs to the outermost cell.
 template <class Real>
 PT_HD inline std::uint32_t cell_along(Real coordinate, std::uint32_t cells) {
     return coordinate > Real(0) ? static_cast<std::uint32_t>(min(coordinate, static_cast<Real>(cells - 1))) : 0u;
@@ -63,7 +63,7 @@ PT_HD inline Real sum_of_channels(const Vec3<Real>& colour) {
     return colour.x + colour.y + colour.z;
 }
 
-// The share of its pixel that a path at a vertex, after `segments`, is expected to bring from there.
+// Expected contribution of a path at a vertex, after `segments` segments, as a share of its pixel's value.
 template <class Real>
 PT_HD inline Real expected_share(const AdjointCache<Real>& cache, const Path<Real>& path, const Vertex<Real>& vertex,
                                  std::uint32_t segments) {
@@ -73,8 +73,8 @@ PT_HD inline Real expected_share(const AdjointCache<Real>& cache, const Path<Rea
            static_cast<Real>(cache.by_pixel[path.pixel]);
 }
 
-// Probability with which a path survives: 1 within the window and above it. A share that is not a number is no reason
-// to end a path: the film will count it.
+// Survival probability of a path in adjoint-driven Russian roulette: 1 within the weight window and above it. An
+// expected contribution that is NaN does not end the path, so the film will count it.
 template <class Real>
 PT_HD inline Real survival_probability(Real share, Real lowest, const Vec3<Real>& throughput) {
     const Real wanted = min(share / lowest, Real(1));
@@ -82,7 +82,7 @@ PT_HD inline Real survival_probability(Real share, Real lowest, const Vec3<Real>
     return min(max(wanted, max(least_survival<Real>, carried * (Real(1) / most_carried<Real>))), Real(1));
 }
 
-// Number of branches that a path splits into: 1 within the window and below it.
+// Number of branches that a path splits into by its expected contribution: 1 within the weight window and below it.
 template <class Real>
 PT_HD inline std::uint32_t branch_count(Real share, Real highest, std::uint32_t most) {
     return share > highest ? 1 + static_cast<std::uint32_t>(min(share / highest, static_cast<Real>(most - 1))) : 1u;
@@ -102,13 +102,13 @@ PT_HD inline bool survives_by_share(Path<Real>& path, Real share, Real lowest, R
     return true;
 }
 
-// The branch of kernels without adjoint-driven roulette, to which nothing happens before it scatters at a vertex.
+// Branch policy of kernels without path splitting: at most adjoint-driven roulette is played before a path scatters.
 struct OneBranch {
     template <class Config>
     static constexpr bool acts_in = has<Config>(Feature::adjoint_roulette);
-    // Whether the path is a branch that resumes at the vertex where it split, and so has been there.
+    // Whether the path is a branch that resumes at the vertex where it split, and so has arrived there before.
     PT_HD static constexpr bool resumes() { return false; }
-    // Decides before a path scatters at a vertex, with u in [0, 1). Returns whether the path goes on.
+    // Plays adjoint-driven Russian roulette before a path scatters, with u in [0, 1). Returns whether the path goes on.
     template <class Config>
     PT_HD bool goes_on(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
                        const Vertex<typename Config::Real>& vertex, const Hit<typename Config::Real>&,

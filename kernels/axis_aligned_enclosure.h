@@ -1,8 +1,8 @@
-// An enclosure: an empty axis-aligned space whose sides are the inner faces of axis boxes (walls), or open. A ray from
-// inside it, or one that comes in by an open side, meets no wall but the one whose plane it crosses on its way out, at
-// the very product that slab_interval forms for that wall: one plane an axis instead of two for every wall. Whatever is
-// not plainly so (a tie, a grazing ray, a start outside) is left to the slab test, so the answers are the same bit for
-// bit; find_enclosure (harness/scene) says what makes an enclosure.
+// An enclosure is an empty axis-aligned region, such as a room, whose sides are either open or inner faces of axis
+// boxes (walls). A ray from inside the enclosure, or one that enters by an open side, can hit only the wall whose plane
+// it crosses on its way out, at the very product that slab_interval forms for that wall: one plane per axis instead of
+// two per wall. Doubtful cases (a tie, a grazing ray, an origin outside) are left to the slab test, so the hits are the
+// same bit for bit; find_enclosure (harness/scene) says what makes an enclosure.
 #pragma once
 
 #include "kernels/box.h"
@@ -11,17 +11,17 @@ namespace pt {
 
 template <class Real>
 struct AxisAlignedEnclosure {
-    Vec3<Real> low{Real(0), Real(0), Real(0)};  // scene units, relative to the camera's eye
+    Vec3<Real> low{Real(0), Real(0), Real(0)};  // lowest corner of the enclosure, scene units from the eye
     Vec3<Real> high{Real(0), Real(0), Real(0)};
-    Vec3<Real> reach_low{Real(0), Real(0), Real(0)};  // round all axis boxes, whenever; infinite where one moves
+    Vec3<Real> reach_low{Real(0), Real(0), Real(0)};  // bounding box of axis boxes at all times; infinite: one moves
     Vec3<Real> reach_high{Real(0), Real(0), Real(0)};
-    // The faces of the walls behind the low and the high side, one for each axis; nowhere: that side is open.
+    // Face of the wall behind the low and the high side of each axis; `nowhere` where that side is open.
     SurfaceId low_side[3], high_side[3];
-    std::uint32_t walls = 0;       // bit i: axis box i is one of them; 0: there is no enclosure
-    std::uint32_t lamps = 0;       // bit i: axis box i is of an emitter material, which no path leaves
-    std::uint32_t open_sides = 0;  // bit 2 * axis, + 1 for the high side
+    std::uint32_t walls = 0;       // bit i: axis box i is a wall of the enclosure; 0: there is no enclosure
+    std::uint32_t lamps = 0;       // bit i: axis box i has an emitter material, which no path leaves
+    std::uint32_t open_sides = 0;  // bit 2 * axis: the low side is open; bit 2 * axis + 1: the high side is open
 
-    // Whether axis box i, as counted in SceneView::axis_boxes, is one of the walls.
+    // Whether axis box i, an index into SceneView::axis_boxes, is a wall of the enclosure.
     PT_HD bool is_wall(std::uint32_t i) const { return i < 32 && ((walls >> i) & 1u) != 0; }
     PT_HD bool is_lamp(std::uint32_t i) const { return i < 32 && ((lamps >> i) & 1u) != 0; }
     PT_HD bool contains(const Vec3<Real>& p) const {
@@ -29,20 +29,20 @@ struct AxisAlignedEnclosure {
     }
 };
 
-// The place where a ray leaves the enclosure. If it is not known, the slab test of every box decides.
+// Where a ray leaves the enclosure. If the exit is not known, the slab test of every axis box decides.
 template <class Real>
 struct EnclosureExit {
     bool known;
     Real t;
-    SurfaceId side;  // nowhere: by an open side
+    SurfaceId side;  // face of the wall that the ray leaves at; nowhere: an open side
 };
 
-// The slab test calls near <= far (1 + 2 gamma(3)) a hit: times that lie closer together than this are left to it.
+// Ray distances within this factor are a tie, left to the slab test, which accepts near <= far (1 + 2 gamma(3)).
 template <class Real>
 inline constexpr Real room_slack = Real(1) + Real(4) * gamma<Real>(3);
 
-// Whether a ray from outside comes in by an open side, plainly before it leaves at `exit`: across the last of the three
-// planes that it meets. No two are the last by more than the slack, so the axes can be asked one by one.
+// Whether a ray from outside enters the enclosure by an open side, clearly before it leaves at `exit`: across the last
+// of the three planes that it crosses. No two planes are the last by more than the slack, so each axis is tested alone.
 template <class Real>
 PT_HD inline bool enters_by_open_side(const AxisAlignedEnclosure<Real>& enclosure, const Vec3<Real>& origin,
                                       const Vec3<Real>& inverse, Real exit) {
@@ -84,9 +84,9 @@ PT_HD inline EnclosureExit<Real> leave_enclosure(const AxisAlignedEnclosure<Real
                    : side_z};
 }
 
-// Which of an enclosure's walls lie between two points. The enclosure is convex: none where both points lie within, and
-// one where the second lies beyond walls alone, since only their planes are crossed on the way. If it is unknown, the
-// slab test of every wall decides.
+// Which of an enclosure's walls lie between two points. The enclosure is convex: there is no wall between two points
+// inside, and one wall if the second point lies beyond walls alone, since the segment crosses no other plane. If this
+// is unknown, the slab test of every wall decides.
 enum class WallsBetween { none, one, unknown };
 
 template <class Real>
@@ -94,7 +94,7 @@ PT_HD inline WallsBetween walls_between(const AxisAlignedEnclosure<Real>& enclos
                                         const Vec3<Real>& to) {
     const Vec3<Real>& low = enclosure.low;
     const Vec3<Real>& high = enclosure.high;
-    // Distances of the second point beyond each of the six sides, and of the first point within them.
+    // Distances of the second point beyond each of the enclosure's six sides, and of the first point within them.
     const Real beyond[6] = {low.x - to.x, to.x - high.x, low.y - to.y, to.y - high.y, low.z - to.z, to.z - high.z};
     const Real within[6] = {from.x - low.x,  high.x - from.x, from.y - low.y,
                             high.y - from.y, from.z - low.z,  high.z - from.z};
@@ -108,13 +108,13 @@ PT_HD inline WallsBetween walls_between(const AxisAlignedEnclosure<Real>& enclos
             to_wall = min(to_wall, within[side]);
         }
     }
-    // The margin is above the rounding of a point on the way and of the slab test.
+    // This margin exceeds the rounding errors of a point on the ray and of the slab test.
     const Real margin = gamma<Real>(64) * (absolute(low.x) + absolute(low.y) + absolute(low.z) + absolute(high.x) +
                                            absolute(high.y) + absolute(high.z));
     if (enclosure.walls == 0 || !enclosure.contains(from) || !(open < -margin)) {
         return WallsBetween::unknown;
     }
-    // A ray that starts in the very plane of a wall, in a corner, does not enter that wall (keep_nearer).
+    // A ray that starts exactly in the plane of a wall, as in a corner, does not hit that wall (keep_nearer).
     return walls < -margin                       ? WallsBetween::none
            : walls > margin && to_wall > Real(0) ? WallsBetween::one
                                                  : WallsBetween::unknown;
@@ -127,8 +127,8 @@ PT_HD inline Vec3<Real> face_normal(const SurfaceId& face) {
     return {axis == 0 ? sign : Real(0), axis == 1 ? sign : Real(0), axis == 2 ? sign : Real(0)};
 }
 
-// The point p of a ray that meets the enclosure's side at the face of `side`, pulled onto it. False: p lies outside the
-// enclosure, where the wall's own edges decide.
+// Moves the hit point p of a ray exactly onto the enclosure's side at the face `side`. Returns false if p lies outside
+// the enclosure, where the wall's own edges decide.
 template <class Real>
 PT_HD inline bool point_on_side(const AxisAlignedEnclosure<Real>& enclosure, const SurfaceId& side, const Vec3<Real>& p,
                                 Vec3<Real>& position) {

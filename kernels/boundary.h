@@ -27,8 +27,8 @@ PT_HD inline Vec3<Real> reflect(const Vec3<Real>& direction, const Vec3<Real>& n
 
 template <class Real>
 struct Refraction {
-    Real reflectance;  // 1 under total internal reflection
-    Real q;            // n cos(theta_t)
+    Real reflectance;  // Fresnel reflectance; 1 under total internal reflection
+    Real q;            // n cos(theta_t), theta_t the angle of refraction
 };
 
 // Fresnel reflectance at a boundary for a cosine of incidence in [0, 1].
@@ -63,7 +63,7 @@ PT_HD inline Refraction<typename Config::Real> fresnel(const Boundary<typename C
     }
 }
 
-// The direction of the refracted ray; `normal` is on the incoming side.
+// Direction of the ray refracted at a smooth boundary; `normal` is on the incoming side.
 template <class Real>
 PT_HD inline Vec3<Real> refract(const Boundary<Real>& boundary, const Vec3<Real>& direction, const Vec3<Real>& normal,
                                 Real cosine, Real q) {

@@ -1,4 +1,4 @@
-// What boxes share: axis-aligned ones in scene coordinates, oriented ones in their own frame.
+// Ray tests and light sampling of boxes: axis-aligned in scene coordinates, oriented in their own frame.
 // Slab test of Kay and Kajiya with Ize's rounding bound ("Robust BVH Ray Traversal", JCGT 2(2), 2013): without the
 // factor 1 + 2 gamma(3), 4 % of the rays through an edge miss (docs/numerics.md S21).
 #pragma once
@@ -7,8 +7,8 @@
 
 namespace pt {
 
-// The planes to enter and to leave by are chosen by the sign of the direction, and every comparison is arranged so that
-// a NaN (0 * infinity: the ray lies in a face's plane) is passed over rather than kept.
+// Slab test of a ray against the box [low, high]. The entry and exit planes are chosen by the sign of the direction,
+// and every comparison is arranged so that a NaN (0 * infinity: the ray lies in a face's plane) is skipped.
 template <class Real>
 PT_HD inline Interval<Real> slab_interval(const Vec3<Real>& low, const Vec3<Real>& high, const Vec3<Real>& origin,
                                           const Vec3<Real>& inverse) {
@@ -29,8 +29,8 @@ PT_HD inline Interval<Real> slab_interval(const Vec3<Real>& low, const Vec3<Real
     return {near, far, near <= far * (Real(1) + Real(2) * gamma<Real>(3))};
 }
 
-// slab_interval for a reciprocal without infinite entries. No product is a NaN then, so the nearer plane of each pair
-// is simply the one that is met first.
+// slab_interval for a reciprocal direction without infinite entries. No product is NaN then, so the nearer plane of
+// each pair is simply the one with the smaller distance.
 template <class Real>
 PT_HD inline Interval<Real> finite_slab_interval(const Vec3<Real>& low, const Vec3<Real>& high,
                                                  const Vec3<Real>& origin, const Vec3<Real>& inverse) {
@@ -49,7 +49,7 @@ PT_HD inline bool has_finite_reciprocal(const Vec3<Real>& v) {
     return keep_smaller(keep_smaller(absolute(v.x), absolute(v.y)), absolute(v.z)) >= Real(0x1p-100);
 }
 
-// The entries' reciprocals of a vector that is no longer than 1, but for rounding; infinite where an entry is 0.
+// Component-wise reciprocal of a vector no longer than 1 but for rounding; infinite where a component is 0.
 template <class Real>
 PT_HD inline Vec3<Real> reciprocal(const Vec3<Real>& v) {
     if (has_finite_reciprocal(v)) {
@@ -58,8 +58,8 @@ PT_HD inline Vec3<Real> reciprocal(const Vec3<Real>& v) {
     return {Real(1) / v.x, Real(1) / v.y, Real(1) / v.z};
 }
 
-// The face through which the ray enters (or leaves, if `inside`) the box [low, high], as an axis. The same products as
-// in slab_interval, so the answer cannot contradict the hit.
+// Axis of the face through which a ray enters (or leaves, if `inside`) the box [low, high]. The products are those of
+// slab_interval, so the axis cannot contradict the hit.
 template <class Real>
 PT_HD inline int crossed_axis(const Vec3<Real>& low, const Vec3<Real>& high, const Vec3<Real>& origin,
                               const Vec3<Real>& inverse, bool inside) {
@@ -84,7 +84,7 @@ PT_HD inline int crossed_axis(const Vec3<Real>& low, const Vec3<Real>& high, con
     return axis;
 }
 
-// The hit point p pulled onto the crossed face and within its edges, with the outward normal of that face.
+// Moves a hit point p onto the face of a box that the ray crosses, within its edges, and gives its outward normal.
 template <class Real>
 PT_HD inline SurfacePoint<Real> face_point(const Vec3<Real>& low, const Vec3<Real>& high, const Vec3<Real>& origin,
                                            const Vec3<Real>& inverse, bool inside, const Vec3<Real>& p) {
@@ -116,14 +116,14 @@ inline bool is_in_unit_box(const Vec3<double>& p) {
     return absolute(p.x) < 0.5 && absolute(p.y) < 0.5 && absolute(p.z) < 0.5;
 }
 
-// A point on the box around 0, by area: w chooses the face.
+// Samples a point on a box centred at the origin, uniformly by area; w chooses the face.
 template <class Real>
 PT_HD inline LightSample<Real> sample_box(const Vec3<Real>& half, Real u, Real v, Real w) {
     const Real yz = half.y * half.z;
     const Real zx = half.z * half.x;
     const Real xy = half.x * half.y;
     const Real total = yz + zx + xy;
-    Real pick = w * Real(2);  // [0, 2): the whole part is the side, the rest the axis
+    Real pick = w * Real(2);  // in [0, 2): the integer part chooses the side, the fraction the axis
     const bool high = pick >= Real(1);
     pick = (high ? pick - Real(1) : pick) * total;
     const Real side = high ? Real(1) : Real(-1);

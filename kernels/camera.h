@@ -1,5 +1,5 @@
-// Pinhole and thin-lens camera with pixel jitter and a shutter. The eye is the origin: the loader subtracts it in
-// double.
+// Pinhole and thin-lens camera with pixel jitter and a shutter. The eye is the coordinate origin: the loader subtracts
+// its position in double.
 #pragma once
 
 #include "kernels/path.h"
@@ -10,19 +10,19 @@ namespace pt {
 
 template <class Real>
 struct Camera {
-    Vec3<Real> right, up, forward;  // orthonormal; up points up in the image
-    Real pixel_size;                // 2 tan(vertical_fov / 2) / height, at distance 1
+    Vec3<Real> right, up, forward;  // orthonormal camera axes; `up` points up in the image
+    Real pixel_size;                // size of a pixel at distance 1: 2 tan(vertical_fov / 2) / height
     std::uint32_t width, height;
-    Real aperture_radius;               // scene units; 0: pinhole
-    Real focus_distance;                // along `forward`, scene units
-    Real shutter_open, shutter_length;  // seconds
-    std::uint32_t shutter_late;         // 1: density 2s/length^2, s = time since the opening
-    std::uint32_t jitter;               // 0: every sample through the pixel's centre
-    std::uint32_t initial_medium;       // material that absorbs where the eye is, or Path::no_medium
+    Real aperture_radius;               // lens radius in scene units; 0: pinhole
+    Real focus_distance;                // distance of the plane in focus along `forward`, scene units
+    Real shutter_open, shutter_length;  // shutter times in seconds
+    std::uint32_t shutter_late;         // 1: ray times have density 2s/length^2, s = time since the opening
+    std::uint32_t jitter;               // 0: every camera ray passes through its pixel's centre
+    std::uint32_t initial_medium;       // material whose medium the eye is in, or Path::no_medium
 };
 
-// The unit vector along a camera ray. Through a pinhole that is no shorter than the camera's forward vector; a lens
-// makes it as long as the distance to the focus, whatever the scene's scale.
+// Unit vector along a camera ray. Without a lens the direction is no shorter than the camera's forward vector, so the
+// in-range functions apply; with a lens it is as long as the focus distance, whatever the scene's scale.
 template <class Config>
 PT_HD inline Vec3<typename Config::Real> unit_ray(const Vec3<typename Config::Real>& direction) {
     if constexpr (has<Config>(Feature::lens)) {
@@ -32,17 +32,17 @@ PT_HD inline Vec3<typename Config::Real> unit_ray(const Vec3<typename Config::Re
     }
 }
 
-// A pixel: its number in row-major order, and its column and row.
+// A pixel's index in row-major order, and its column and row.
 struct PixelPlace {
-    std::uint32_t index, x, y;  // row-major
+    std::uint32_t index, x, y;
 
     PT_HD static PixelPlace of(std::uint32_t index, std::uint32_t width) {
         return {index, index % width, index / width};
     }
 };
 
-// The start of a path: segment 0, on no surface. Its numbers are those of the sample `camera_sample`, which is the
-// path's own unless camera rays are shared between samples (a first-bounce cache).
+// Start of a camera path: segment 0, on no surface. The random numbers are those of the sample `camera_sample`, which
+// is the path's own unless camera rays are shared between samples (first-bounce cache).
 template <class Config>
 PT_HD inline Path<typename Config::Real> camera_path(const Camera<typename Config::Real>& camera,
                                                      const RandomSeed& seed, const PixelPlace& place,

@@ -8,14 +8,14 @@
 
 #include <cstdint>
 
-// The one host/device macro. Under g++ it vanishes; under nvcc and NVRTC every function serves both sides.
+// PT_HD marks functions for both sides. Under g++ it vanishes; under nvcc and NVRTC every function serves both.
 #if defined(__CUDACC__)
 #define PT_HD __host__ __device__
 #else
 #define PT_HD
 #endif
 
-// Stands before a loop that a device is to keep as a loop, however few its turns: a long kernel waits for instructions.
+// PT_ROLLED marks a loop that a device must not unroll, however short: a long kernel stalls on instruction fetch.
 #if defined(__CUDA_ARCH__)
 #define PT_ROLLED _Pragma("unroll 1")
 #else
@@ -28,84 +28,84 @@ using FeatureSet = std::uint64_t;
 
 // First bit of each group of features in a FeatureSet. A group's bits stand together, with room for more of its kind.
 namespace feature_bit {
-inline constexpr FeatureSet camera = FeatureSet{1} << 0;      // 4 bits
-inline constexpr FeatureSet shape = FeatureSet{1} << 4;       // 16 bits
-inline constexpr FeatureSet material = FeatureSet{1} << 20;   // 17 bits
-inline constexpr FeatureSet light = FeatureSet{1} << 37;      // 11 bits
-inline constexpr FeatureSet sampling = FeatureSet{1} << 48;   // 10 bits
-inline constexpr FeatureSet traversal = FeatureSet{1} << 58;  // 6 bits
+inline constexpr FeatureSet camera = FeatureSet{1} << 0;      // 4 feature bits for the camera
+inline constexpr FeatureSet shape = FeatureSet{1} << 4;       // 16 feature bits for shapes
+inline constexpr FeatureSet material = FeatureSet{1} << 20;   // 17 feature bits for materials
+inline constexpr FeatureSet light = FeatureSet{1} << 37;      // 11 feature bits for lights
+inline constexpr FeatureSet sampling = FeatureSet{1} << 48;   // 10 feature bits for sampling
+inline constexpr FeatureSet traversal = FeatureSet{1} << 58;  // 6 feature bits for traversal
 }  // namespace feature_bit
 
 enum class Feature : FeatureSet {
     jitter = feature_bit::camera << 0,
     lens = feature_bit::camera << 1,
-// Kinds of primitives. An object is classified once, at load: every kernel uses one formula a kind.
+// One feature per kind of shape. Objects are classified once, at load: every kernel uses one formula per kind.
 #define PT_FEATURE(name, array, Type) name = feature_bit::shape << static_cast<std::uint32_t>(ShapeKind::name),
     PT_SHAPES(PT_FEATURE)
 #undef PT_FEATURE
-    // Spheres that the eye is near, as the ground under it (NearSphere in kernels/shapes/sphere.h).
+    // Spheres that are close to the eye for their size, as a ground sphere is (NearSphere in kernels/shapes/sphere.h).
     near_sphere = feature_bit::shape << 13,
     motion = feature_bit::shape << 14,
-    // Every object is met by its 4x4 matrix (kernels/transform.h): another formula, which changes roundings and so the
-    // film.
+    // Every object is intersected through its 4x4 matrix (kernels/transform.h), another formula, which changes
+    // roundings and so the film.
     matrix = feature_bit::shape << 15,
-// Kinds of materials.
+// One feature for each material type.
 #define PT_FEATURE(name, Type, traits) name = feature_bit::material << static_cast<std::uint32_t>(MaterialType::name),
     PT_MATERIALS(PT_FEATURE)
 #undef PT_FEATURE
-    // What a material does besides.
-    emission = feature_bit::material << 11,             // surfaces that reflect and also emit
-    absorption = feature_bit::material << 12,           // Beer-Lambert inside a dielectric, smooth or rough
-    subsurface_boundary = feature_bit::material << 13,  // a subsurface body whose index is not 1
-    multiple_scattering = feature_bit::material << 14,  // rough conductors that lose no light
+    // Features of what materials do beyond their type.
+    emission = feature_bit::material << 11,             // surfaces that both reflect and emit light
+    absorption = feature_bit::material << 12,           // Beer-Lambert absorption inside a dielectric, smooth or rough
+    subsurface_boundary = feature_bit::material << 13,  // a subsurface body whose index of refraction is not 1
+    multiple_scattering = feature_bit::material << 14,  // rough conductors with energy compensation
     textures = feature_bit::material << 15,             // colours and roughnesses that are images (kernels/texture.h)
-    shading_normals = feature_bit::material << 16,      // other normals than the surface's (kernels/shading_normal.h)
+    shading_normals = feature_bit::material << 16,      // normals other than geometric ones (kernels/shading_normal.h)
     environment = feature_bit::light << 0,
-    // What the variant asks for rather than the scene.
+    // Features that the variant asks for rather than the scene.
     final_bounce = feature_bit::light << 1,
     next_event = feature_bit::light << 2,
     multiple_importance = feature_bit::light << 3,
-    // How points on lights are drawn (kernels/light_sampling.h). A kernel with none of these does it by solid angle,
-    // one with a single one so, and one with all chooses at run time (SceneView::light_sampling).
+    // How light samples lie on a light (kernels/light_sampling.h). A kernel with none of these samples by solid angle,
+    // one with a single feature in that way, and one with all chooses at run time (SceneView::light_sampling).
     area_sampling = feature_bit::light << 4,
     projected_sampling = feature_bit::light << 5,
     automatic_sampling = feature_bit::light << 6,
-    // Which light is drawn (kernels/light_selection.h). A kernel with neither draws uniformly, one with one of them so,
-    // and one with both chooses at run time (SceneView::light_selection).
+    // How next-event estimation chooses a light (kernels/light_selection.h). A kernel with neither feature chooses
+    // uniformly, one with a single feature in that way, and one with both at run time (SceneView::light_selection).
     power_selection = feature_bit::light << 7,
     tree_selection = feature_bit::light << 8,
-    // One-sample MIS: either the connection to a light counts or the light that is met, chosen at random
+    // One-sample MIS: at random either the connection to a light counts or the light that the path hits
     // (SceneView::one_sample).
     one_sample = feature_bit::light << 9,
-    // An environment that is drawn as lights are (kernels/environment_map.h): an image, or one number all round.
+    // An environment that is sampled as lights are (kernels/environment_map.h): an image, or one constant radiance.
     environment_map = feature_bit::light << 10,
     russian_roulette = feature_bit::sampling << 0,
-    // Sources of random numbers other than pcg4d. A kernel with none of them has pcg4d, one with a single one has that,
-    // and one with several chooses at run time among all (RandomSeed::sampler).
+    // Samplers other than pcg4d. A kernel with none of these features has pcg4d, a kernel with a single one has that
+    // one, and a kernel with several chooses at run time among all (RandomSeed::sampler).
     philox = feature_bit::sampling << 1,
     sobol_owen = feature_bit::sampling << 2,
     minstd = feature_bit::sampling << 3,
     sobol_rotated = feature_bit::sampling << 4,
     pmj02 = feature_bit::sampling << 5,
     halton = feature_bit::sampling << 6,
-    // Walks through bodies drawn towards the surface (kernels/guided_walk.h), of materials that say so.
+    // Subsurface random walks guided towards the surface (kernels/guided_walk.h), for materials that ask for them.
     guided_walk = feature_bit::sampling << 7,
-    // Roulette, and splitting, by what a path is expected to bring (kernels/adjoint.h, kernels/path_tree.h).
+    // Russian roulette, and splitting, by a path's expected contribution (kernels/adjoint.h, kernels/path_tree.h).
     adjoint_roulette = feature_bit::sampling << 8,
     splitting = feature_bit::sampling << 9,
-    // Features that only make a kernel faster: it leaves the same film with them, and no scene needs them.
+    // Features that only make a kernel faster: the film is the same with and without them, and no scene needs them.
     enclosure = feature_bit::traversal << 0,
-    // Features that compute by other formulas, and so round otherwise: intersection in double within single precision
+    // Features that use other formulas and so round otherwise: intersection in double within single precision
     // (kernels/widen.h), and textbook forms throughout (kernels/naive.h).
     double_intersection = feature_bit::traversal << 1,
     naive = feature_bit::traversal << 2,
-    // Other ways to the objects that show meshes than each in turn: a tree over them (kernels/object_tree.h), and one
-    // tree over all their triangles. On the host the scene says which (MeshSearch), and no kernel has either.
+    // Ways to search mesh instances other than one by one: a tree over them (kernels/object_tree.h), and one tree over
+    // all their triangles. On the host the scene says which (MeshSearch), and no kernel has either feature.
     object_tree = feature_bit::traversal << 3,
     flat_tree = feature_bit::traversal << 4,
 };
 
-// What the variant asks for among the features of light_samplings and of light_selections.
+// Light sampling and light selection that a variant asks for, by the features of light_samplings and light_selections.
 enum class LightSampling : std::uint16_t { solid_angle, area, projected, automatic };
 enum class LightSelection : std::uint32_t { uniform, power, tree };
 
@@ -118,7 +118,7 @@ inline constexpr FeatureSet no_features = 0;
 #define PT_FEATURE(name, array, Type) | static_cast<FeatureSet>(Feature::name)
 inline constexpr FeatureSet shape_features = no_features PT_SHAPES(PT_FEATURE);
 #undef PT_FEATURE
-// The kinds of materials that have any of these traits (material_trait).
+// Features of the material types that have any of the traits `wanted` (material_trait).
 PT_HD constexpr FeatureSet materials_with(std::uint32_t wanted) {
     using namespace material_trait;
     FeatureSet set = no_features;
@@ -136,7 +136,7 @@ inline constexpr FeatureSet material_features =
 inline constexpr FeatureSet light_samplings =
     set_of(Feature::area_sampling, Feature::projected_sampling, Feature::automatic_sampling);
 inline constexpr FeatureSet light_selections = set_of(Feature::power_selection, Feature::tree_selection);
-// What a scene or an estimator may need: a kernel with all of these renders any scene without meshes.
+// Features that a scene or an estimator may need: a kernel with all of them renders any scene without meshes.
 inline constexpr FeatureSet all_features =
     (shape_features & ~static_cast<FeatureSet>(Feature::mesh)) | material_features | light_samplings |
     light_selections |
@@ -146,14 +146,14 @@ inline constexpr FeatureSet all_features =
 inline constexpr FeatureSet shortcuts = set_of(Feature::enclosure);
 inline constexpr FeatureSet samplers = set_of(Feature::philox, Feature::sobol_owen, Feature::minstd,
                                               Feature::sobol_rotated, Feature::pmj02, Feature::halton);
-// What a kernel chooses at run time among what it has, and has only where it is asked for some of it: no other kernel,
-// not even a generic one, pays for it.
+// Features among which a kernel chooses at run time. Only a kernel that is asked for some of them has any: no other
+// kernel, not even a generic one, pays for them.
 inline constexpr FeatureSet samplings = samplers | static_cast<FeatureSet>(Feature::guided_walk);
 
-// Features by which a kernel traverses meshes. It has one only for a scene with meshes: the way through an accelerator
-// takes registers from every other shape.
+// Features with which a kernel traverses meshes. Only kernels for scenes with meshes have them, since the traversal of
+// an acceleration structure takes registers from every other shape.
 inline constexpr FeatureSet traversals = set_of(Feature::mesh);
-// The trees over all meshes (TLAS, or one flat tree), at most one of them, for a variant and a scene that has meshes.
+// Features for a tree over all meshes (TLAS, or one flat tree), at most one per kernel, only for scenes with meshes.
 inline constexpr FeatureSet mesh_levels = set_of(Feature::object_tree, Feature::flat_tree);
 
 // Features of kernels whose paths split. A kernel has one only for a variant that asks for it: the branches that wait
@@ -183,7 +183,7 @@ PT_HD constexpr LightSelection light_selection_in(FeatureSet set) {
 }
 PT_HD constexpr bool is_superset(FeatureSet set, FeatureSet subset) { return (set & subset) == subset; }
 
-// Takes rays through a mesh (kernels/mesh_view.h); a choice of the axis accelerator.
+// BruteForce tests every triangle of a mesh (kernels/mesh_view.h); a choice of the axis `accelerator`.
 struct BruteForce;
 
 template <class RealT, FeatureSet Features, class AcceleratorT = BruteForce>
@@ -193,8 +193,8 @@ struct Config {
     using Accelerator = AcceleratorT;
 };
 
-// Whether a kernel is for scenes with one light alone, always the same object: then all threads read the same numbers
-// of it. A device's configuration says so where it knows.
+// Whether a kernel is compiled for scenes whose only light is one fixed object, so that all threads read the same light
+// data. A device's configuration says so where it knows.
 template <class Config>
 PT_HD constexpr bool has_one_light() {
     if constexpr (requires { Config::has_one_light; }) {
@@ -208,7 +208,7 @@ PT_HD constexpr bool has(Feature feature) {
     return contains(Config::features, feature);
 }
 
-// Whether a kernel has materials within whose bodies rays run.
+// Whether a kernel has materials with an interior that rays travel through.
 template <class Config>
 PT_HD constexpr bool has_insides() {
     return (Config::features & materials_with(material_trait::has_inside)) != 0;
@@ -225,8 +225,8 @@ __noinline__
     return function();
 }
 
-// Runs `function`. A kernel with everything calls it, so that all places share one body, for which the lambda must
-// stand in a function that is the same for all of them: with a copy at each place it would be 10^5 instructions.
+// Runs `function`. A kernel with all features calls it out of line, so all call sites share one body; the lambda must
+// stand in a function that is the same for all of them. A copy at each call site would be 10^5 instructions.
 template <class Config, class Function>
 PT_HD inline auto in_one_place(const Function& function) {
     if constexpr (has_everything(Config::features)) {

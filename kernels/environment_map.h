@@ -1,11 +1,10 @@
-// Light from all round as an equirectangular image, y up, and directions towards it drawn in proportion to it: by a
-// piecewise-constant distribution, a row first and a texel of it then (Pharr, Jakob and Humphreys, "Physically Based
-// Rendering", 4th edition, sections 12.5 and A.5). A direction has the radiance of the texel that it is in, and within
-// a texel directions are drawn evenly by solid angle, so radiance over density is one number throughout a texel.
-// Probabilities are whole 2^-32nds, none 0: what is drawn and what is divided by are the same number. An even light is
-// an image of one texel, drawn uniformly over the sphere.
+// Environment light as an equirectangular image, y up, importance-sampled by a piecewise-constant distribution: first a
+// row, then a texel in it (Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th edition, sections 12.5 and
+// A.5). A direction has the radiance of its texel, and directions in a texel are drawn uniformly by solid angle, so
+// radiance over pdf is constant in a texel. Probabilities are whole multiples of 2^-32, none 0: the sampled one and the
+// one divided by are the same. A constant environment is an image of one texel, drawn uniformly over the sphere.
 //
-// The image's left edge is in the direction -z, a quarter of its width on is +x, as in Mitsuba's `envmap`.
+// The image's left edge is in the direction -z, and a quarter of its width on is +x, as in Mitsuba's `envmap`.
 #pragma once
 
 #include "kernels/sampling.h"
@@ -13,33 +12,33 @@
 
 namespace pt {
 
-// Texels between two cosines to +y: from `top` down to the next row's, or -1.
+// A row of an environment image: directions whose cosine to +y lies between `top` and the next row's `top`, or -1.
 template <class Real>
 struct EnvironmentRow {
     Real top;
-    Real inverse_pdf;     // of a direction to one of the row's texels that is drawn surely once the row is
-    std::uint32_t first;  // where the row's share of 2^32 begins; it ends at the next one's
+    Real inverse_pdf;     // 1 / pdf of a direction in this row if its texel had probability 1
+    std::uint32_t first;  // start of the row's interval of [0, 2^32), which ends at the next row's `first`
 };
 
 template <class Real>
 struct EnvironmentTexel {
     Vec3<Real> radiance;
-    std::uint32_t first;  // where the share of its row's 2^32 begins
+    std::uint32_t first;  // start of the texel's interval of [0, 2^32) within its row
 };
 
 template <class Real>
 struct EnvironmentMap {
-    View<EnvironmentRow<Real>> rows;      // from +y down
-    View<EnvironmentTexel<Real>> texels;  // row by row
-    std::uint32_t width;                  // texels in a row
-    Real turn;                            // where in the image, in widths, the direction -z is: its rotation about y
-    std::uint32_t object_share;           // of 2^32: below, one of the objects that emit is drawn
-    std::uint32_t stretch;                // 2^31 times 2^32 / object_share
-    Real inverse_probability;             // of the environment
-    Real inverse_object_probability;      // of any of the objects
+    View<EnvironmentRow<Real>> rows;      // rows of the image from +y down
+    View<EnvironmentTexel<Real>> texels;  // texels of the image, row by row
+    std::uint32_t width;                  // number of texels in a row
+    Real turn;                            // rotation about y: where -z is in the image, in widths
+    std::uint32_t object_share;           // a random word below this draws an object that emits, not the environment
+    std::uint32_t stretch;                // 2^63 / object_share, to stretch random words below object_share
+    Real inverse_probability;             // 1 / probability of drawing the environment
+    Real inverse_object_probability;      // 1 / probability of drawing an emitting object
 };
 
-// How the shares of 2^32 lie: the last of `count` entries that begins at or below `word`.
+// Index of the last of `count` entries whose interval of [0, 2^32) begins at or below `word`, by binary search.
 template <class Entry>
 PT_HD inline std::uint32_t entry_at(const Entry* entries, std::uint32_t count, std::uint32_t word) {
     std::uint32_t low = 0, high = count;
@@ -52,7 +51,7 @@ PT_HD inline std::uint32_t entry_at(const Entry* entries, std::uint32_t count, s
     return low;
 }
 
-// The share of entry i in a table that divides 2^32 words, in words: 2^32 itself for an only entry. The last entry ends
+// Width of entry i's interval in a table that divides 2^32 words: 2^32 itself for an only entry. The last interval ends
 // at 2^32, whose low word is 0.
 template <class Real, class Entry>
 PT_HD inline Real share_of_entry(const Entry* entries, std::uint32_t count, std::uint32_t i) {
@@ -60,15 +59,15 @@ PT_HD inline Real share_of_entry(const Entry* entries, std::uint32_t count, std:
     return static_cast<Real>(end - entries[i].first - 1u) + Real(1);
 }
 
-// The place in [0, 1] of a word within its entry's share. 16 bits of `more` place it between two words, since a share
-// may be one word wide.
+// Relative position in [0, 1] of a random word within its entry's interval. 16 bits of `more` place it between two
+// words, since an interval may be one word wide.
 template <class Real, class Entry>
 PT_HD inline Real place_in_entry(const Entry& entry, Real share, std::uint32_t word, std::uint32_t more) {
     const Real between = (static_cast<Real>(more & 0xffffu) + Real(0.5)) * Real(0x1p-16);
     return min((static_cast<Real>(word - entry.first) + between) / share, Real(1));
 }
 
-// A texel, and 1 / density by solid angle with which directions to it are drawn.
+// Radiance of an environment texel, and 1 / pdf by solid angle with which directions to the texel are drawn.
 template <class Real>
 struct EnvironmentPlace {
     Vec3<Real> radiance;
@@ -82,7 +81,7 @@ PT_HD inline EnvironmentPlace<Real> place_at(const EnvironmentMap<Real>& map, st
     return {texels[column].radiance, map.rows[row].inverse_pdf * (Real(0x1p32) / share)};
 }
 
-// The angle about y in turns, from 0 at -z by way of 1/4 at +x: up to rounding within [-1/4, 3/4].
+// Azimuth of a direction about y in turns, from 0 at -z by way of 1/4 at +x: up to rounding within [-1/4, 3/4].
 template <class Real>
 PT_HD inline Real azimuth_in_turns(const Vec3<Real>& direction) {
     const Real along = -direction.z;
@@ -93,7 +92,7 @@ PT_HD inline Real azimuth_in_turns(const Vec3<Real>& direction) {
     return along < Real(0) ? angle + Real(0.5) : angle;
 }
 
-// What is left of a number of turns from -1 to 2 without its whole turns, in [0, 1).
+// Fractional part, in [0, 1), of a number of turns from -1 to 2.
 template <class Real>
 PT_HD inline Real fraction_of_turn(Real turns) {
     const Real above = turns < Real(0) ? turns + Real(1) : turns;
@@ -112,7 +111,7 @@ PT_HD inline std::uint32_t row_at(const EnvironmentMap<Real>& map, Real cosine) 
     return low;
 }
 
-// The texel that a unit direction looks at, and 1 / density of directions to it.
+// Radiance of the environment texel in a unit direction, and 1 / pdf of directions to it.
 template <class Real>
 PT_HD inline EnvironmentPlace<Real> environment_towards(const EnvironmentMap<Real>& map, const Vec3<Real>& direction) {
     const Real across = fraction_of_turn(azimuth_in_turns(direction) + map.turn) * static_cast<Real>(map.width);
@@ -145,7 +144,7 @@ PT_HD inline EnvironmentSample<Real> sample_environment(const EnvironmentMap<Rea
     return {{radius * azimuth.sine, cosine, -radius * azimuth.cosine}, place_at(map, row, column)};
 }
 
-// Whether a word draws the environment among all lights; if not, on return it is as even over all words as it was.
+// Whether a random word draws the environment among all lights; if not, the word is stretched to 32 uniform bits.
 template <class Real>
 PT_HD inline bool draws_environment(const EnvironmentMap<Real>& map, std::uint32_t& word) {
     if (word >= map.object_share) {

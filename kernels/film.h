@@ -44,22 +44,22 @@ struct FilmSum {
 };
 
 struct FilmView {
-    std::int64_t* sums = nullptr;  // pixel-major, 3 channels
+    std::int64_t* sums = nullptr;  // film sums in quanta, pixel-major, 3 channels
     FilmFaults* faults = nullptr;
-    double scale = 1.0;  // quanta a unit of radiance, a power of two
-    double limit = 0.0;  // largest quanta of one sample such that `samples` of them cannot overflow
-    // `scale` and `limit` in single precision, in which a product with a power of two is exact as well. A negative
-    // limit: not to be used.
+    double scale = 1.0;  // quanta per unit of radiance, a power of two
+    double limit = 0.0;  // largest quanta of one sample such that the sum of all samples cannot overflow
+    // Scale and limit in single precision, in which a product with a power of two is exact as well. A negative limit:
+    // single precision is not to be used.
     float single_scale = 1.0f;
-    float single_limit = -1.0f;  // the largest number not above `limit`
+    float single_limit = -1.0f;  // the largest float not above `limit`
 
-    // Turns one sample's radiance into quanta. Faults are counted; what is not finite is left out.
+    // Converts one sample's radiance to quanta. Faults are counted; a sample that is not finite is left out.
     PT_HD FilmSum quanta(const Vec3<float>& radiance) const {
         using std::llrint;
         const float x = radiance.x * single_scale;
         const float y = radiance.y * single_scale;
         const float z = radiance.z * single_scale;
-        // A radiance that is not a number is not plain, since each of these comparisons is false for a NaN.
+        // A NaN radiance fails each of these comparisons and takes the slow path.
         const bool plain =
             x >= 0.0f && y >= 0.0f && z >= 0.0f && x <= single_limit && y <= single_limit && z <= single_limit;
         if (plain) {
@@ -100,7 +100,7 @@ struct FilmView {
         add(pixel, quanta(radiance));
     }
 
-    // Adds samples of a pixel that are summed already, as radiance.
+    // Adds the sum of several samples of a pixel, given as radiance.
     template <class Real>
     PT_HD void add_sum(std::uint32_t pixel, const Vec3<Real>& sum) const {
         using std::llrint;
@@ -123,8 +123,8 @@ private:
     }
 };
 
-// What one thread sums up of one pixel's samples before they go to the film: quanta, so that no order matters. A naive
-// kernel sums radiance in its own precision, in the order of the samples.
+// Sum of one pixel's samples in one thread before they go to the film: in quanta, so that the order does not matter. A
+// naive kernel sums radiance in its own precision, in the order of the samples.
 template <class Config>
 class PixelSum {
 public:

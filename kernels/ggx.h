@@ -1,9 +1,8 @@
-// The facets of a rough surface as one direction sees them: the GGX distribution of normals (Walter et al. 2007),
-// Smith's masking, its height-correlated form where light stays on its side (Heitz, JCGT 3(2), 2014), sampled by the
-// normals that can be seen (Heitz, JCGT 7(4), 2018). With c the cosine of a direction, s its sine and q = sqrt(c^2 +
-// alpha^2 s^2), Smith's Lambda is (q - c) / (2 c), so
-//   density of the mirrored direction = D / (2 (co + qo)),
-//   share that is not masked on its way out = ci (co + qo) / (co qi + ci qo) above, 2 ci / (ci + qi) below the surface.
+// GGX microfacets as seen from one direction: the distribution of normals (Walter et al. 2007), Smith's masking,
+// height-correlated for reflection (Heitz, JCGT 3(2), 2014), and sampling of visible normals (Heitz, JCGT 7(4), 2018).
+// With c the cosine of a direction, s its sine and q = sqrt(c^2 + alpha^2 s^2), Smith's Lambda is (q - c) / (2 c), so
+//   pdf of the mirrored direction = D / (2 (co + qo)),
+//   unmasked share of the incoming light = ci (co + qo) / (co qi + ci qo) above, 2 ci / (ci + qi) below the surface.
 #pragma once
 
 #include "kernels/boundary.h"
@@ -15,17 +14,17 @@ namespace pt {
 template <class Real>
 struct GgxFacet {
     Vec3<Real> normal;
-    // The normal in the space where the ellipsoid of facets is a sphere: its part along the surface's normal, and the
-    // square of the rest.
+    // Facet normal in the stretched space, where the ellipsoid of facets is a sphere: its component along the surface
+    // normal, and the squared length of the rest.
     Real along, across;
 };
 
-// The facets at one vertex as seen from `outgoing`. All vectors are unit.
+// GGX microfacets at one vertex as seen from the direction `outgoing`. All vectors are unit.
 template <class Real>
 struct GgxFacets {
     Vec3<Real> outgoing, normal;
-    Real alpha;      // 0: all facets lie in the surface
-    Real cosine, q;  // of `outgoing`
+    Real alpha;      // GGX roughness; 0: all facets lie in the surface
+    Real cosine, q;  // cosine of `outgoing` to the normal, and stretched(cosine)
 
     PT_HD GgxFacets(Real alpha_of, const Vec3<Real>& outgoing_to, const Vec3<Real>& normal_of)
         : outgoing(outgoing_to),
@@ -34,8 +33,8 @@ struct GgxFacets {
           cosine(max(dot(outgoing_to, normal_of), least_cosine<Real>)),
           q(stretched(cosine)) {}
 
-    // Whether the density of directions can be formed in single precision: for a smaller alpha it hangs on the
-    // directions' rounding.
+    // Whether alpha is large enough for the pdf of a direction in single precision: for a smaller alpha the pdf depends
+    // on the rounding of the directions.
     PT_HD bool are_wide() const { return alpha >= Real(0x1p-7); }
 
     // sqrt(c^2 + alpha^2 (1 - c^2)), which enters Smith's masking; never below c, so that no share is above 1.
@@ -55,8 +54,8 @@ struct GgxFacets {
 
     PT_HD Real mirrored_pdf(Real distribution) const { return distribution / (Real(2) * (cosine + q)); }
 
-    // Density of the direction mirrored by a wide facet whose normal is along a vector of any length, given as its part
-    // along the surface's normal, the square of the rest and the square of its length.
+    // Pdf of the direction mirrored by a facet (with are_wide()) whose normal is along a vector of any length, given by
+    // its component along the surface normal, the squared length of the rest and the squared length of the whole.
     PT_HD Real mirrored_pdf(Real along, Real across_squared, Real square) const {
         const Real ratio = square / (alpha * alpha * (along * along) + across_squared);
         return mirrored_pdf(alpha * alpha * (ratio * ratio) * (Real(1) / pi<Real>));
@@ -68,8 +67,8 @@ struct GgxFacets {
         return mirrored_pdf(stretch * stretch / (alpha * alpha) * (Real(1) / pi<Real>));
     }
 
-    // Draws a facet that faces the viewer, by a point of the visible disc in the space where the ellipsoid of facets is
-    // a sphere; x is along the viewer's azimuth.
+    // Samples a facet that faces the viewer (visible normals), by a point on the projected disc in the stretched space,
+    // where the ellipsoid of facets is a sphere; x is along the viewer's azimuth.
     PT_HD GgxFacet<Real> sample(Real u, Real v) const {
         const Frame<Real> frame(normal);
         const Real x = dot(outgoing, frame.tangent);
@@ -90,7 +89,7 @@ struct GgxFacets {
         const Real facet_x = c * view_x - b * view_z;
         const Real facet_z = max(b * view_x + c * view_z, least_cosine<Real>);
 
-        // Back in the surface's space, as slopes: of a mirror they are 0, and the facet's normal is the surface's.
+        // The facet's slopes in surface space: 0 for a mirror, whose facet normal is the surface normal.
         const Real scale = alpha / facet_z;
         const Real slope_x = scale * (facet_x * turn_x - a * turn_y);
         const Real slope_y = scale * (facet_x * turn_y + a * turn_x);

@@ -8,7 +8,7 @@
 
 namespace pt {
 
-// The sum of c_k T_k(x), x from -1 to 1 (Clenshaw 1955).
+// Chebyshev sum of c_k T_k(x), x from -1 to 1 (Clenshaw 1955).
 template <class Real, int count>
 PT_HD inline Real chebyshev_sum(const Real (&c)[count], Real x) {
     Real next = Real(0), after = Real(0);
@@ -20,8 +20,8 @@ PT_HD inline Real chebyshev_sum(const Real (&c)[count], Real x) {
     return x * next - after + c[0];
 }
 
-// The fit of 1 / E - 1 for a direction of cosine c to the normal, given as x = c / sqrt(c^2 + alpha^2 (1 - c^2)): this
-// spreads what happens at grazing angles evenly over all alpha. Without roughness x is 1 and nothing is lost.
+// Fit of 1 / E - 1 (GGX energy loss) for a direction of cosine c to the normal, by x = c / sqrt(c^2 + alpha^2 (1 -
+// c^2)): this spreads grazing angles evenly over all alpha. Without roughness x is 1 and nothing is lost.
 template <class Real>
 PT_HD inline Real ggx_gain(Real x, Real alpha) {
     constexpr Real upright[] = {Real(-0.004551), Real(1.043431), Real(2.231394),

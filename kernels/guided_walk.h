@@ -1,17 +1,17 @@
-// Dwivedi sampling of subsurface scattering: walks through a body are drawn towards the surface near which light leaves
-// it. In a half space whose collisions scatter the share alpha of the light, evenly, what light deep inside is worth
-// outside falls as e^(-kappa depth), with depth in mean free paths and alpha = kappa / artanh(kappa). Who draws the
-// cosine mu to the outward normal in proportion to 1 / (1 - kappa mu), and flights in a medium thinned by 1 - kappa mu,
-// has on every step the weight e^(-kappa way towards the surface): after any number of collisions nothing is left of it
-// but the depth. Dwivedi, "A new importance biasing scheme for deep-penetration Monte Carlo", Annals of Nuclear Energy
-// 9, 1982; for bodies seen from outside: Krivanek and d'Eon, "A zero-variance-based sampling scheme for Monte Carlo
-// subsurface scattering", SIGGRAPH 2014 talk; towards the nearest surface rather than that of entry: Meng, Hanika and
-// Dachsbacher, "Improving the Dwivedi sampling scheme", EGSR 2016.
-// Here a share of the steps is drawn so and the rest as ever, and each of the three channels has a kappa of its own. A
-// step is weighted by the mean of all six densities, in the shares in which they are drawn (one-sample balance
-// heuristic), so a guide that is wrong costs noise and never the mean, and no step grows the sum of the throughputs by
-// more than 1 / (1 - share). A phase function that is not even keeps its directions, and flights alone are guided: the
-// weight of an even direction under a peaked phase function has no good bound (tried: with g = 0.3 noise grows
+// Dwivedi sampling of subsurface scattering: random walks through a body are biased towards the surface near which
+// light leaves it. In a half space with isotropic scattering of albedo alpha, the importance of light falls as
+// e^(-kappa depth), with depth in mean free paths and alpha = kappa / artanh(kappa). If the cosine mu to the outward
+// normal is drawn in proportion to 1 / (1 - kappa mu), and flights in a medium thinned by 1 - kappa mu, every step has
+// the weight e^(-kappa distance towards the surface): the product over any number of collisions depends on the depth
+// alone. Dwivedi, "A new importance biasing scheme for deep-penetration Monte Carlo", Annals of Nuclear Energy 9, 1982;
+// for bodies seen from outside: Krivanek and d'Eon, "A zero-variance-based sampling scheme for Monte Carlo subsurface
+// scattering", SIGGRAPH 2014 talk; towards the nearest surface rather than that of entry: Meng, Hanika and Dachsbacher,
+// "Improving the Dwivedi sampling scheme", EGSR 2016.
+// In this code a share of the steps is guided in this way and the rest is not, and each of the three channels has its
+// own kappa. A step is weighted by the mean of all six densities, in the shares in which they are drawn (one-sample
+// balance heuristic), so a wrong guide costs noise but never the mean, and no step grows the sum of the throughputs by
+// more than 1 / (1 - share). An anisotropic phase function draws its own directions, and only flights are guided: the
+// weight of an isotropic direction under a peaked phase function has no good bound (tried: with g = 0.3 noise grows
 // twentyfold).
 #pragma once
 
@@ -20,15 +20,15 @@
 
 namespace pt {
 
-// The channel to draw a free path from; never one that carries nothing while another does.
+// Chooses the colour channel to sample a free path by, never one without throughput while another has some.
 template <class Real>
 PT_HD inline std::uint32_t choose_channel(const Vec3<Real>& throughput, Real u) {
     const Real target = u * (throughput.x + throughput.y + throughput.z);
     return target < throughput.x ? 0u : target < throughput.x + throughput.y ? 1u : 2u;
 }
 
-// The density that a step of a walk is drawn by: a colour channel's, guided or not. It is chosen once for a direction
-// and the flight along it.
+// Density by which a step of a subsurface random walk is drawn: one colour channel's, guided or not. The choice is made
+// once for a direction and the flight along it.
 struct StepChoice {
     std::uint32_t colour = 0;
     bool is_guided = false;
@@ -54,8 +54,8 @@ PT_HD inline Real exponential_less_one(Real x) {
     return y;
 }
 
-// A cosine in proportion to 1 / (1 - decay mu), with albedo = decay / artanh(decay): the integral up to mu goes as
-// ln((1 + decay) / (1 - decay mu)), so 1 - decay mu = sqrt(1 - decay^2) e^-x with x = artanh(decay) (2u - 1).
+// Samples a cosine mu in proportion to 1 / (1 - decay mu), with albedo = decay / artanh(decay): the integral up to mu
+// goes as ln((1 + decay) / (1 - decay mu)), so 1 - decay mu = sqrt(1 - decay^2) e^-x with x = artanh(decay) (2u - 1).
 template <class Real>
 PT_HD inline Real guided_cosine(Real decay, Real albedo, Real u) {
     const Real x = decay / albedo * (Real(2) * u - Real(1));
@@ -64,27 +64,27 @@ PT_HD inline Real guided_cosine(Real decay, Real albedo, Real u) {
     return clamp(cosine, Real(-1), Real(1));
 }
 
-// A step as its density sees it: the cosine to the outward normal, and whether its direction was drawn with it. It was
-// not where the walk began or was reflected at the boundary, or where the phase function draws all directions.
+// What the pdf of a guided walk's step depends on: the cosine to the outward normal, and whether the direction was
+// drawn with the step: not so at the start, after internal reflection, or where the phase function draws all of them.
 template <class Real>
 struct GuidedStep {
     Real cosine;
     bool drew_direction;
     bool scattered;  // the flight ended in a collision, not at the surface
 
-    // Density of the guided step over that of the plain one, but for the transmittances: of the direction
-    // albedo / (1 - decay cosine), of the collision 1 - decay cosine.
+    // Density of the guided step over that of the plain step, transmittances apart: albedo / (1 - decay cosine) for the
+    // direction, 1 - decay cosine for the collision.
     PT_HD Real relative_density(Real decay, Real albedo) const {
         if (drew_direction) {
             return scattered ? albedo : albedo / thinned(decay);
         }
         return scattered ? thinned(decay) : Real(1);
     }
-    // Factor by which the medium is thinner in which guided flights are drawn.
+    // Factor by which the medium is thinned for guided flights.
     PT_HD Real thinned(Real decay) const { return Real(1) - decay * cosine; }
 };
 
-// Weight of a step of length t: what light does on it over the mean density.
+// Weight of a guided walk's step of length t: its transmittance, and scattering at its end, over the mean density.
 template <class Real>
 PT_HD inline Vec3<Real> guided_step_weight(const ScatteringMedium<Real>& medium, const Vec3<Real>& throughput,
                                            const GuidedStep<Real>& step, Real t) {
@@ -99,7 +99,7 @@ PT_HD inline Vec3<Real> guided_step_weight(const ScatteringMedium<Real>& medium,
         return step.scattered ? medium.scattering_albedo * weight : Vec3<Real>{weight, weight, weight};
     }
     const auto guided_sigma = [&](int i) { return medium.sigma_t[i] * step.thinned(medium.guide_decay[i]); };
-    // Relative to the most transparent of all six, so that no transmittance underflows in all of them at once.
+    // Transmittances are relative to the most transparent of the six densities, so that not all of them underflow.
     Real least = min(medium.sigma_t.x, guided_sigma(0));
     for (int i = 1; i < 3; ++i) {
         least = min(least, min(medium.sigma_t[i], guided_sigma(i)));
@@ -113,7 +113,7 @@ PT_HD inline Vec3<Real> guided_step_weight(const ScatteringMedium<Real>& medium,
         density += throughput[i] * (step.scattered ? medium.sigma_t[i] * mean : mean);
         carries[i] = step.scattered ? medium.sigma_s[i] * transmittance : transmittance;
     }
-    // Finite where hardly anything is carried, as in flight_weight.
+    // The weight stays finite where hardly anything is transmitted, as in flight_weight.
     const Real total = throughput.x + throughput.y + throughput.z;
     constexpr Real most = std::numeric_limits<Real>::max();
     const Real inverse_mean = density > Real(0) ? min(most, total / density) : Real(0);

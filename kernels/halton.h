@@ -1,9 +1,9 @@
-// Halton's points: coordinate d of sample i is i with its digits in base p(d), the d-th prime, mirrored at the point.
-// Each pixel maps every digit to a digit + b, modulo p, with a and b of its own: two samples' digits are any two, where
-// a shift alone would leave the first samples side by side in large bases. No padding: a place in a path has a
-// dimension, up to the 15th surface hit; beyond it, and within bodies, numbers are pcg4d's. Halton, Numerische
-// Mathematik 2, 1960; random linear digit scrambling: Matousek, "On the L2-discrepancy for anchored boxes", J.
-// Complexity 14(4), 1998.
+// Halton points: coordinate d of sample i is the radical inverse of i in base p(d), the d-th prime. Each pixel maps
+// every digit to a digit + b, modulo p, with a and b of its own: the digits of two samples are then any two, where a
+// shift alone would leave the first samples side by side in large bases. Dimensions are not padded: every random number
+// of a path has its own, up to the 15th surface hit; beyond it, and within bodies, numbers are pcg4d's. Halton,
+// Numerische Mathematik 2, 1960; random linear digit scrambling: Matousek, "On the L2-discrepancy for anchored boxes",
+// J. Complexity 14(4), 1998.
 #pragma once
 
 #include "kernels/random_words.h"
@@ -28,8 +28,8 @@ PT_HD inline std::uint32_t scaled_to(std::uint32_t count, std::uint32_t word) {
     return static_cast<std::uint32_t>((std::uint64_t{word} * count) >> 32);
 }
 
-// A coordinate in units of 2^-32: as many digits as 32 bits resolve, each scrambled by numbers that follow from `seed`.
-// Rounded up, so that a point at the lower end of an elementary interval stays within it.
+// Scrambled radical inverse of `index` in units of 2^-32, of as many digits as 32 bits resolve, each scrambled by
+// `seed`. Rounded up, so that a point at the lower end of an elementary interval stays within it.
 PT_HD inline std::uint32_t scrambled_radical_inverse(std::uint32_t index, std::uint32_t base, std::uint32_t seed) {
     std::uint64_t mirrored = 0, scale = 1;
     for (; scale * base <= (std::uint64_t{1} << 32); scale *= base) {

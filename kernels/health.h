@@ -1,17 +1,17 @@
-// Audits paths: traces them with the stages of shade.h and looks at their state in between for numbers that are none,
-// energy out of nothing, surfaces met again, bodies left that were not entered, and what paths still carried when they
-// were cut off (docs/numerics.md 4.1). The stages are called as everywhere else, so the film has the same bits.
+// Audits paths: traces them with the stages of shade.h and checks their state between stages for non-finite numbers,
+// energy gains, self-intersections, bodies left that were not entered, and throughput cut off at the depth limit
+// (docs/numerics.md 4.1). The stages are called as in other kernels, so the film has the same bits.
 #pragma once
 
 #include "kernels/shade.h"
 
 namespace pt {
 
-// The places where a path's numbers are audited, in the order in which a segment passes by them.
+// Stages at which a path's numbers are audited, in the order in which a segment passes them.
 enum class HealthSite : std::uint32_t { camera, hit, point, normal, direction, throughput, radiance };
 inline constexpr std::uint32_t health_sites = 7;
 
-// Counts of one or many paths. Every entry is a sum or a maximum of whole numbers: no order of adding matters.
+// Audit counters of one or many paths: integer sums, minima and maxima, so the order of adding does not matter.
 struct HealthCounters {
     static constexpr std::uint64_t nowhere = ~std::uint64_t{0};
 
@@ -21,17 +21,17 @@ struct HealthCounters {
     // The first path (by pixel, sample, segment: HealthCounters::key) whose state was not finite at a site.
     std::uint64_t first_nonfinite[health_sites] = {nowhere, nowhere, nowhere, nowhere, nowhere, nowhere, nowhere};
     std::uint64_t negative = 0;       // throughputs or radiances with a channel below 0
-    std::uint64_t gains = 0;          // throughputs that sum to more than 3 (1 + 2^-20), with no roulette
-    std::uint64_t self_hits = 0;      // the body just left outwards, met again within a thousandth of its size
-    std::uint64_t parity_errors = 0;  // bodies met from the side that the path is not on
+    std::uint64_t gains = 0;          // throughputs that sum to more than 3 (1 + 2^-20) without Russian roulette
+    std::uint64_t self_hits = 0;      // hits on the body just left outwards, within a thousandth of its size
+    std::uint64_t parity_errors = 0;  // hits on a body from the side that the path is not on
     std::uint64_t first_self_hit = nowhere;
     std::uint64_t first_parity_error = nowhere;
-    std::uint64_t escaped = 0;           // segments that left the scene
-    std::uint64_t capped = 0;            // paths cut off by the depth while they could have gone on
-    std::uint64_t capped_energy = 0;     // the mean throughput that these carried, in 2^-32
-    std::uint64_t unfinished_walks = 0;  // paths lost in a subsurface body
-    std::uint64_t worst_direction = 0;   // largest | |d|^2 - 1 |, in 2^-40
-    std::uint64_t worst_normal = 0;      // largest | |n|^2 - 1 |, in 2^-40
+    std::uint64_t escaped = 0;           // path segments that left the scene
+    std::uint64_t capped = 0;            // paths that only the depth limit ended
+    std::uint64_t capped_energy = 0;     // the mean throughput that the capped paths carried, in 2^-32
+    std::uint64_t unfinished_walks = 0;  // paths lost in a subsurface random walk
+    std::uint64_t worst_direction = 0;   // largest | |d|^2 - 1 | of a ray direction d, in 2^-40
+    std::uint64_t worst_normal = 0;      // largest | |n|^2 - 1 | of a surface normal n, in 2^-40
 
     PT_HD void add(const HealthCounters& other);
 
@@ -42,7 +42,7 @@ struct HealthCounters {
     }
 };
 
-// Calls sum, least or most with the same entry of both, after how entries of two counters go together.
+// Calls `sum`, `least` or `most` with each counter of two HealthCounters, whichever function merges that counter.
 template <class Counters, class Sum, class Least, class Most>
 PT_HD inline void for_each_entry(Counters& into, const HealthCounters& from, Sum sum, Least least, Most most) {
     sum(into.paths, from.paths);
@@ -75,11 +75,11 @@ PT_HD inline void HealthCounters::add(const HealthCounters& other) {
 // The bodies that a path is inside of: bit i stands for object i, one of the first 64 objects.
 using BodySet = std::uint64_t;
 
-// What an integrator is given when it shall audit its paths.
+// Request to an integrator to audit its paths.
 struct HealthRequest {
     HealthCounters* counters = nullptr;
-    BodySet around_eye = 0;    // the bodies that the eye is in
-    bool knows_sides = false;  // and so is the start of every camera ray: no lens, nothing in motion
+    BodySet around_eye = 0;    // bodies that contain the eye
+    bool knows_sides = false;  // camera rays start in the same bodies as the eye: no lens, no motion
 };
 
 template <class Real>
@@ -89,7 +89,7 @@ PT_HD inline bool is_finite(const Vec3<Real>& v) {
     return absolute(v.x) <= largest && absolute(v.y) <= largest && absolute(v.z) <= largest;
 }
 
-// How far a vector is from unit length, in units of 2^-40.
+// Deviation of a vector's squared length from 1, in units of 2^-40.
 template <class Real>
 PT_HD inline std::uint64_t off_unit(const Vec3<Real>& v) {
     const double x = v.x;
@@ -106,7 +106,7 @@ PT_HD inline Real size_of(const SceneView<Real>& scene, std::uint32_t object) {
     return size;
 }
 
-// The audit of one path: what is looked at between two stages.
+// Audit of one path: the checks between two stages of its tracing.
 template <class Config>
 class Inspection {
 public:
@@ -157,15 +157,15 @@ public:
             const Real sum = path.throughput.x + path.throughput.y + path.throughput.z;
             counters_.gains += sum > Real(3) * (Real(1) + Real(0x1p-20)) ? 1u : 0u;
         }
-        // Notes on which side of a surface a path goes on: one that leaves on the other side has gone through.
+        // Tracks the bodies that the path is inside of: it has gone through a surface that it leaves on the other side.
         if (met_.exists() && path.origin_surface.exists() && path.origin_surface.object() == met_.object() &&
             path.origin_surface.inside() != met_.inside() && met_.object() < 64) {
             inside_ ^= BodySet{1} << met_.object();
         }
     }
 
-    // Counts a path that ended, and what it carried if only the depth ended it. `throughput`: its throughput at its
-    // last hit.
+    // Counts a path that ended, and its throughput if only the depth limit ended it. `throughput`: the path's
+    // throughput at its last hit.
     PT_HD void ended(const Path<Real>& path, const Hit<Real>& hit, const Vec3<Real>& throughput) {
         counters_.paths += 1;
         if (path.segment >= scene_.depth && hit.side.exists() &&

@@ -8,15 +8,15 @@
 
 namespace pt {
 
-// Devices have sequences of instructions that are shorter where operands are in range; fast arithmetic
-// (variants/arithmetic/fast.cpp) has shorter ones of its own.
+// Device code has shorter instruction sequences for operands in range; fast arithmetic (variants/arithmetic/fast.cpp)
+// has shorter ones of its own.
 #if defined(__CUDA_ARCH__) && !defined(PT_FAST_MATH)
 #define PT_DEVICE_SEQUENCES 1
 #else
 #define PT_DEVICE_SEQUENCES 0
 #endif
 
-// 1 / x for 2^-100 <= |x| <= 2^120.
+// Reciprocal of x for 2^-100 <= |x| <= 2^120.
 template <class Real>
 PT_HD inline Real reciprocal_in_range(Real x) {
 #if PT_DEVICE_SEQUENCES
@@ -29,7 +29,7 @@ PT_HD inline Real reciprocal_in_range(Real x) {
     return Real(1) / x;
 }
 
-// a / b for 2^-50 <= |b| <= 2^50 and a = 0 or 2^-50 <= |a| <= 2^50.
+// Quotient a / b for 2^-50 <= |b| <= 2^50 and a = 0 or 2^-50 <= |a| <= 2^50.
 template <class Real>
 PT_HD inline Real divide_in_range(Real a, Real b) {
 #if PT_DEVICE_SEQUENCES
@@ -59,19 +59,19 @@ PT_HD inline Real square_root_in_range(Real x) {
 }
 
 // Approximations to a few units in the last place, where the arithmetic allows them (variants/arithmetic): for numbers
-// whose error moves a sample or a point along its ray, and nothing else. Elsewhere the correctly rounded ones.
+// whose error moves a sample or a point along its ray, and nothing else. Other code is correctly rounded.
 #if defined(__CUDA_ARCH__) && defined(PT_APPROXIMATE)
 #define PT_DEVICE_APPROXIMATIONS 1
 #else
 #define PT_DEVICE_APPROXIMATIONS 0
 #endif
 
-// Whether the kernel uses a device's approximations for what it draws at random, and so owes nobody those numbers' last
-// bits.
+// Whether the kernel uses a device's approximations for random samples, so that the last bits of these samples are not
+// specified.
 template <class Real>
 inline constexpr bool draws_approximately = PT_DEVICE_APPROXIMATIONS && sizeof(Real) == 4;
 
-// a / b for 2^-120 <= |b| <= 2^120. Where b is 0 or infinite and a is neither, a / b is so too.
+// Approximate a / b for 2^-120 <= |b| <= 2^120. For a not 0 nor infinite, b = 0 gives infinity, infinite b gives 0.
 template <class Real>
 PT_HD inline Real nearly_divide(Real a, Real b) {
 #if PT_DEVICE_APPROXIMATIONS
@@ -84,7 +84,7 @@ PT_HD inline Real nearly_divide(Real a, Real b) {
     return a / b;
 }
 
-// The square root of x, as square_root_in_range.
+// Approximates the square root of x, in the range of square_root_in_range.
 template <class Real>
 PT_HD inline Real nearly_square_root_in_range(Real x) {
 #if PT_DEVICE_APPROXIMATIONS
@@ -97,7 +97,7 @@ PT_HD inline Real nearly_square_root_in_range(Real x) {
     return square_root_in_range(x);
 }
 
-// The square root of x, as square_root_in_range, and 1 over it.
+// Approximate square root of x, in the range of square_root_in_range, and its reciprocal.
 template <class Real>
 struct RootAndInverse {
     Real root, inverse;
@@ -115,7 +115,7 @@ PT_HD inline RootAndInverse<Real> nearly_root_and_inverse_in_range(Real x) {
     return {root, reciprocal_in_range(root)};
 }
 
-// Sine and cosine for |x| <= pi/4; an approximation has an absolute error of 2^-20.
+// Sine and cosine for |x| <= pi/4; the device approximation has an absolute error of 2^-20.
 template <class Real>
 PT_HD inline SinCos<Real> nearly_sin_cos_octant(Real x) {
 #if PT_DEVICE_APPROXIMATIONS

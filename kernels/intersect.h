@@ -1,6 +1,6 @@
-// The nearest object along a ray, and what its surface is like there.
-// There is no epsilon: a ray knows the surface that it starts on
-// (Path::origin_surface), and a convex body is met again only from within, at its other root.
+// Closest hit along a ray, and the position and normal of the surface at the hit.
+// No epsilon is used: a ray knows the surface that it starts on (Path::origin_surface), and a convex body is hit again
+// only from inside, at its other root.
 #pragma once
 
 #include "kernels/visit_shape.h"
@@ -12,7 +12,7 @@ struct Ray {
     Vec3<Real> origin, direction;
     Real time;
     SurfaceId origin_surface;
-    std::uint32_t primitive = 0;  // of origin_surface's object
+    std::uint32_t primitive = 0;  // primitive of origin_surface's object that the ray starts on
 };
 
 template <class Real>
@@ -36,8 +36,8 @@ PT_HD inline MeshTriangle<Real> primitive_of(const MeshInstance<Real>& mesh, std
     return {mesh, primitive};
 }
 
-// The ray's origin as the object sees it at the ray's time: the object stands still, the ray is moved back. With one
-// rounding wherever it is asked for: what a search met is met again where its surface is asked for.
+// Position of a ray origin in the frame of a moving object: the object stands still, the ray is moved back. Rounded
+// alike at every call, so that the surface that a search has hit is hit again when its position is asked for.
 template <class Config, class Scene>
 PT_HD inline Vec3<typename Config::Real> at_rest(const Scene& scene, std::uint32_t object,
                                                  const Vec3<typename Config::Real>& point, typename Config::Real time) {
@@ -101,9 +101,9 @@ PT_HD inline decltype(auto) spheres_of(const Scene& scene) {
     }
 }
 
-// The hit of a ray is the least (t, object): the nearest, and of several at one distance that with the lowest number.
-// Who visits objects by ascending numbers has the lower one already when an equal one comes, and need not compare
-// numbers.
+// The closest hit is the least (t, object): of several objects at one distance the one with the lowest index. A search
+// that visits objects by ascending index has the lower one already when an equal one comes, and need not compare
+// indices.
 enum class VisitOrder { ascending, any };
 
 template <VisitOrder order, class Real>
@@ -115,7 +115,7 @@ PT_HD inline bool comes_before(Real t, std::uint32_t object, const Hit<Real>& be
     }
 }
 
-// Keeps the nearer of `best` and a convex body crossed over [near, far]: entered from outside, or left from inside.
+// Updates the closest hit `best` by a convex body crossed over [near, far]: entered from outside, or left from inside.
 template <VisitOrder order = VisitOrder::ascending, class Real>
 PT_HD inline void keep_nearer(Hit<Real>& best, const Interval<Real>& crossing, std::uint32_t object) {
     if (!crossing.hits) {
@@ -129,7 +129,7 @@ PT_HD inline void keep_nearer(Hit<Real>& best, const Interval<Real>& crossing, s
     }
 }
 
-// Keeps the nearer of `best` and the far end of the chord through the body that the ray starts on and runs inside.
+// Updates the closest hit `best` by the far end of the chord through the body that the ray starts on and runs in.
 template <VisitOrder order = VisitOrder::ascending, class Real>
 PT_HD inline void keep_nearer(Hit<Real>& best, Real chord, const SurfaceId& origin_surface) {
     if (comes_before<order>(chord, origin_surface.object(), best)) {
@@ -138,8 +138,8 @@ PT_HD inline void keep_nearer(Hit<Real>& best, Real chord, const SurfaceId& orig
     }
 }
 
-// Keeps the nearer of `best` and a flat surface, which is met at one distance. `from_behind`: the ray runs along the
-// surface's normal.
+// Updates the closest hit `best` by a flat surface, which has a single intersection. `from_behind`: the ray runs along
+// the surface's normal.
 template <VisitOrder order = VisitOrder::ascending, class Real>
 PT_HD inline void keep_nearer_flat(Hit<Real>& best, const Interval<Real>& crossing, std::uint32_t object,
                                    bool from_behind) {
@@ -149,8 +149,8 @@ PT_HD inline void keep_nearer_flat(Hit<Real>& best, const Interval<Real>& crossi
     }
 }
 
-// Whether a shape's intersection gives distance 0 for a line that passes it by: 0 is never a hit, so `hits` needs no
-// test.
+// Whether a shape's intersection test gives distance 0 for a ray that misses. Distance 0 is never a hit, so the flag
+// `hits` needs no test.
 template <class Shape>
 inline constexpr bool misses_at_zero = requires {
     Shape::misses_at_zero;
@@ -192,15 +192,15 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
         }
         const std::uint32_t object = first + i;
         const Vec3<Real> origin = at_rest<Config>(scene, object, ray.origin, ray.time);
-        // A copy: of a reference nvcc 13.0 makes one load a plane, at an address that depends on the lane.
+        // The box is copied: by reference, nvcc 13.0 loads plane by plane, at an address that varies by lane.
         const AxisBox<Real> box = scene.axis_boxes[i];
-        // A ray that meets no wall lies plainly within their enclosure, and so its direction has a finite reciprocal.
+        // A ray known to hit no wall lies clearly within the enclosure, and so its direction has a finite reciprocal.
         const Interval<Real> crossing = without_walls ? finite_slab_interval(box.low, box.high, origin, inverse)
                                                       : slab_interval(box.low, box.high, origin, inverse);
         bool starts_here = ray.origin_surface.is_of(object);
         if constexpr (has<Config>(Feature::enclosure)) {
             starts_here =
-                starts_here && !scene.enclosure.is_lamp(i);  // known to the compiler where it knows the enclosure
+                starts_here && !scene.enclosure.is_lamp(i);  // is_lamp: a constant if the compiler knows the enclosure
         }
         if (!starts_here) {
             keep_nearer(best, crossing, object);
@@ -213,8 +213,8 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
 template <class Config>
 inline constexpr bool is_long_kernel = (Config::features & light_selections) != 0;
 
-// closest_axis_box as a loop on a device, for kernels so long that they wait for their instructions: those that choose
-// lights. In an enclosure. (Of a body that both call, nvcc 13.0 makes other code in all kernels.)
+// closest_axis_box with a loop that is not unrolled on a device, for kernels with an enclosure and so long that they
+// stall on instruction fetch: those that choose lights. (A body shared by both changes all kernels under nvcc 13.0.)
 template <class Config, bool without_walls, class Scene>
 PT_HD inline void closest_axis_box_rolled(Hit<typename Config::Real>& best, const Scene& scene,
                                           const Ray<typename Config::Real>& ray,
@@ -267,8 +267,8 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
             }
             return;
         }
-        // The axis boxes are passed over where the box round all of them is not met: rounding is monotonic, so none of
-        // them is met there.
+        // All axis boxes are skipped if the ray misses their bounding box: rounding is monotonic, so the ray misses
+        // each of them too.
         const Interval<Real> reach =
             slab_interval(scene.enclosure.reach_low, scene.enclosure.reach_high, ray.origin, inverse);
         if (!in_wall && (!reach.hits || reach.far < Real(0))) {
@@ -282,7 +282,7 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
     }
 }
 
-// Keeps in `best` the nearest of some flat surfaces. A ray that starts on one does not meet it again.
+// Updates the closest hit `best` by some flat surfaces. A ray that starts on one of them does not hit it again.
 template <class Config, class Scene, class Flats>
 PT_HD inline void closest_flat(Hit<typename Config::Real>& best, const Scene& scene, const Flats& flats,
                                std::uint32_t first, const Ray<typename Config::Real>& ray) {
@@ -303,9 +303,9 @@ template <class Real>
 struct MeshRay {
     Vec3<Real> origin, direction;
     ShearedDirection<Real> sheared;
-    Vec3<Real> along;  // the origin along kx, ky and kz
+    Vec3<Real> along;  // ray origin along the axes kx, ky and kz
     std::uint32_t object;
-    std::uint32_t passed_over;  // the triangle that it starts on and does not meet, or `nothing`
+    std::uint32_t passed_over;  // triangle that the ray starts on and so does not hit, or `nothing`
 
     static constexpr std::uint32_t nothing = ~0u;
 
@@ -320,7 +320,7 @@ struct MeshRay {
     }
 };
 
-// Keeps in `best` the lesser of itself and the hit of a triangle, in the order of (t, object, primitive).
+// Updates the closest hit `best` by the hit of a triangle, in the order of (t, object, primitive).
 template <class Real>
 PT_HD inline void keep_nearer(Hit<Real>& best, const TriangleHit<Real>& hit, std::uint32_t primitive,
                               const MeshRay<Real>& ray) {
@@ -335,23 +335,23 @@ PT_HD inline void keep_nearer(Hit<Real>& best, const TriangleHit<Real>& hit, std
     }
 }
 
-// The corners of a leaf's triangle along one axis, relative to the ray's origin there.
+// Coordinates of the corners of a leaf's triangle along one axis, relative to the ray origin.
 template <class Real>
 PT_HD inline Vec3<Real> corners_along(const LeafTriangle::Row& row, const Real& origin) {
     return Vec3<Real>(Real(row.a) - origin, Real(row.b) - origin, Real(row.c) - origin);
 }
 
-// Keeps in `best` the lesser of itself and a triangle's hit. The leaf lies in memory, where rows are chosen by address.
+// Updates the closest hit `best` by a leaf's triangle. The leaf lies in memory, where rows are chosen by address.
 template <class Real>
 PT_HD inline void meet_triangle(Hit<Real>& best, const LeafTriangle& leaf, const MeshRay<Real>& ray) {
-    // Whole rows, in one access each.
+    // Each row of the leaf's triangle is loaded whole, in one memory access.
     const LeafTriangle::Row z = leaf.row[ray.sheared.kz], x = leaf.row[ray.sheared.kx], y = leaf.row[ray.sheared.ky];
     const TriangleHit<Real> hit = intersect_along(corners_along(x, ray.along.x), corners_along(y, ray.along.y),
                                                   corners_along(z, ray.along.z), ray.sheared.shear);
     keep_nearer(best, hit, z.primitive, ray);
 }
 
-// The end of a search through meshes for the closest hit: nothing ends it early.
+// Termination rule of a closest-hit search through meshes: nothing ends the search early.
 struct WithClosest {
     template <class Real>
     PT_HD static constexpr bool end_if_met(Hit<Real>&) {
@@ -362,8 +362,8 @@ struct WithClosest {
         return Real(0);
     }
 };
-// The end of a search through meshes for any hit nearer than a limit. The first such hit sets best.t to -1: no box and
-// no triangle is nearer, so every tree's traversal ends by itself.
+// Termination rule of a search through meshes for any hit nearer than a limit. The first such hit sets best.t to -1: no
+// box and no triangle is nearer, so every tree's traversal ends by itself.
 template <class Number>
 struct NearerThan {
     Number limit;
@@ -379,7 +379,7 @@ struct NearerThan {
     }
 };
 
-// Keeps in `best` the nearest triangle of a mesh, found by the mesh's own tree, or ends the search as `end` says.
+// Updates the closest hit `best` by traversing a mesh's own tree, or ends the search as `end` says.
 template <class Accelerator, class Real, class Counter, class End>
 PT_HD inline void closest_in_mesh(Hit<Real>& best, const MeshInstance<Real>& mesh, std::uint32_t object,
                                   const Vec3<Real>& origin, const Ray<Real>& ray, Counter& counter, const End& end) {
@@ -397,8 +397,8 @@ PT_HD inline void closest_in_mesh(Hit<Real>& best, const MeshInstance<Real>& mes
         counter);
 }
 
-// Keeps in `best` the nearest triangle of one mesh. Where the accelerator is chosen at run time (RunTimeAccelerator),
-// the scene has a function of it.
+// Updates the closest hit `best` by the triangles of one mesh. Where the accelerator is chosen at run time
+// (RunTimeAccelerator), a function of the scene does so.
 template <class Config, class Scene, class End>
 PT_HD inline void closest_mesh(Hit<typename Config::Real>& best, const Scene& scene,
                                const MeshInstance<typename Config::Real>& mesh, std::uint32_t object,
@@ -421,15 +421,15 @@ PT_HD inline void closest_by_object_tree(Hit<typename Config::Real>& best, const
     });
 }
 
-// Searches all objects that show meshes by one tree over the triangles of all of them. Each triangle is met in its
-// object's own space, as the object's own tree has it met.
+// Searches all mesh instances by one tree over their triangles. Each triangle is intersected in its instance's own
+// space, as in a traversal of the instance's own tree.
 template <class Config, class Scene, class Meshes, class End>
 PT_HD inline void closest_by_flat_tree(Hit<typename Config::Real>& best, const Scene& scene, const Meshes& meshes,
                                        const Ray<typename Config::Real>& ray, const End& end) {
     using Real = typename Config::Real;
     const FlatTree& flat = scene.mesh_search->flat;
     MeshRay<Real> in_mesh{};
-    std::uint32_t seen_by = meshes.size;  // whose ray in_mesh is
+    std::uint32_t seen_by = meshes.size;  // index of the mesh instance in whose space `in_mesh` is
     NoTraversalCounter counter;
     Config::Accelerator::traverse(
         flat.tree, ray.origin, ray.direction, best.t,
@@ -454,8 +454,8 @@ PT_HD inline void closest_by_flat_tree(Hit<typename Config::Real>& best, const S
         counter);
 }
 
-// Searches all objects that show meshes in the way that the kernel is compiled for: by a tree over them, by one over
-// their triangles, or one after the other.
+// Searches all mesh instances in the way that the kernel is compiled for: by a tree over the instances, by a tree over
+// their triangles, or one instance after the other.
 template <class Config, class Scene, class Meshes, class End>
 PT_HD inline void closest_of_meshes(Hit<typename Config::Real>& best, const Scene& scene, const Meshes& meshes,
                                     const Ray<typename Config::Real>& ray, const End& end) {
@@ -479,9 +479,9 @@ PT_HD inline void closest_of_meshes(Hit<typename Config::Real>& best, const Scen
     }
 }
 
-// Keeps in `best` the nearest of all objects of one kind. Meshes are special, which have many primitives; axis boxes,
-// which share the reciprocal of the ray's direction and make enclosures; and spheres in kernels that may have them near
-// the eye.
+// Updates the closest hit `best` by all objects of one kind of shape. Special kinds are meshes, which have many
+// primitives; axis boxes, which share the reciprocal of the ray's direction and make enclosures; and spheres in kernels
+// that may have them near the eye.
 template <class Config, ShapeKind kind, class Scene, class Shapes>
 PT_HD inline void closest_of(Hit<typename Config::Real>& best, const Scene& scene, const Shapes& shapes,
                              const Ray<typename Config::Real>& ray) {
@@ -498,8 +498,8 @@ PT_HD inline void closest_of(Hit<typename Config::Real>& best, const Scene& scen
     }
 }
 
-// One object, whichever its shape, in any order among others: what a leaf of an acceleration structure does with each
-// of its objects. Over all objects it leaves the hit of closest_hit, bit for bit.
+// Intersects a ray with one object of any shape, for objects visited in any order, as the leaf of an acceleration
+// structure over objects does. After all objects `best` is the hit of closest_hit, bit for bit.
 template <VisitOrder order, class Real, class Shape>
 PT_HD inline void meet_shape(Hit<Real>& best, const Shape& shape, std::uint32_t object, const Vec3<Real>& origin,
                              const Ray<Real>& ray) {
@@ -529,7 +529,7 @@ PT_HD inline void meet_object(Hit<typename Config::Real>& best, const Scene& sce
         scene, object, [&](const auto& shape) { meet_shape<order>(best, as_met<Config>(shape), object, origin, ray); });
 }
 
-// Meets every object in turn by its 4x4 matrix, but for shapes that are no image of a unit shape.
+// Intersects every object in turn through its 4x4 matrix, except shapes that are no image of a unit shape.
 template <class Config, class Scene>
 PT_HD inline void closest_transformed(Hit<typename Config::Real>& best, const Scene& scene,
                                       const Ray<typename Config::Real>& ray) {
@@ -565,7 +565,7 @@ PT_HD inline Ray<double> widened(const Ray<Real>& ray) {
     return {Vec3<double>(ray.origin), Vec3<double>(ray.direction), ray.time, ray.origin_surface, ray.primitive};
 }
 
-// Keeps the nearest of some bodies in the textbook's way: whatever is met beyond the epsilon counts.
+// Closest hit among some bodies in the textbook's way: every intersection beyond the epsilon counts.
 template <class Config, class Scene, class Bodies>
 PT_HD inline void closest_naive(Hit<typename Config::Real>& best, const Scene& scene, const Bodies& bodies,
                                 std::uint32_t first, const Ray<typename Config::Real>& ray) {
@@ -611,7 +611,7 @@ PT_HD inline Hit<typename Config::Real> closest_hit(const Scene& scene, const Ra
     }
     Hit<Real> best;
     best.t = std::numeric_limits<Real>::infinity();
-// The list expands to statements, since a visitor of kinds gives some kernels other registers.
+// The list of shapes expands to statements, since a visitor of kinds changes the register count of some kernels.
 #define PT_CLOSEST(name, array, Type)                                                 \
     if constexpr (has<Config>(Feature::name)) {                                       \
         if constexpr (has<Config>(Feature::naive)) {                                  \
@@ -637,7 +637,7 @@ PT_HD inline Hit<typename Config::Real> closest_hit_of_connection(const SceneVie
     return in_one_place<Config>([&] { return closest_hit<Config>(scene, ray); });
 }
 
-// The hit point of a naive kernel, which is left where the ray's rounding puts it.
+// Surface point of a hit in a naive kernel, which leaves the position where the ray's rounding puts it.
 template <class Config, class Scene>
 PT_HD inline SurfacePoint<typename Config::Real> naive_surface_at(const Scene& scene,
                                                                   const Ray<typename Config::Real>& ray,
@@ -653,14 +653,14 @@ PT_HD inline SurfacePoint<typename Config::Real> naive_surface_at(const Scene& s
     return point;
 }
 
-// Position on the surface (pulled back onto it) and the object's outward unit normal. Without `normal_of_face` the
-// normal is not set where the hit has a face, which tells it already.
+// Position of a hit, pulled back onto the surface, and the object's outward unit normal. Without `normal_of_face` the
+// normal is not set if the hit has a box face, which tells it already.
 template <class Config, bool normal_of_face = true, class Scene>
 PT_HD inline SurfacePoint<typename Config::Real> surface_at(const Scene& scene, const Ray<typename Config::Real>& ray,
                                                             const Hit<typename Config::Real>& hit) {
     using Real = typename Config::Real;
     if constexpr (has<Config>(Feature::double_intersection)) {
-        // A flat shape's points keep away from its edges by the rounding of the precision that they end in.
+        // A flat shape's points keep away from its edges by the rounding of Real, so they are not evaluated in double.
         if (!is_flat(scene, hit.side.object())) {
             const SurfacePoint<double> point = surface_at<InDouble<Config>>(
                 WideScene(scene), widened(ray), Hit<double>{hit.t, hit.side, hit.primitive});

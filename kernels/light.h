@@ -1,8 +1,7 @@
-// Points on lights, and the connection of a path's last vertex to one of them (next-event estimation at the last
-// vertex). A light is chosen uniformly, a point on it by area; the estimate is BSDF * cos * cos' / (distance^2 *
-// density) * radiance where the point is visible (Veach 1997, eq. 8.9 with one sample). Where the scene has an
-// environment, it is chosen as one more light: one of one number is sampled by the cosine, one of
-// Feature::environment_map as kernels/environment_map.h has it.
+// Next-event estimation at a path's last vertex: sampling of points on lights, and the connection to one of them. A
+// light is chosen uniformly, a point on it by area; the estimate is BSDF * cos * cos' / (distance^2 * density) *
+// radiance where the point is visible (Veach 1997, eq. 8.9 with one sample). An environment is chosen as one more
+// light: a constant one is sampled by the cosine, one with Feature::environment_map as in kernels/environment_map.h.
 #pragma once
 
 #include "kernels/absorption.h"
@@ -46,12 +45,12 @@ PT_HD inline std::uint32_t connect_to_environment(const SceneView<typename Confi
     return 1;
 }
 
-// The last vertex's expected light from one random light point, added to path.radiance; ends nothing itself.
-// Returns the number of rays traced (0 or 1). `albedo` is the diffuse lobe's; `traced` is the same scene, as rays walk
-// through it.
+// Adds to path.radiance an estimate of the light at the last vertex from one light sample; the path is not ended.
+// Returns the number of rays traced (0 or 1). `albedo` is the diffuse lobe's; `traced` is the same scene, as rays
+// traverse it.
 //
-// Visibility needs no epsilon: the point is seen if the nearest object along the ray is the light and is met on the
-// side on which the point lies; a convex light shows each ray exactly one point of each side.
+// Visibility needs no epsilon: the light sample is visible if the closest hit is on the light, on the side on which the
+// sample lies; a convex light shows each ray exactly one point of each side.
 template <class Config>
 PT_HD inline std::uint32_t connect(const SceneView<typename Config::Real>& scene,
                                    const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,

@@ -1,5 +1,5 @@
-// Directions towards a light of any shape, and their densities: as kernels/solid_angle.h or kernels/light_sampling.h
-// has them, and how far a shadow ray has to look along them.
+// Sampling of directions towards a light of any shape and the pdfs of these directions (kernels/solid_angle.h or
+// kernels/light_sampling.h), and the length of the shadow ray along them.
 #pragma once
 
 #include "kernels/light_sampling.h"
@@ -89,8 +89,8 @@ struct SeenAsBox {
     }
 };
 
-// How far a shadow ray has to look that was drawn to a body: to where it enters the body, as closest_hit has it. 0:
-// that is not known. (Boxes tell it with the points on their faces, where those are drawn.)
+// Length of a shadow ray towards a body: the distance at which the ray enters the body, as closest_hit computes it, or
+// 0 if that is not known. (Boxes tell this distance with the light samples on their faces.)
 template <class Config, class Shape, class Real>
 PT_HD inline Real distance_to_light(const Shape& shape, const Vec3<Real>& observer, const Vec3<Real>& direction) {
     constexpr bool looks = has_lines_of_sight<Config> && (Config::features & light_samplings) != 0;
@@ -102,7 +102,7 @@ PT_HD inline Real distance_to_light(const Shape& shape, const Vec3<Real>& observ
     }
 }
 
-// A sample's direction is one of the scene, its distance that to the point that a shadow ray looks for.
+// Samples a direction in the scene towards an object that emits. Its distance is the length of the shadow ray.
 template <class Config>
 PT_HD inline DirectionSample<typename Config::Real> sample_direction_to(
     const SceneView<typename Config::Real>& scene, std::uint32_t object, const Vec3<typename Config::Real>& position,
@@ -117,7 +117,7 @@ PT_HD inline DirectionSample<typename Config::Real> sample_direction_to(
         }
     };
     if constexpr (has_many_box_likes<Config>()) {
-        // Threads whose lights are of unlike kinds draw their points together, outside of the visit to the shape.
+        // Threads of a warp whose lights have different shapes sample points together, outside the visit to the shape.
         const LightSampling sampling = light_sampling_of<Config>(scene);
         SeenAsBox<Real> box;
         visit_shape<Config>(scene, object, [&](const auto& shape) {
@@ -142,7 +142,7 @@ PT_HD inline DirectionSample<typename Config::Real> sample_direction_to(
     return sample;
 }
 
-// 1 / density, by solid angle, of sample_direction_to in the direction of a ray that meets the object at `hit`.
+// 1 / pdf, by solid angle, with which sample_direction_to draws the direction of a ray that hits an object at `hit`.
 template <class Config>
 PT_HD inline typename Config::Real inverse_direction_pdf_to(const SceneView<typename Config::Real>& scene,
                                                             const Hit<typename Config::Real>& hit,

@@ -1,8 +1,8 @@
-// Boxes as lights, other than by their solid angle alone (SeenBox of kernels/solid_angle.h): by points on the faces
-// that the observer sees, each face in proportion to its area or to its projected area times distance, which needs no
-// arc tangent; near the box, where the weights of such points have no bound, by kernels/near_rectangle.h to one face
-// (automatic). A quad is a box without height. Points by area: Shirley, Wang and Zimmerman, "Monte Carlo Techniques for
-// Direct Lighting Calculations", TOG 15(1), 1996.
+// Light sampling of boxes other than by solid angle (SeenBox of kernels/solid_angle.h): by points on the faces that the
+// observer sees, each face in proportion to its area or to its projected area times distance, which needs no arc
+// tangent. Near the box, where the weights of such points have no bound, automatic sampling draws a direction to one
+// face by kernels/near_rectangle.h. A quad is a box without height. Points by area: Shirley, Wang and Zimmerman, "Monte
+// Carlo Techniques for Direct Lighting Calculations", TOG 15(1), 1996.
 #pragma once
 
 #include "kernels/near_rectangle.h"
@@ -10,8 +10,8 @@
 
 namespace pt {
 
-// A box-shaped light's own frame: where the observer is, from the box's centre, and the box's half extents. A shape
-// that has box_frame, box_to_world and box_to_local is sampled as a box.
+// Frame of a box-shaped light: the observer's position relative to the box's centre, and the box's half extents. A
+// shape that has box_frame, box_to_world and box_to_local is sampled as a box.
 template <class Real>
 struct BoxFrame {
     Vec3<Real> observer;
@@ -25,14 +25,14 @@ concept IsBoxLike = requires(const Shape& shape, const Vec3<Real>& v) {
     box_to_local(shape, v);
 };
 
-// The faces of a box that a point outside of it sees, in units in which the box's half extents add up to 1 or 2, or
-// something in between: the scaling by a power of two rounds nothing.
+// Faces of a box light that an observer outside the box sees, scaled so that the box's half extents add up to a number
+// from 1 to 2: the scaling by a power of two rounds nothing.
 template <class Real>
 struct SeenFaces {
     Vec3<Real> observer, half;
-    Vec3<Real> height;  // over the plane of the face across each axis; 0: the face is not seen, or has no area
-    Vec3<Real> area;    // of the faces that are seen, else 0
-    Real scale;         // units a scene unit
+    Vec3<Real> height;  // observer's height over the plane of the face across each axis; 0: face not seen, or no area
+    Vec3<Real> area;    // area of the faces across each axis, seen or not
+    Real scale;         // scaled units per scene unit
 
     PT_HD explicit SeenFaces(const BoxFrame<Real>& frame)
         : scale(power_to_one(frame.half.x + frame.half.y + frame.half.z)) {
@@ -54,8 +54,8 @@ struct SeenFaces {
                              max(Real(0), absolute(observer.z) - half.z)};
         return dot(gap, gap);
     }
-    // The face by which a ray from the observer that meets the box enters it: of the seen ones the last that it
-    // crosses.
+    // Axis of the face by which a ray from the observer that hits the box enters it: of the seen faces the last whose
+    // plane the ray crosses.
     PT_HD int entered(const Vec3<Real>& direction) const {
         int axis = 0;
         Real of_height = height.x;
@@ -70,7 +70,7 @@ struct SeenFaces {
                           (!(of_height > Real(0)) || height.z * of_direction > of_height * absolute(direction.z));
         return by_z ? 2 : axis;
     }
-    // The face that `pick`, from 0 to the sum of the shares, falls to; a face without a share is never picked.
+    // Axis of the face that `pick`, from 0 to the sum of the shares, falls to; a face without a share is never picked.
     PT_HD static int picked(const Vec3<Real>& share, Real pick) {
         if (share.z > Real(0) && pick >= share.x + share.y) {
             return 2;
@@ -90,10 +90,9 @@ private:
     PT_HD static Real onto(Real observer, Real height) { return observer > Real(0) ? -height : height; }
 };
 
-// A face drawn in proportion to its area. With area sampling, 1 / density by solid angle is area cos / distance^2,
-// where area is that of all faces seen and cos = height of the observer over the face / distance.
-// With projected sampling a face is drawn in proportion to area cos distance, so that the density does not depend on
-// the face.
+// Samples a face of a box light in proportion to its area. With area sampling, 1 / pdf by solid angle is area cos /
+// distance^2, where area is that of all faces seen and cos = height of the observer over the face / distance. With
+// projected sampling a face is drawn in proportion to area cos distance, so that the pdf does not depend on the face.
 template <class Real>
 struct FacesByArea {
     const SeenFaces<Real>& faces;
@@ -111,8 +110,8 @@ struct FacesByArea {
         }
         total = share.x + share.y + share.z;
     }
-    // `inverse`: 1 / distance to the point. Step by step, since neither its cube nor the total's product with a height
-    // need be in range.
+    // 1 / pdf of a point on the face across `axis`; `inverse`: 1 / distance to the point. The factors are applied one
+    // by one, since neither the cube of `inverse` nor the product of `total` and a height need be in range.
     PT_HD Real inverse_pdf(int axis, Real inverse) const {
         const Real of_direction = projected ? inverse : component_of(faces.height, axis) * inverse;
         return total * inverse * inverse * of_direction;
@@ -130,8 +129,8 @@ struct FacesByArea {
     }
 };
 
-// One of the seen faces, each with equal probability, and a direction to it as NearRectangle draws it: weights are
-// bounded by 6 pi however near the box is.
+// Samples one of the seen faces of a box light, each with equal probability, and a direction to it by NearRectangle:
+// weights are bounded by 6 pi however near the box is.
 template <class Real>
 struct OneFaceNear {
     const SeenFaces<Real>& faces;
@@ -184,7 +183,7 @@ private:
     }
 };
 
-// Whether a light that is sampled automatically is near: within `limit` of its half diagonals.
+// Whether a box light under automatic sampling is near: within `limit` of its half diagonals.
 template <class Real>
 PT_HD inline bool is_near(const SeenFaces<Real>& faces, Real limit) {
     return faces.square_gap() < limit * limit * dot(faces.half, faces.half);

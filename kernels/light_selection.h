@@ -1,10 +1,10 @@
-// Which of the lights a vertex is connected to, other than uniformly: in proportion to their power, by an alias table
-// (Walker 1977; Vose 1991), or by a tree over them of up to 16 children a node, a child in proportion to what it may
-// send to the vertex (Conty Estevez and Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting",
-// PACMCGIT 1(2), 2018; boxes and areas by axis stand for its cones, wide nodes for its splitting). Probabilities are
-// whole 2^-32nds, so what is drawn and what is divided by are the same number. Multiple importance sampling weighs by
-// another density, which knows the vertex's place alone: where light is met, the normal is not known any more. Both
-// techniques weigh by it, so their weights add up to 1 (Veach 1997, sec. 9.2).
+// Light selection for next-event estimation other than uniform: in proportion to power, by an alias table (Walker 1977;
+// Vose 1991), or by a light tree of up to 16 children per node, which draws a child in proportion to what it may send
+// to the vertex (Conty Estevez and Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", PACMCGIT
+// 1(2), 2018; bounding boxes and areas by axis stand for its cones, wide nodes for its splitting). Probabilities are
+// whole multiples of 2^-32, so the sampled probability and the one divided by are the same number. Multiple importance
+// sampling weighs by another density, which depends on the vertex's position alone: where a path hits a light, the
+// normal is not known any more. Both techniques weigh by it, so their weights add up to 1 (Veach 1997, sec. 9.2).
 #pragma once
 
 #include "kernels/random_words.h"
@@ -12,8 +12,8 @@
 
 namespace pt {
 
-// `light`: its number in SceneView::lights. `inverse_weighing`: of the density that multiple importance sampling weighs
-// by, inverse_light_weighing.
+// A light chosen for next-event estimation. `light` is an index into SceneView::lights; `inverse_weighing` is 1 / the
+// density that multiple importance sampling weighs by (inverse_light_weighing).
 template <class Real>
 struct LightPick {
     std::uint32_t light;
@@ -51,9 +51,9 @@ struct LitVertex {
 template <class Real>
 struct SeenNode {
     Vec3<Real> to_centre;
-    Real inverse;         // of the distance, which is no less than half the box's diagonal
-    Real inverse_square;  // of it
-    Real shown;           // towards the place, times the distance
+    Real inverse;         // 1 / distance to the node's centre, taken as at least half the box's diagonal
+    Real inverse_square;  // 1 / squared distance to the node's centre
+    Real shown;           // radiance times area that the node shows the position, times the distance
 
     PT_HD SeenNode(const LightNode<Real>& node, const Vec3<Real>& position) : to_centre(node.centre - position) {
         const Real square = min(max(dot(to_centre, to_centre), node.least_square), Real(0x1p120));
@@ -63,8 +63,8 @@ struct SeenNode {
                 node.shown.y * (absolute(to_centre.y) + node.half.y) +
                 node.shown.z * (absolute(to_centre.z) + node.half.z);
     }
-    // What is shown over the square distance. Products of two in this order stay in range where distances' powers do
-    // not.
+    // What the light-tree node sends to the position: what it shows over the squared distance. Products of two in this
+    // order stay in range where powers of the distance do not.
     PT_HD Real sent() const { return shown * inverse_square * inverse; }
     // An upper bound on what the node sends to a surface: sent() times the largest cosine to the normal within the
     // node's box.
@@ -77,8 +77,8 @@ struct SeenNode {
     }
 };
 
-// Turns amounts that add up to `total` into probabilities in 2^-32nds: each is at least 2^-12, so that every light has
-// one whatever rounds to 0 or overflows. Together they are less than 1, and the last is given what is left.
+// Turns the amounts of a light-tree node's children, which add up to `total`, into probabilities in 2^-32nds. Each is
+// at least 2^-12, so every light has one whatever rounds to 0 or overflows; the last child is given what is left.
 template <class Real>
 struct Shares {
     static constexpr Real least = Real(0x1p20);
@@ -86,7 +86,7 @@ struct Shares {
 
     PT_HD Shares(Real total, std::uint32_t count) {
         const Real number = static_cast<Real>(count);
-        // A total of 0, one out of range and one that is not a number give every light the same share.
+        // A total that is 0, out of range or NaN gives every child of the node the same share.
         const bool is_known = total > Real(0x1p-80) && total < Real(0x1p80);
         scale = is_known ? nearly_divide(Real(0x1p32) - (number + Real(1)) * least, total) : Real(0);
         floor = is_known ? least : nearly_divide(Real(0x1p32), number) - Real(0x1p9);
@@ -94,7 +94,7 @@ struct Shares {
     PT_HD Real of(Real amount) const { return scale > Real(0) ? amount * scale + floor : floor; }
 };
 
-// The first word decides at the root, where stratified numbers do the most; hashes of all four decide below.
+// Picks a light by the light tree. The first word decides at the root, where stratification does most; hashes below.
 template <class Real>
 PT_HD inline LightPick<Real> pick_from_tree(const View<LightNode<Real>>& nodes, const LitVertex<Real>& vertex,
                                             const RandomWords& words) {
@@ -115,7 +115,7 @@ PT_HD inline LightPick<Real> pick_from_tree(const View<LightNode<Real>>& nodes, 
             total_by_place += seen.sent();
         }
         const Shares<Real> shares(total, last + 1), shares_by_place(total_by_place, last + 1);
-        std::uint32_t drawn = more.x, left = 0;  // of 2^32, as which 0 is meant
+        std::uint32_t drawn = more.x, left = 0;  // `left`: part of 2^32 not yet given, where 0 means 2^32
         std::uint32_t chosen = 0, share = 0;
         PT_ROLLED
         for (;; ++chosen) {
@@ -136,8 +136,8 @@ PT_HD inline LightPick<Real> pick_from_tree(const View<LightNode<Real>>& nodes, 
     return {node.light(), nearly_divide(Real(1), probability), nearly_divide(Real(1), weighing)};
 }
 
-// 1 / the probability by which multiple importance sampling weighs the light that `way` leads to in the light tree,
-// seen from `position`.
+// 1 / probability of the light at the end of the path `way` down the light tree, seen from `position`, as multiple
+// importance sampling weighs it.
 template <class Real>
 PT_HD inline Real inverse_tree_weighing(const View<LightNode<Real>>& nodes, const Vec3<Real>& position,
                                         std::uint32_t way) {
@@ -189,8 +189,8 @@ PT_HD inline LightPick<typename Config::Real> pick_light(const SceneView<typenam
     return pick_uniformly<Real>(scene.lights.size, words.x);
 }
 
-// 1 / density of a light among all, from `position`, that multiple importance sampling weighs by: pick_light's
-// inverse_weighing. `object`: the light's.
+// 1 / probability of a light, seen from `position`, that multiple importance sampling weighs by: pick_light's
+// inverse_weighing. `object`: the object that emits.
 template <class Config>
 PT_HD inline typename Config::Real inverse_light_weighing(const SceneView<typename Config::Real>& scene,
                                                           std::uint32_t object,

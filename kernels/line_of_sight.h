@@ -1,8 +1,8 @@
-// The occlusion test of next-event estimation: whether a known point of a light is seen from a vertex. The ray ends at
-// the first object that is met before the point, with no account of which is nearest or which side is met, without the
-// light itself, and without an enclosure's walls where the point lies plainly within it. What is met within rounding of
-// the point's distance (a light that touches another object) is left to closest_hit (sees_point), so that connections
-// see what paths meet. In a mesh the first leaf with a triangle before the point ends the traversal.
+// Occlusion test of next-event estimation: whether a known point on a light is visible from a vertex. The shadow ray
+// ends at the first object found before the point, whichever is nearest and whichever side is hit; it skips the light
+// itself, and an enclosure's walls where the point lies clearly inside. Hits within rounding of the point's distance (a
+// light that touches another object) are left to closest_hit (sees_point), so that connections see what paths hit. In a
+// mesh the first leaf with a triangle before the point ends the traversal.
 #pragma once
 
 #include "kernels/intersect.h"
@@ -13,16 +13,16 @@ namespace pt {
 // must be asked.
 enum class Sight { clear, blocked, unsure };
 
-// What part of its distance a point is known to. A distance to a plane is a difference of coordinates over a component
-// of the direction: it is off by some roundings of the coordinates over the height above the plane. This allows 16 of
-// them where the height is a 256th of the coordinates, and one where it is a 4096th. Nearer to the plane a light that
-// touches another object may be seen where paths do not meet it; little is sent so flatly.
+// Relative error to which the distance to a light sample is known. A distance to a plane is a difference of coordinates
+// over a component of the direction: it is off by some roundings of the coordinates over the height above the plane.
+// Allowed are 16 of them where the height is a 256th of the coordinates, and one where it is a 4096th. Nearer to the
+// plane a light that touches another object may be seen where paths do not hit it; it sends little at such angles.
 template <class Real>
 PT_HD constexpr Real point_rounding() {
     return gamma<Real>(16 * 256);
 }
 
-// The ray as far as a point of an object, and the distances about the point's that are not told from it.
+// A shadow ray up to a point on an object; hits between `before` and `about` cannot be told from the point itself.
 template <class Real>
 struct Segment {
     const Ray<Real>& ray;
@@ -36,21 +36,21 @@ struct Segment {
           before(distance * (Real(1) - point_rounding<Real>())),
           about(distance * (Real(1) + point_rounding<Real>())) {}
 
-    // Takes note of an object met at t, and returns whether it hides the point.
+    // Records an object hit at distance t, and returns whether it occludes the segment's end point.
     PT_HD bool is_hidden_by(Real t) {
         unsure = unsure || t < about;
         return t < before;
     }
-    // Takes note of a convex body or a flat surface that the ray crosses over [near, far], and returns whether it hides
-    // the point.
+    // Records a convex body or a flat surface that the shadow ray crosses over [near, far], and returns whether it
+    // occludes the segment's end point.
     PT_HD bool is_hidden_by(const Interval<Real>& crossing, bool flat) {
         const Real t = crossing.near > Real(0) || flat ? crossing.near : crossing.far;
         return crossing.hits && t > Real(0) && is_hidden_by(t);
     }
 };
 
-// Whether a kernel has occlusion tests: one that meets objects by the robust forms of the shapes. Others ask for the
-// closest hit.
+// Whether a kernel has occlusion tests, which need the robust intersection forms of the shapes. Other kernels ask for
+// the closest hit.
 template <class Config>
 inline constexpr bool has_lines_of_sight =
     !has<Config>(Feature::naive) && !has<Config>(Feature::matrix) && !has<Config>(Feature::double_intersection);
@@ -92,7 +92,8 @@ PT_HD inline bool is_hidden_by_axis_boxes(Segment<typename Config::Real>& segmen
     const std::uint32_t first = first_of<ShapeKind::axis_box>(scene);
     if constexpr (has<Config>(Feature::enclosure)) {
         if (without_walls) {
-            // Mostly the light alone is left, and no reciprocal is needed.
+            // Without walls the light is mostly the only axis box, so the reciprocal direction is formed where it is
+            // needed.
             for (std::uint32_t i = 0; i < scene.axis_boxes.size; ++i) {
                 if (!scene.enclosure.is_wall(i) && first + i != segment.object &&
                     is_hidden_by_axis_box<Config>(segment, scene, i, reciprocal(segment.ray.direction))) {
@@ -103,7 +104,7 @@ PT_HD inline bool is_hidden_by_axis_boxes(Segment<typename Config::Real>& segmen
         }
     }
     const auto inverse = reciprocal(segment.ray.direction);
-    // The loop is kept rolled: in an enclosure hardly a ray comes here, and as a loop it has a sixth of the
+    // The loop over axis boxes is kept rolled: in an enclosure few rays get to it, and rolled it has a sixth of the
     // instructions.
     PT_ROLLED
     for (std::uint32_t i = 0; i < scene.axis_boxes.size; ++i) {
@@ -138,8 +139,8 @@ PT_HD inline bool is_hidden_by_kind(Segment<typename Config::Real>& segment, con
     }
 }
 
-// What lies between the ray's origin and a point of an object (no mesh) at `distance`, which is above 0. The ray leaves
-// the surface that it starts on.
+// Occlusion test between the ray origin and a point on an object (no mesh) at `distance`, which is above 0. The ray
+// leaves the surface that it starts on.
 template <class Config, class Scene>
 PT_HD inline Sight line_of_sight(const Scene& scene, std::uint32_t object, const Ray<typename Config::Real>& ray,
                                  typename Config::Real distance) {
@@ -171,8 +172,8 @@ PT_HD inline Sight line_of_sight(const Scene& scene, std::uint32_t object, const
     return segment.unsure ? Sight::unsure : Sight::clear;
 }
 
-// Whether the ray, which was drawn to a point of the object (no mesh), passes it by in its rounding: it does not meet
-// it up to just beyond the point.
+// Whether a shadow ray drawn to a point on an object (no mesh) misses the object by rounding: no intersection up to
+// just beyond the point.
 template <class Config, class Scene>
 PT_HD inline bool passes_by(const Scene& scene, std::uint32_t object, const Ray<typename Config::Real>& ray,
                             typename Config::Real about) {
@@ -188,10 +189,10 @@ PT_HD inline bool passes_by(const Scene& scene, std::uint32_t object, const Ray<
     return passes;
 }
 
-// Whether a shadow ray sees the point of a light that it was drawn to, by the closest hit along it: the light itself is
-// met, or what is met lies beyond the point and the ray passes the light by. Such a ray leads to the light's very edge:
-// line_of_sight, which does not look at the light, calls it clear. This is the one rule for that edge, whether a kernel
-// knows a room's walls or not, and looks for the point or for the closest hit.
+// Whether a shadow ray reaches the light sample that it was drawn to, by its closest hit: the light itself is hit, or
+// the closest hit lies beyond the sample and the ray misses the light. Such a ray leads to the light's very edge:
+// line_of_sight, which does not test the light, calls it clear. This is the one rule for that edge, whether or not a
+// kernel knows a room's walls, and whether it tests occlusion or asks for the closest hit.
 template <class Config, class Scene>
 PT_HD inline bool sees_point(const Scene& scene, std::uint32_t object, const Ray<typename Config::Real>& ray,
                              typename Config::Real distance, const Hit<typename Config::Real>& closest) {

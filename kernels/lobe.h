@@ -1,4 +1,4 @@
-// What a material's lobe says to whoever connects a vertex to a light or sends the path on: all that it sends from one
+// Interface of a material's lobe for light connections and for continuing the path: all that it scatters from one
 // direction to another. A lobe is a class with `transmits` and `may_be_opaque` (whether it may let light through, and
 // whether one that may does not always: then it has lets_through()) and towards(direction, cosine).
 #pragma once
@@ -11,17 +11,17 @@ namespace pt {
 template <class Real>
 inline constexpr Real least_cosine = Real(0x1p-40);
 
-// What a lobe sends from one direction to another, and how likely it draws that direction.
+// What a lobe scatters from one direction to another, and the pdf with which it samples that direction.
 template <class Real>
 struct LobeValue {
-    Vec3<Real> weight;  // BSDF * cosine / density
-    Real pdf;           // density, by solid angle, with which the lobe draws the direction
+    Vec3<Real> weight;  // weight of a sample: BSDF * cosine / pdf
+    Real pdf;           // pdf, by solid angle, with which the lobe draws the direction
 };
 
 template <class Real>
 struct LobeSample {
     Vec3<Real> direction;
-    Real cosine;  // to the normal; 0: the light is lost, and the rest is not set
+    Real cosine;  // cosine to the normal; 0: the light is lost, and the other members are not set
     LobeValue<Real> value;
 };
 

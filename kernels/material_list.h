@@ -1,24 +1,23 @@
-// The kinds of materials, listed once: everybody who does something for each of them goes by this list. A material is
-// a header in kernels/materials/, a file in harness/scene/materials/ and a line here (docs/add_a_material.md).
+// The material types, listed once: all code that does something for each of them expands this list. A material is a
+// header in kernels/materials/, a file in harness/scene/materials/ and a line in this list (docs/add_a_material.md).
 #pragma once
 
 #include <cstdint>
 
 namespace pt {
 
-// What a kernel, or whoever chooses one, has to know of a kind of material without looking into its header.
+// Traits of a material type that a kernel, or code that chooses one, must know without the type's header.
 namespace material_trait {
-inline constexpr std::uint32_t ends_paths = 1;   // it emits, and reflects nothing
-inline constexpr std::uint32_t by_surface = 2;   // all that shading needs stands in Surface, one read of 16 bytes
-inline constexpr std::uint32_t is_delta = 4;     // each direction is sent into one or two others
-inline constexpr std::uint32_t connects = 8;     // its lobe is wide enough, or may be, to be connected to lights
-inline constexpr std::uint32_t has_inside = 16;  // rays may run within the body that it bounds
-inline constexpr std::uint32_t has_walks = 32;   // paths walk through its body (kernels/materials/subsurface.h)
+inline constexpr std::uint32_t ends_paths = 1;   // the material emits and reflects nothing
+inline constexpr std::uint32_t by_surface = 2;   // shading needs Surface alone, one read of 16 bytes
+inline constexpr std::uint32_t is_delta = 4;     // specular: each direction is scattered into one or two others
+inline constexpr std::uint32_t connects = 8;     // the lobe is wide enough, or may be, to be connected to lights
+inline constexpr std::uint32_t has_inside = 16;  // rays may run inside the body that the material bounds
+inline constexpr std::uint32_t has_walks = 32;   // paths do random walks in the body (kernels/materials/subsurface.h)
 }  // namespace material_trait
 
-// MATERIAL(name, Type, traits): the name of its header, of its Feature and in scene files, the class of its parameters,
-// and what of material_trait it has. Materials are asked for in the order of the lines, those that are by_surface
-// first.
+// MATERIAL(name, Type, traits): name of the header, of the Feature and in scene files, class of the parameters, and
+// traits (material_trait). Kernels test the material types in the order of these lines, those with by_surface first.
 #define PT_MATERIALS(MATERIAL)                                                 \
     MATERIAL(diffuse, DiffuseMaterial, by_surface | connects)                  \
     MATERIAL(emitter, EmitterMaterial, ends_paths)                             \
@@ -34,7 +33,7 @@ inline constexpr std::uint32_t has_walks = 32;   // paths walk through its body 
 enum class MaterialType : std::uint32_t { PT_MATERIALS(PT_MATERIAL_TYPE) };
 #undef PT_MATERIAL_TYPE
 
-// Whether a kind of material has any of these traits.
+// Whether a material type has any of the traits `wanted`.
 constexpr bool has_trait(MaterialType type, std::uint32_t wanted) {
     using namespace material_trait;
 #define PT_TRAITS(name, Type, traits) (traits),

@@ -1,7 +1,7 @@
-// Every material of the list (kernels/material_list.h), whole, and what kernels read of an object's material. A
-// material's header has the name of its line; its parameters stand in a class with
-//   scatter(at)                static, of a material that is by_surface, or else
-//   scatter(at, material)      where a path meets it (kernels/scattering.h); returns whether the path goes on.
+// All materials of the list (kernels/material_list.h), and an object's material as kernels read it. A material's header
+// has the name of its line in the list; its parameters are a class with
+//   scatter(at)                static, of a material with the trait by_surface, or else
+//   scatter(at, material)      at a path vertex (kernels/scattering.h); returns whether the path goes on.
 #pragma once
 
 #include "kernels/material_list.h"
@@ -34,10 +34,10 @@ template <class Real>
 struct Material {
     MaterialType type;
     std::uint32_t emits;    // 1 if emission is not black
-    Vec3<Real> emission;    // radiance, linear RGB
-    Vec3<Real> sigma_a;     // of what lies behind its surface, 1 / scene unit
-    std::uint32_t absorbs;  // 1 if that is a medium that paths run in, and sigma_a is not 0
-    // The parameters of its type.
+    Vec3<Real> emission;    // emitted radiance, linear RGB
+    Vec3<Real> sigma_a;     // absorption coefficient behind the surface, 1 / scene unit
+    std::uint32_t absorbs;  // 1 if paths run in the medium behind the surface, and sigma_a is not 0
+    // Parameters of the material's type.
 #define PT_PARAMETERS(name, Type, traits) Type<Real> name;
     union {
         PT_MATERIALS(PT_PARAMETERS)

@@ -1,7 +1,6 @@
 // Vectors (GLM) and the few scalar functions whose rounding the kernels depend on.
 // min and max are ternaries: they compile to one instruction, stay IEEE, and on the host they vectorise (fminf does
-// not). Sine, cosine, arc tangent, exponential and logarithm are our
-// own (coefficients of Cephes and fdlibm), from + - * / and the
+// not). Sine, cosine, arc tangent, exponential and logarithm (coefficients of Cephes and fdlibm) use + - * / and the
 // bits of IEEE numbers alone, so that host and device round alike.
 #pragma once
 
@@ -25,8 +24,8 @@ template <class T>
 PT_HD constexpr T max(T a, T b) {
     return a > b ? a : b;
 }
-// The larger (smaller) of a number and a candidate, which is passed over if it is NaN: a device's own instruction, of
-// which a compiler may not make the ternary. Which zero comes of two zeros is left open.
+// The larger (smaller) of a number and a candidate, which is ignored if it is NaN: one instruction on a device, into
+// which a compiler may not turn the ternary. Of two zeros either may be returned.
 template <class Real>
 PT_HD inline Real keep_larger(Real kept, Real candidate) {
 #if defined(__CUDA_ARCH__)
@@ -69,9 +68,9 @@ PT_HD constexpr Real gamma(int n) {
     return Real(n) * unit_round_off<Real> / (Real(1) - Real(n) * unit_round_off<Real>);
 }
 
-// A product with a rounding of its own in every arithmetic: no compiler makes a fused multiply-add of it and the sum
-// that it is in. Fused, a b - c d is not the negative of c d - a b, so two triangles can disagree about the edge that
-// they share; and two kernels of one formula can differ in the last bit of where a ray is.
+// A product that is rounded before it is added: no compiler makes a fused multiply-add of it. Fused, a b - c d is not
+// the negative of c d - a b, so two triangles can disagree about the edge that they share; and two kernels of one
+// formula can differ in the last bit of a ray's position.
 PT_HD inline float rounded_product(float a, float b) {
 #if defined(__CUDA_ARCH__)
     return __fmul_rn(a, b);
@@ -98,7 +97,7 @@ PT_HD inline Real absolute(Real x) {
     return fabs(x);
 }
 
-// The bits of a number and back; std::bit_cast is not to be had under NVRTC.
+// Converts a number to its bits and back; NVRTC has no std::bit_cast.
 PT_HD inline std::int32_t bits_of(float x) { return __builtin_bit_cast(std::int32_t, x); }
 PT_HD inline std::int64_t bits_of(double x) { return __builtin_bit_cast(std::int64_t, x); }
 PT_HD inline float number_of(std::int32_t bits) { return __builtin_bit_cast(float, bits); }
@@ -137,8 +136,8 @@ inline constexpr Real ln2_high = sizeof(Real) == 4 ? Real(0x1.62e4p-1) : Real(0x
 template <class Real>
 inline constexpr Real ln2_low = sizeof(Real) == 4 ? Real(1.4286067653e-6) : Real(1.90821492927058770002e-10);
 
-// r coth(r/2) - 2 from z = r^2 for |r| <= ln(2)/2. Coefficients: fdlibm, e_exp.c (Sun Microsystems 1993), and its
-// single precision in FreeBSD's msun, e_expf.c.
+// Series of r coth(r/2) - 2 in z = r^2, for |r| <= ln(2)/2. Coefficients: fdlibm, e_exp.c (Sun Microsystems 1993), and
+// its single precision in FreeBSD's msun, e_expf.c.
 PT_HD inline float exponential_series(float z) { return (-2.7667332906e-3f * z + 1.6666625440e-1f) * z; }
 PT_HD inline double exponential_series(double z) {
     double s = 4.13813679705723846039e-8 * z - 1.65339022054652515390e-6;
@@ -152,7 +151,7 @@ PT_HD inline double exponential_series(double z) {
 template <class Real>
 PT_HD inline Real exponential(Real x) {
     constexpr Real log2_e = Real(1.44269504088896340736);
-    // At these bounds the result already rounds to 0 or to infinity. NaN counts as the lower bound until the last line.
+    // At these bounds e^x already rounds to 0 or to infinity. NaN counts as the lower bound until the last line.
     const Real within = sizeof(Real) == 4 ? clamp(x, Real(-104), Real(89)) : clamp(x, Real(-746), Real(710));
     const int k = static_cast<int>(within * log2_e + (within < Real(0) ? Real(-0.5) : Real(0.5)));
     const Real high = within - Real(k) * ln2_high<Real>;
@@ -165,7 +164,7 @@ PT_HD inline Real exponential(Real x) {
     return x == x ? result : x;
 }
 
-// ln((1+s)/(1-s)) / s - 2 from z = s^2 for |s| <= 3 - sqrt(8). Coefficients: fdlibm, e_log.c, and msun, e_logf.c.
+// Series of ln((1+s)/(1-s)) / s - 2 in z = s^2, |s| <= 3 - sqrt(8). Coefficients: fdlibm, e_log.c; msun, e_logf.c.
 PT_HD inline float logarithm_series(float z) {
     return (((0.24279078841f * z + 0.28498786688f) * z + 0.40000972152f) * z + 0.66666662693f) * z;
 }
@@ -184,7 +183,7 @@ template <class Real>
 PT_HD inline Real logarithm(Real x) {
     const Real infinity = power_of_two<Real>(infinite_exponent<Real>);
     if (!(x > Real(0) && x < infinity)) {
-        const Real not_a_number = number_of(~bits_of(Real(0)));  // a host's own NaN is not a device's
+        const Real not_a_number = number_of(~bits_of(Real(0)));  // host and device have unlike NaNs of their own
         return x == Real(0) ? -infinity : x == infinity ? infinity : not_a_number;
     }
     const bool denormal = x < power_of_two<Real>(2 - infinite_exponent<Real>);
@@ -228,12 +227,12 @@ PT_HD inline Vec3<Real> renormalize(const Vec3<Real>& v) {
     return v * (Real(1.5) - Real(0.5) * dot(v, v));
 }
 
-// Normalizes a vector that is unit but for the rounding of a point on a surface: seen from afar that may be more than a
-// Newton step from 1 can mend.
+// Normalizes a vector that is unit but for the rounding of a point on a surface, which far from the eye may be more
+// than a Newton step from 1 can mend.
 template <class Real>
 PT_HD inline Vec3<Real> nearly_unit(const Vec3<Real>& v) {
     const Real excess = dot(v, v) - Real(1);
-    constexpr Real most = sizeof(Real) == 4 ? Real(1e-4) : Real(1e-8);  // 3/8 of its square is below a rounding
+    constexpr Real most = sizeof(Real) == 4 ? Real(1e-4) : Real(1e-8);  // so the Newton step's error is below rounding
     return absolute(excess) < most ? v * (Real(1) - Real(0.5) * excess) : normalize(v);
 }
 
@@ -274,7 +273,7 @@ PT_HD inline SinCos<double> sin_cos_octant(double x) {
 template <class Real>
 PT_HD inline SinCos<Real> sin_cos_turn(Real u) {
     const int quarter = static_cast<int>(u * Real(4) + Real(0.5));  // nearest quarter turn, 0..4
-    const Real rest = u - Real(quarter) * Real(0.25);               // exact (Sterbenz), in [-1/8, 1/8]
+    const Real rest = u - Real(quarter) * Real(0.25);               // exact remainder (Sterbenz), in [-1/8, 1/8]
     const SinCos<Real> octant = sin_cos_octant(rest * (Real(2) * pi<Real>));
     switch (quarter & 3) {
         case 0:
@@ -295,8 +294,8 @@ PT_HD inline SinCos<Real> sin_cos(Real x) {
     return {x < Real(0) ? -of_size.sine : of_size.sine, of_size.cosine};
 }
 
-// atan(x) / x - 1 from z = x^2, for |x| up to tan(pi/8) in single precision and up to 0.66 in double. Coefficients:
-// Cephes, atanf.c and atan.c.
+// Series of atan(x) / x - 1 in z = x^2, for |x| up to tan(pi/8) in single precision and up to 0.66 in double.
+// Coefficients: Cephes, atanf.c and atan.c.
 PT_HD inline float arc_tangent_series(float z) {
     return (((8.05374449538e-2f * z - 1.38776856032e-1f) * z + 1.99777106478e-1f) * z - 3.33329491539e-1f) * z;
 }
@@ -348,7 +347,7 @@ struct Frame {
     }
 };
 
-// A read-only view of `size` elements; std::span is not to be had under NVRTC.
+// A read-only view of `size` elements; NVRTC has no std::span.
 template <class T>
 struct View {
     const T* data = nullptr;

@@ -1,4 +1,4 @@
-// A homogeneous medium that scatters, as walks through it read it.
+// The homogeneous scattering medium of a subsurface body.
 #pragma once
 
 #include "kernels/math.h"
@@ -7,15 +7,15 @@ namespace pt {
 
 template <class Real>
 struct ScatteringMedium {
-    Vec3<Real> sigma_s;            // 1 / scene unit
-    Vec3<Real> sigma_t;            // sigma_a + sigma_s
-    Vec3<Real> scattering_albedo;  // sigma_s / sigma_t, 0 where sigma_t is 0
-    std::uint32_t grey;            // 1 if the three sigma_t are equal
+    Vec3<Real> sigma_s;            // scattering coefficient, 1 / scene unit
+    Vec3<Real> sigma_t;            // extinction coefficient, sigma_a + sigma_s
+    Vec3<Real> scattering_albedo;  // single-scattering albedo sigma_s / sigma_t, 0 where sigma_t is 0
+    std::uint32_t grey;            // 1 if sigma_t is the same in all three channels
     Real g;                        // Henyey-Greenstein mean cosine
-    // What guided walks go by (kernels/guided_walk.h).
-    Real guided_share;        // of the steps; 0: walks are not guided
-    Vec3<Real> guide_decay;   // with depth, per mean free path
-    Vec3<Real> guide_albedo;  // guide_decay / artanh(guide_decay)
+    // Parameters of guided random walks (kernels/guided_walk.h).
+    Real guided_share;        // share of guided steps; 0: walks are not guided
+    Vec3<Real> guide_decay;   // kappa of each channel: decay with depth, per mean free path
+    Vec3<Real> guide_albedo;  // albedo of each channel's guide, guide_decay / artanh(guide_decay)
 
     // Whether the guided walks of all three colour channels are drawn alike.
     PT_HD constexpr bool has_one_guide() const {

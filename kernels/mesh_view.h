@@ -1,20 +1,20 @@
-// The geometry of a triangle mesh, as every object that shows it shares it, and how a ray is taken through it: by an
-// accelerator, which kernels get as a parameter (Config::Accelerator) and hand the leaves' test to.
+// Geometry of a triangle mesh, shared by all its instances, and the interface of accelerators, which take rays through
+// it. Kernels get the accelerator as a parameter (Config::Accelerator) and hand it the test of a leaf.
 #pragma once
 
 #include "kernels/triangle.h"
 
 namespace pt {
 
-// What a traversal reads: nodes in the accelerator's format, aligned to 16 bytes, the root first. Empty: no nodes.
+// Tree of an accelerator: nodes in the accelerator's format, aligned to 16 bytes, root first. Empty: no nodes.
 struct TreeView {
     const void* nodes = nullptr;
     std::uint32_t node_count = 0;
-    std::uint32_t slot_count = 0;  // in the leaves together
-    std::uint32_t node_bytes = 0;  // of one
+    std::uint32_t slot_count = 0;  // primitive slots in all leaves
+    std::uint32_t node_bytes = 0;  // size of a tree node in bytes
 };
 
-// Counters that a traversal of one ray feeds; this one counts nothing and costs nothing.
+// Counters of one ray's traversal; NoTraversalCounter counts nothing and costs nothing.
 struct NoTraversalCounter {
     PT_HD void node() {}
     PT_HD void boxes(std::uint32_t) {}
@@ -30,9 +30,9 @@ struct TraversalCounter {
     PT_HD void primitives(std::uint32_t count) { primitives_tested += count; }
 };
 
-// Every primitive in turn: the reference of all accelerators, and their concept. `traverse` calls leaf(first, count)
-// for ranges of slots; the leaf's test may lower `best_t`, beyond which nothing is looked for. What is met at best_t
-// itself must still be handed over: of equal distances the least primitive wins.
+// BruteForce tests every primitive in turn: the reference of all accelerators, and their interface. `traverse` calls
+// leaf(first, count) for ranges of slots; the leaf's test may lower `best_t`, the limit of the search. Primitives at
+// best_t itself must still be handed over: of equal distances the lowest primitive wins.
 struct BruteForce {
     static constexpr bool is_chosen_at_run_time = false;
 
@@ -44,8 +44,8 @@ struct BruteForce {
     }
 };
 
-// The accelerator of the host's kernels, which are compiled once for all accelerators: the scene has a function of the
-// chosen one (SceneView::meet_mesh).
+// The accelerator of the host's kernels, which are compiled once for all accelerators and call the chosen one by a
+// function of the scene (MeshSearch::meet_mesh).
 struct RunTimeAccelerator {
     static constexpr bool is_chosen_at_run_time = true;
 };
@@ -56,13 +56,13 @@ struct CornerCoordinates {
     float v[3];
 };
 
-// The normals of the three corners of a triangle, in the mesh's own space: unit, outward; all 0: the triangle's own.
+// Normals of a triangle's corners in the mesh's own space: unit, outward; all 0: the geometric normal.
 struct CornerNormals {
     float of[3][3];
 };
 
-// A triangle where a leaf finds it, with its number in the mesh: 48 bytes, three accesses. Row k holds coordinate k of
-// the corners, so that a ray's permutation of the axes chooses rows and no components.
+// A triangle as a leaf stores it, with its index in the mesh: 48 bytes, three accesses. Row k holds coordinate k of the
+// corners, so that a ray's permutation of the axes chooses rows and no components.
 struct alignas(16) LeafTriangle {
     struct alignas(16) Row {
         float a, b, c;
@@ -81,13 +81,13 @@ struct alignas(16) LeafTriangle {
 };
 static_assert(sizeof(LeafTriangle) == 48);
 
-// Coordinates are single precision numbers in both precisions: the mesh is the same one, met more exactly in double.
+// A mesh as kernels see it. Coordinates are float in both precisions: it is the same mesh, hit more exactly in double.
 struct MeshView {
-    const LeafTriangle* leaves = nullptr;        // by slot, in the order of the tree's leaves
-    const Triangle<float>* triangles = nullptr;  // by primitive
-    const float* cumulative_area = nullptr;      // by primitive: area up to and with it; only of emissive meshes
+    const LeafTriangle* leaves = nullptr;        // triangles by slot, in the order of the tree's leaves
+    const Triangle<float>* triangles = nullptr;  // triangles by primitive index
+    const float* cumulative_area = nullptr;      // cumulative area of the triangles; emissive meshes only
     TreeView tree;
-    const void* native = nullptr;  // what an accelerator of the host made of the mesh for itself
+    const void* native = nullptr;  // own structure of a host accelerator for this mesh
     std::uint32_t triangle_count = 0;
 };
 

@@ -1,7 +1,7 @@
-// The random numbers of cis565: a short linear congruential generator, seeded anew for every path and bounce by a hash
-// of the sample's number and of the path's place in the queue. Kept to measure what that costs: its streams overlap,
-// and whatever moves a path moves its numbers. Park and Miller's minstd with Stockmeyer's multiplier
-// (thrust::default_random_engine) and Wang's integer hash, as in the path tracers of CIS 565 (makeSeededRandomEngine).
+// Random numbers as in the path tracers of CIS 565: a short linear congruential generator, seeded anew for every path
+// and bounce by a hash of the sample index and of the path's place in the queue. Kept to measure what that costs: the
+// streams overlap, and whatever moves a path changes its numbers. Park and Miller's minstd with Stockmeyer's multiplier
+// (thrust::default_random_engine) and Wang's integer hash (makeSeededRandomEngine of CIS 565).
 #pragma once
 
 #include "kernels/random_words.h"
@@ -9,13 +9,13 @@
 namespace pt {
 
 inline constexpr std::uint32_t minstd_multiplier = 48271u;
-inline constexpr std::uint32_t minstd_modulus = 2147483647u;  // 2^31 - 1
+inline constexpr std::uint32_t minstd_modulus = 2147483647u;  // the prime 2^31 - 1
 
 PT_HD constexpr std::uint32_t minstd_product(std::uint32_t a, std::uint32_t b) {
     return static_cast<std::uint32_t>(static_cast<std::uint64_t>(a) * b % minstd_modulus);
 }
 
-// multiplier^n mod modulus.
+// The minstd multiplier to the power n, modulo the modulus.
 PT_HD constexpr std::uint32_t minstd_power(std::uint32_t n) {
     std::uint32_t power = 1;
     for (std::uint32_t square = minstd_multiplier; n != 0; n >>= 1) {
@@ -34,8 +34,8 @@ PT_HD constexpr std::uint32_t wang_hash(std::uint32_t a) {
     return (a ^ 0xb55a4f09u) ^ (a >> 16);
 }
 
-// Draws 4 block to 4 block + 3 of the engine, each as a 31-bit number moved up: never 1 as a part of the unit interval,
-// where Thrust's distribution rounds to it once in 3e7.
+// Draws 4 block to 4 block + 3 of the minstd generator, each a 31-bit number shifted up: never 1 in the unit interval,
+// to which Thrust's distribution rounds once in 3e7.
 PT_HD inline RandomWords minstd_words(const RandomWords& seed, const RandomKey& key) {
     const std::uint32_t hash = wang_hash((1u << 31) | (key.bounce << 22) | key.sample) ^ wang_hash(key.pixel) ^ seed.x;
     std::uint32_t state = hash % minstd_modulus;

@@ -1,15 +1,14 @@
-// What the textbook forms share that the robust ones of shapes and of dielectric.h are measured against (axis
-// `robustness`; a shape's own are in its header): a fixed epsilon instead of the surface that a ray departed from, the
-// school formula of the sphere, slabs without Ize's factor, points left where rounding put them, 1 - cos of a cone,
-// Fresnel from 1 - cos^2. They are what renderers of a first course have (Shirley, "Ray Tracing in One Weekend"; CIS
-// 565).
+// Textbook forms, against which the robust forms of shapes and of boundary.h are measured (axis `robustness`; a shape's
+// own are in its header): a fixed ray epsilon instead of the surface that a ray starts on, the school formula of the
+// sphere, slabs without Ize's factor, hit points left where rounding puts them, 1 - cos of a cone, Fresnel from 1 -
+// cos^2. Renderers of a first course have them (Shirley, "Ray Tracing in One Weekend"; CIS 565).
 #pragma once
 
 #include "kernels/box.h"
 
 namespace pt {
 
-// Names for the robust forms that the textbook functions of this namespace do not hide.
+// Names of the robust forms that functions of namespace pt::naive do not hide.
 template <class Shape, class Real>
 PT_HD inline Interval<Real> robust_interval(const Shape& shape, const Vec3<Real>& origin, const Vec3<Real>& direction) {
     return interval(shape, origin, direction);
@@ -45,7 +44,7 @@ PT_HD inline Real inverse_direction_pdf(const Shape& shape, const Vec3<Real>& ob
     return robust_inverse_pdf(shape, observer, direction, distance);
 }
 
-// The textbook's offset of a ray's start, in scene units whatever the scene's size.
+// Textbook ray epsilon: the offset of a ray origin, in scene units whatever the scene's size.
 template <class Real>
 inline constexpr Real epsilon = Real(1e-4);
 
@@ -69,7 +68,7 @@ PT_HD inline Interval<Real> slabs(const Vec3<Real>& low, const Vec3<Real>& high,
     return crossing;
 }
 
-// The outward normal of the face that a point of a box around 0 is nearest to.
+// Outward normal of the face that is nearest to a point of a box centred at the origin.
 template <class Real>
 PT_HD inline Vec3<Real> nearest_face(const Vec3<Real>& half, const Vec3<Real>& p) {
     const Real x = half.x - absolute(p.x);
@@ -82,8 +81,8 @@ PT_HD inline Vec3<Real> nearest_face(const Vec3<Real>& half, const Vec3<Real>& p
                   : Vec3<Real>{Real(0), Real(0), p.z < Real(0) ? Real(-1) : Real(1)};
 }
 
-// The reflectance from the cosines on both sides of the boundary, and these from 1 - cos^2. As fresnel() of
-// dielectric.h: q = n cos(theta_t), n = index ahead / index behind.
+// Textbook Fresnel reflectance, from the cosines on both sides of the boundary, and these from 1 - cos^2. As for
+// fresnel() of kernels/boundary.h, q = n cos(theta_t) with n = index ahead / index behind.
 template <class Real>
 struct Fresnel {
     Real reflectance, q;

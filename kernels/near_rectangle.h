@@ -1,7 +1,7 @@
-// Directions to a rectangle that may be as near as one likes, by weights that stay below 2 pi: across it by the angle
-// of the strip that would go on without end along its longer side, and along it, there, by solid angle. Ureña, Fajardo
-// and King, "An Area-Preserving Parametrization for Spherical Rectangles", EGSR 2013, draw the second so too, and the
-// first so that all weights are one; this takes one arc tangent, and none of its numbers is a difference of angles.
+// Directions to a rectangle at any distance, sampled with weights below 2 pi: the position across it by the angle of
+// the strip that extends it endlessly along its longer side, and the position along it by solid angle. Ureña, Fajardo
+// and King, "An Area-Preserving Parametrization for Spherical Rectangles", EGSR 2013, draw the second so too, the first
+// so that all weights are one; this takes one arc tangent, and none of its numbers is a difference of angles.
 #pragma once
 
 #include "kernels/in_range.h"
@@ -12,10 +12,10 @@ namespace pt {
 template <class Real>
 struct NearRectangle {
     Real x0, x1, y0, y1, height;
-    Real length;  // y1 - y0, which is known better than its ends
-    Real angle;   // that the strip fills, up to pi; 0: the rectangle is not to be seen
+    Real length;  // extent along y, known more precisely than y1 - y0
+    Real angle;   // angle that the strip subtends, up to pi; 0: the rectangle is not visible
 
-    // `at`: the observer's place over the rectangle, from its centre, and `half` its half sides.
+    // `at`: the observer's position over the rectangle, from its centre; `half`: the rectangle's half sides.
     PT_HD NearRectangle(Real half_x, Real half_y, Real at_x, Real at_y, Real z)
         : x0(-half_x - at_x),
           x1(half_x - at_x),
@@ -32,7 +32,7 @@ struct NearRectangle {
 
     struct Sample {
         Vec3<Real> point;
-        Real inverse_pdf;  // by solid angle
+        Real inverse_pdf;  // 1 / pdf by solid angle
     };
     PT_HD Sample sample(Real u, Real v) const {
         const Real x = x_at(u);
@@ -46,16 +46,16 @@ struct NearRectangle {
     }
 
 private:
-    // What squares of lengths count as at least, so that they have a reciprocal.
+    // Lower bound on squared lengths, so that they have a reciprocal.
     static constexpr Real least_square = Real(0x1p-100);
 
-    // The line across the rectangle at one x, as the sines of its ends' angles to the plane across it that the observer
-    // lies in.
+    // The rectangle's line at one x, by the sines of the angles from the plane y = 0, in which the observer lies, to
+    // the directions of the line's ends.
     struct Stretch {
-        Real square;  // of the distance to the endless line
+        Real square;  // squared distance to the line, extended endlessly
         Real low, high;
-        Real inverse_low, inverse_high;  // of the distances to the ends
-        bool on_one_side;                // are both ends of that plane
+        Real inverse_low, inverse_high;  // 1 / distances to the line's ends
+        bool on_one_side;                // both ends are on one side of the plane y = 0
 
         PT_HD Stretch(const NearRectangle& of, Real x) : square(x * x + of.height * of.height) {
             inverse_low = inverse_root(square + of.y0 * of.y0);
@@ -64,8 +64,8 @@ private:
             high = of.y1 * inverse_high;
             on_one_side = of.y0 * of.y1 > Real(0);
         }
-        // The y for which v of the line's share lies on the side of y0. On one side by what sines lack of 1, which may
-        // be less than 1 has digits for.
+        // The y at which a share v of the line's solid angle lies on the side of y0. If both ends are on one side, it
+        // is found from 1 - |sine|, which may be below the last digit of the sine.
         PT_HD Real y_at(const NearRectangle& of, Real v) const {
             Real sine = low + v * (high - low);
             Real rest = (Real(1) - sine) * (Real(1) + sine);
@@ -81,7 +81,7 @@ private:
                                of.y0, of.y1)
                        : end;
         }
-        // high - low, without the loss of its digits where both ends are on one side.
+        // high - low, without cancellation where both ends are on one side of the plane y = 0.
         PT_HD Real share(const NearRectangle& of) const {
             if (!on_one_side) {
                 return high - low;
@@ -97,8 +97,7 @@ private:
         }
     };
 
-    // The scale that brings the rectangle's distances near 1, so that no square of a length vanishes from which an
-    // angle is formed.
+    // Scale that brings the rectangle's distances near 1, so that no squared length in an angle underflows.
     PT_HD Real unit() const { return power_to_one(max(max(absolute(x0), absolute(x1)), height)); }
     // The x for which a share u of the strip's angle lies on the side of x0.
     PT_HD Real x_at(Real u) const {

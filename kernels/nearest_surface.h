@@ -1,11 +1,11 @@
-// Which way the surface of a body is nearest, from a point within: the outward normal there.
+// Outward normal at the point of a body's surface that is nearest to a point inside the body.
 #pragma once
 
 #include "kernels/shapes.h"
 
 namespace pt {
 
-// The outward normal that is known already, for a shape that cannot tell which point of its surface is nearest.
+// Shapes that cannot tell which point of their surface is nearest return the outward normal that is known already.
 template <class Shape, class Real>
 PT_HD inline Vec3<Real> outward_near(const Shape&, const Vec3<Real>&, const Vec3<Real>& known) {
     return known;
@@ -17,7 +17,7 @@ PT_HD inline Vec3<Real> outward_near(const Sphere<Real>& sphere, const Vec3<Real
     return dot(from_centre, from_centre) > Real(0x1p-40) ? normalize(from_centre) : known;
 }
 
-// The normal where the ray from the centre through the point leaves: next to the surface that is the nearest place.
+// Normal where a ray from an ellipsoid's centre through the point leaves: close to the surface, the nearest point.
 template <class Real>
 PT_HD inline Vec3<Real> outward_near(const Ellipsoid<Real>& ellipsoid, const Vec3<Real>& point,
                                      const Vec3<Real>& known) {

@@ -1,11 +1,11 @@
-// Next-event estimation: at every diffuse or rough vertex but the last one light is chosen, uniformly or as
-// kernels/light_selection.h has it, and a direction towards it drawn: by solid angle (kernels/solid_angle.h) or as
-// Feature::area_sampling and its like say. Light that the path then meets from such a vertex does not count again, or,
-// with multiple importance sampling, both count by their share of the densities (Veach 1997, ch. 9): with the ratio r =
-// density of the scattered direction / density of the light's, a connection weighs 1 / (1 + r^b) and an encounter r^b /
-// (1 + r^b); b = 1 is the balance heuristic, 2 the power heuristic. Of one sample (Veach 1997, sec. 9.2.4) either is
-// chosen with probability 1/2, and counts twice as much. An environment of one number is never connected to: rays that
-// leave the scene always count. One of Feature::environment_map is one more light.
+// Next-event estimation: every diffuse or rough vertex but the last is connected to one light, chosen uniformly or by
+// kernels/light_selection.h, in a direction drawn by solid angle (kernels/solid_angle.h) or as Feature::area_sampling
+// and its like say. Light that the path then hits from such a vertex does not count again, or, with multiple importance
+// sampling, both count by their share of the densities (Veach 1997, ch. 9): with the ratio r = pdf of the BSDF sample /
+// pdf of the light sample, a connection has the weight 1 / (1 + r^b) and a light that is hit r^b / (1 + r^b); b = 1 is
+// the balance heuristic, 2 the power heuristic. One-sample MIS (Veach 1997, sec. 9.2.4) chooses either with probability
+// 1/2, and counts it twice. A constant environment is never connected to: rays that leave the scene always count. With
+// Feature::environment_map it is one more light.
 #pragma once
 
 #include "kernels/absorption.h"
@@ -16,8 +16,8 @@
 
 namespace pt {
 
-// The share of light that a scattered direction met, and 1 less it: of `ratio` = r. Up to 2^60, whose square is finite
-// and whose share is 1: r may be infinite where a light is all but touched.
+// MIS weights of a BSDF sample and of a light sample by the ratio r of their pdfs. The former caps r, which may be
+// infinite close to a light, at 2^60, whose square is finite and whose weight is 1.
 template <class Real>
 PT_HD inline Real mis_weight_bsdf(Real ratio, std::uint32_t exponent) {
     const Real finite = min(Real(0x1p60), ratio);
@@ -29,8 +29,7 @@ PT_HD inline Real mis_weight_light(Real ratio, std::uint32_t exponent) {
     return nearly_divide(Real(1), Real(1) + (exponent == 2 ? ratio * ratio : ratio));
 }
 
-// Weight of the light that the path meets at `hit`, at the end of its ray. `traced`: the same scene as rays traverse
-// it.
+// MIS weight of a light that the path hits at `hit`. `traced`: the same scene as rays traverse it.
 template <class Config>
 PT_HD inline typename Config::Real encounter_weight(const SceneView<typename Config::Real>& scene,
                                                     const SceneView<typename Config::Real>& traced,
@@ -64,16 +63,16 @@ PT_HD inline typename Config::Real encounter_weight(const SceneView<typename Con
     return Real(0);
 }
 
-// Chooses the connection or light that is met, where the kernel takes one sample of the two, and leaves the sign of
-// path.bsdf_pdf to say so; returns whether the vertex is to be connected.
+// Chooses either the connection or the light that the path hits under one-sample MIS, and records that in the sign of
+// path.bsdf_pdf. Returns whether the vertex is to be connected.
 template <class Config>
 PT_HD inline bool is_to_be_connected(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
                                      const RandomWords& words) {
     using Real = typename Config::Real;
     if constexpr (has<Config>(Feature::one_sample)) {
         if (scene.one_sample != 0) {
-            // The hash of the light's random words differs from the one by which kernels/light_selection.h goes on, so
-            // that the two choices are independent.
+            // This choice hashes the light's random words in another order than kernels/light_selection.h does, so that
+            // the two choices are independent.
             const bool connects = (pcg4d({words.w, words.z, words.y, words.x}).x >> 31) != 0;
             path.bsdf_pdf = connects ? Real(-1) : Real(1);
             return connects;
@@ -82,8 +81,8 @@ PT_HD inline bool is_to_be_connected(const SceneView<typename Config::Real>& sce
     return true;
 }
 
-// The density of the scattered direction in the form that a path keeps after connect_next_event: negative where
-// one-sample MIS chose the connection.
+// Pdf of the BSDF sample in the form that a path stores after connect_next_event: negative where one-sample MIS chose
+// the connection.
 template <class Config>
 PT_HD inline typename Config::Real kept_pdf(const Path<typename Config::Real>& path, typename Config::Real pdf) {
     if constexpr (has<Config>(Feature::one_sample)) {
@@ -119,9 +118,9 @@ PT_HD inline void meet_environment(const SceneView<typename Config::Real>& scene
     path.radiance += path.throughput * place.radiance * weight;
 }
 
-// The ray's hit with a light that it was drawn to and sees; else nowhere. `distance`: to the point that was drawn, or
-// 0. By the closest hit where lights are drawn by solid angle: over a few objects that costs less than to meet the
-// light by itself.
+// Hit of a shadow ray on the light that it was drawn to, or nowhere if the light is occluded. `distance`: to the light
+// sample, or 0. Light samples by solid angle take the closest hit: over a few objects that costs less than to intersect
+// the light by itself.
 template <class Config>
 PT_HD inline Hit<typename Config::Real> hit_of_light(const SceneView<typename Config::Real>& scene,
                                                      std::uint32_t object, const Ray<typename Config::Real>& ray,
@@ -152,8 +151,8 @@ PT_HD inline Hit<typename Config::Real> hit_of_light(const SceneView<typename Co
     });
 }
 
-// Next-event estimation with the environment as the light: it is seen if the ray leaves the scene. Returns how many
-// rays were traced.
+// Next-event estimation with the environment as the light, which is visible if the ray leaves the scene. Returns how
+// many rays were traced.
 template <class Config, class Lobe>
 PT_HD inline std::uint32_t connect_environment(const SceneView<typename Config::Real>& scene,
                                                const SceneView<typename Config::Real>& traced,
@@ -223,17 +222,17 @@ PT_HD inline LightDraw<typename Config::Real> draw_light(const SceneView<typenam
             sample_direction_to<Config>(read, object, vertex.position, time, unit_interval<Real>(words.y),
                                         unit_interval<Real>(words.z), unit_interval<Real>(words.w));
         if constexpr (has<Config>(Feature::emission)) {
-            // On the body that the vertex lies on, closest_hit must tell which side the ray meets, so the distance
-            // counts as not known.
+            // If the light is the body that the vertex lies on, closest_hit must tell which side the ray hits, so the
+            // distance counts as unknown.
             sample.distance = vertex.object == object ? Real(0) : sample.distance;
         }
         return {pick, object, sample};
     });
 }
 
-// Adds to path.radiance the light of one direction towards one light, by a lobe of the vertex. Returns the number of
-// rays traced (0 or 1). `traced`: the same scene as rays traverse it. The light is seen if it is the nearest object
-// along the ray: a convex one shows each ray one point from outside, and none of its own.
+// Connects a lobe of the vertex to one light, and adds the light of one sample to path.radiance. Returns the number of
+// rays traced (0 or 1). `traced`: the same scene as rays traverse it. The light is visible if it is the closest hit: a
+// convex light shows each ray one point from outside, and none to rays that start on it.
 template <class Config, class Lobe>
 PT_HD inline std::uint32_t connect_next_event(const SceneView<typename Config::Real>& scene,
                                               const SceneView<typename Config::Real>& traced,

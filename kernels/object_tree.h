@@ -1,16 +1,16 @@
-// The top-level tree (TLAS) over the objects that show meshes: a binary tree whose leaves are objects with trees of
-// their own. Slabs err only towards yes, as in variants/bvh/box_ray.h (Ize, "Robust BVH Ray Traversal", JCGT 2
-// (2), 2013), but for what an object's own space adds to the rounding: that is in the boxes, and in `margin`.
+// The top-level tree (TLAS) over mesh instances: a binary tree whose leaves are instances with trees of their own. Slab
+// tests err only towards a hit, as in variants/bvh/box_ray.h (Ize, "Robust BVH Ray Traversal", JCGT 2 (2), 2013); the
+// rounding that an instance's own space adds is in the bounding boxes and in `margin`.
 #pragma once
 
 #include "kernels/math.h"
 
 namespace pt {
 
-// A node of the top-level tree over objects. It holds both children's boxes, so that one read decides on two.
+// A node of the top-level tree (TLAS). It holds both children's bounding boxes, so that one read decides on two.
 struct alignas(16) ObjectNode {
     float low_x[2], high_x[2], low_y[2], high_y[2], low_z[2], high_z[2];
-    std::uint32_t link[2];  // a node, or leaf_bit and the number of an object that shows a mesh
+    std::uint32_t link[2];  // child node, or leaf_bit and the index of a mesh instance
     std::uint32_t unused[2];
 
     static constexpr std::uint32_t leaf_bit = 0x80000000u;
@@ -19,18 +19,18 @@ struct alignas(16) ObjectNode {
 static_assert(sizeof(ObjectNode) == 64);
 
 struct ObjectTree {
-    const ObjectNode* nodes = nullptr;  // the root first
+    const ObjectNode* nodes = nullptr;  // nodes of the tree, root first
     std::uint32_t node_count = 0;
-    float margin = 0;  // by how much the boxes must grow, in multiples of the largest coordinate of a ray's origin
+    float margin = 0;  // growth of the boxes, in multiples of the ray origin's largest coordinate
 
-    // Each inner node on the way to the deepest leaf leaves one child on the stack.
+    // Size of the traversal stack: each inner node on the way to the deepest leaf leaves one child on it.
     static constexpr std::uint32_t most_levels = 64;
 };
 
 template <class Real>
 struct ObjectTreeRay {
-    Vec3<Real> near_origin, far_origin;  // one box further and one box nearer than the ray's origin
-    Vec3<Real> inverse;                  // of the direction; infinite along an axis that the ray does not move on
+    Vec3<Real> near_origin, far_origin;  // ray origin shifted by the margin, for entry and exit
+    Vec3<Real> inverse;                  // reciprocal direction; infinite along an axis that the ray does not move on
 
     PT_HD static ObjectTreeRay of(const Vec3<Real>& origin, const Vec3<Real>& direction, float margin) {
         const Real largest = max(absolute(origin.x), max(absolute(origin.y), absolute(origin.z)));
@@ -44,8 +44,8 @@ struct ObjectTreeRay {
         return ray;
     }
 
-    // The ray parameter, at least 0, at which the ray enters a child's box, or `no_entry` if it misses the box or
-    // enters it beyond best_t (not at best_t). The product 0 * infinity, on a side's plane, is NaN, and is passed over.
+    // Ray parameter, at least 0, at which the ray enters a child's bounding box, or `no_entry` if it misses the box or
+    // enters it beyond best_t (not at best_t). A NaN (0 * infinity, on a side's plane) is ignored.
     static constexpr Real no_entry = Real(-1);
     PT_HD Real entry(const ObjectNode& node, int child, const Real& best_t) const {
         Real nearest = Real(0), farthest = best_t;
@@ -59,14 +59,14 @@ struct ObjectTreeRay {
         cut(node.low_x[child], node.high_x[child], 0);
         cut(node.low_y[child], node.high_y[child], 1);
         cut(node.low_z[child], node.high_z[child], 2);
-        // The entry is brought forward by three roundings of each side, and by those of a triangle's t.
+        // The entry distance is lowered by the rounding errors of the slab test and of a triangle's t.
         nearest = nearest * (Real(1) - gamma<Real>(16));
         return nearest <= farthest ? nearest : no_entry;
     }
 };
 
-// Calls meet(object), the nearer child first, for all objects that the ray may meet no farther than best_t, which meet
-// may lower.
+// Traverses the top-level tree, nearer child first: calls meet(object) for all instances that the ray may hit no
+// farther than best_t, which `meet` may lower.
 template <class Real, class Meet>
 PT_HD inline void traverse(const ObjectTree& tree, const Vec3<Real>& origin, const Vec3<Real>& direction,
                            const Real& best_t, Meet&& meet) {

@@ -1,4 +1,4 @@
-// The state of one path between two stages, and what a ray meets.
+// The state of one path between two stages, and the hit of a ray.
 #pragma once
 
 #include "kernels/math.h"
@@ -23,7 +23,8 @@ struct SurfaceId {
     }
     PT_HD constexpr bool exists() const { return code != nowhere; }
     PT_HD constexpr std::uint32_t object() const { return (code >> 1) & (most_objects - 1); }
-    // Whether this surface's object has the lower number; both surfaces must exist and be of different objects.
+    // Whether this surface's object has a lower index than that of `other`; both surfaces must exist, on different
+    // objects.
     PT_HD constexpr bool precedes(const SurfaceId& other) const { return (code << 4) < (other.code << 4); }
     // Whether this is a surface of object `number`; false for nowhere.
     PT_HD constexpr bool is_of(std::uint32_t number) const { return exists() && object() == number; }
@@ -36,8 +37,8 @@ struct SurfaceId {
 template <class Real>
 struct Hit {
     Real t = Real(0);             // distance along the unit direction, scene units
-    SurfaceId side;               // nowhere: the ray left the scene
-    std::uint32_t primitive = 0;  // of the object: which of a mesh's triangles; 0 of other shapes
+    SurfaceId side;               // surface that was hit; nowhere: the ray left the scene
+    std::uint32_t primitive = 0;  // triangle of the mesh that was hit; 0 for other shapes
 };
 
 // A hit as it lies in memory between two stages. A mesh's primitive lies with the path (Path::primitive), so that
@@ -50,22 +51,22 @@ struct StoredHit {
 
 template <class Real>
 struct Path {
-    Vec3<Real> origin;      // scene units, relative to the camera's eye
-    Vec3<Real> direction;   // unit
-    Vec3<Real> throughput;  // product of BSDF * cosine / density so far
-    Vec3<Real> radiance;    // collected so far
-    Real time;              // seconds
-    std::uint32_t pixel;    // row-major index
+    Vec3<Real> origin;      // ray origin, scene units relative to the camera's eye
+    Vec3<Real> direction;   // unit direction of the ray
+    Vec3<Real> throughput;  // product of BSDF * cosine / pdf so far
+    Vec3<Real> radiance;    // light collected so far
+    Real time;              // ray time in seconds
+    std::uint32_t pixel;    // row-major pixel index
     std::uint32_t sample;
     std::uint32_t segment;     // ray segments traced so far (segments_of); `ended` once the path is over
     SurfaceId origin_surface;  // the surface that the ray starts on
     std::uint32_t medium;      // material whose absorption the ray runs through, or no_medium
-    // Density, by solid angle, with which the ray's direction was drawn where next-event estimation had its turn too;
-    // 0 where it had not: from the camera, a specular surface or a body. Lights met then count in full. Of one sample
-    // (SceneView::one_sample) negative where the connection was chosen: lights met then do not count.
+    // Pdf, by solid angle, of the ray's direction if its vertex was connected to a light too; 0 from the camera, a
+    // specular surface or a body: lights that the ray hits then count in full. With one-sample MIS
+    // (SceneView::one_sample) negative where the connection was chosen: lights that the ray hits then do not count.
     Real bsdf_pdf;
     // The triangle of origin_surface's mesh that the ray starts on. Between intersection and shading in a queue it is
-    // the triangle that the ray has met.
+    // the triangle that the ray has hit.
     std::uint32_t primitive;
 
     static constexpr std::uint32_t ended = 0xffffffffu;

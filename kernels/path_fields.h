@@ -8,12 +8,12 @@
 namespace pt {
 
 enum class FieldType {
-    vector,  // 3 x Real
+    vector,  // three numbers of type Real
     real,
     word  // 32 bits
 };
 
-enum class FieldChange { by_bounce, never };  // never: written when the path begins
+enum class FieldChange { by_bounce, never };  // never: the field is written when the path begins
 
 // The fields of struct Path in their order. ALWAYS(name, type, change): every path carries the field.
 // OPTIONAL(name, type, change, features, value): it is carried by kernels with one of these features; in others all
@@ -41,11 +41,11 @@ enum class PathField : std::size_t {
 };
 
 struct PathFieldInfo {
-    const char* name;  // as in struct Path
+    const char* name;  // name of the member of struct Path
     FieldType type;
     FieldChange change;
     bool is_optional;
-    FeatureSet features;  // of kernels that carry it, where it is optional
+    FeatureSet features;  // features: kernels with one of them carry an optional field
 
     PT_HD constexpr std::size_t bytes(std::size_t real_bytes) const {
         return type == FieldType::vector ? 3 * real_bytes

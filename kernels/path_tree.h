@@ -1,6 +1,6 @@
-// A path that splits: its branches are traced one after the other, and what they bring is the sample's. Branches that
-// have yet to begin wait on a small stack; where it is full, paths do not split. Every integrator takes the branches in
-// this one order, so a sample has the same bits in all of them.
+// Tree of a path that splits: the branches are traced one after the other, and their light adds up to the sample's.
+// Branches that have yet to begin wait on a small stack; when it is full, paths do not split. Every integrator takes
+// the branches in this one order, so a sample has the same bits in all of them.
 #pragma once
 
 #include "kernels/shade.h"
@@ -42,8 +42,8 @@ public:
         return true;
     }
 
-    // Once a branch has ended, makes `path` the next branch that waits, which goes on with the light that the tree has
-    // collected. False: none waits, and the path that was handed in has all light.
+    // Replaces `path`, a branch that has ended, by the next waiting branch, which takes over the radiance that the tree
+    // has collected. Returns false if none waits: `path` then has all the radiance.
     PT_HD bool take_next(Path<Real>& path) {
         const std::uint32_t segments = segments_of<Config>(path);
         rays_ += segments - first_segment_;
@@ -70,12 +70,12 @@ public:
     PT_HD std::uint32_t rays() const { return rays_; }
     PT_HD std::uint32_t longest() const { return longest_; }
 
-    // Prepares for another camera sample, once no branch is left.
+    // Resets the tree for another camera sample, once no branch is left.
     PT_HD void start_again() { rays_ = longest_ = first_segment_ = branch_ = promised_ = 0; }
 
 private:
     struct Waiting {
-        Path<Real> path;  // at the vertex, with a branch's throughput
+        Path<Real> path;  // path at the vertex where it split, with a branch's throughput
         Hit<Real> hit;
         std::uint32_t branches;
     };
@@ -84,8 +84,8 @@ private:
     Waiting waiting_[capacity];
     Hit<Real> hit_;
     std::uint32_t size_ = 0;
-    std::uint32_t branch_ = 0;    // the number of the last one that began
-    std::uint32_t promised_ = 0;  // how many have begun or wait, beside the first
+    std::uint32_t branch_ = 0;    // number of the last branch that began
+    std::uint32_t promised_ = 0;  // branches that have begun or wait, beside the first
     std::uint32_t first_segment_ = 0;
     std::uint32_t rays_ = 0, longest_ = 0;
     bool resumes_ = false;
@@ -107,7 +107,7 @@ struct BranchOfTree {
     }
 };
 
-// Shades a path that is a branch of a tree, and takes a subsurface walk that begins there to its end.
+// Shades a path that is a branch of a tree, and takes a subsurface walk that begins at the vertex to its end.
 template <class Config>
 PT_HD inline bool shade_in_tree(const SceneView<typename Config::Real>& scene,
                                 const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,

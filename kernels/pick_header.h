@@ -1,8 +1,8 @@
-// What includes the headers of a list, one for each of its lines: kernels/shapes.h, kernels/materials.h. An #include
+// Macros to include the headers of a list, one for each line of it: kernels/shapes.h, kernels/materials.h. An #include
 // takes a macro, but no loop, hence one line for each place of the list.
 #pragma once
 
-// PT_PICK_n is the n-th of the names that follow.
+// PT_PICK_n(...) is the n-th of its arguments, counted from 0.
 #define PT_PICK_0(a, ...) a
 #define PT_PICK_1(a, b, ...) b
 #define PT_PICK_2(a, b, c, ...) c
@@ -18,10 +18,10 @@
 #define PT_PICK_12(a, b, c, d, e, f, g, h, i, j, k, l, m, ...) m
 #define PT_PICK(n, ...) PT_PICK_##n(__VA_ARGS__)
 
-// For the places that a list leaves empty: kernels/FOLDER/none.h.
+// Fills the unused places of a list, for which kernels/FOLDER/none.h is included.
 #define PT_NO_MORE none, none, none, none, none, none, none, none, none, none, none, none, none, none
 
-// The header of the n-th name: kernels/FOLDER/NAME.h.
+// Path of the header for the n-th name of a list: kernels/FOLDER/NAME.h.
 #define PT_FILE_AT(n, folder, ...) PT_FILE_OF(folder, PT_PICK(n, __VA_ARGS__))
 #define PT_FILE_OF(folder, name) PT_FILE_NAMED(folder, name)
 #define PT_QUOTED(path) #path

@@ -1,7 +1,7 @@
 // Progressive multi-jittered (0, 2) samples: of every 2^k points one lies in each elementary rectangle of area 2^-k, at
 // random within it. Christensen, Kensler and Kilpatrick, "Progressive Multi-Jittered Sample Sequences", CGF 37(4),
-// 2018. They search for such points; the first two coordinates of Sobol' under Owen's scrambling are such a sequence
-// for every seed, without a table. Two pairs a block, shuffled apart; the first is that of
+// 2018, search for such points; the first two coordinates of Sobol' under Owen's scrambling are such a sequence for
+// every seed, without a table. A block is two such pairs, shuffled independently; the first pair is that of
 // kernels/sobol_owen.h.
 #pragma once
 

@@ -1,4 +1,4 @@
-// What every source of random numbers has in common: four words at a time, for a key.
+// Interface of all samplers: four random 32-bit words for a key.
 #pragma once
 
 #include "kernels/math.h"

@@ -13,11 +13,10 @@
 
 namespace pt {
 
-// Four whitening words derived from the user's seed, and where the numbers come from in a kernel that has several
-// sources.
+// Four whitening words derived from the user's seed, and the sampler of a kernel that has several.
 struct RandomSeed {
     RandomWords words{0, 0, 0, 0};
-    FeatureSet sampler = no_features;  // one of `samplers`, or none: pcg4d
+    FeatureSet sampler = no_features;  // sampler: one of `samplers`, or none for pcg4d
 
     PT_HD static RandomSeed from(std::uint64_t seed) {
         return {
@@ -26,9 +25,9 @@ struct RandomSeed {
     }
 };
 
-// The dimension map. A purpose owns its place whether or not the scene or the variant uses it, so a kernel that leaves
-// a feature out sees the same numbers as one that has it. Bounce 0 is the camera; bounce k the k-th surface hit.
-// A block is one hash: four numbers.
+// Dimension map of the random numbers. A purpose owns its place whether or not the scene or the variant uses it, so a
+// kernel that leaves a feature out sees the same numbers as one that has it. Bounce 0 is the camera; bounce k the k-th
+// surface hit. A block is one hash: four numbers.
 //   camera   block 0: pixel x, pixel y, lens u, lens v      block 1: time, -, -, -
 //   surface  block 0: lobe or Fresnel, direction u (a guided walk: its first step's densities), direction v, Russian
 //            roulette
@@ -75,7 +74,7 @@ PT_HD inline RandomWords random_words(const RandomSeed& seed, const RandomKey& k
     return pcg4d_words(seed.words, key);
 }
 
-// A number in [0, 1): never 1, whatever the rounding mode.
+// Uniform number in [0, 1) from 32 random bits: never 1, whatever the rounding mode.
 template <class Real>
 PT_HD constexpr Real unit_interval(std::uint32_t bits) {
     if constexpr (sizeof(Real) == 4) {
@@ -85,7 +84,7 @@ PT_HD constexpr Real unit_interval(std::uint32_t bits) {
     }
 }
 
-// A number in [-1, 1): exactly 2 unit_interval(bits) - 1, with one rounding less to compute.
+// Uniform number in [-1, 1) from 32 random bits: exactly 2 unit_interval(bits) - 1, with one rounding less.
 template <class Real>
 PT_HD constexpr Real symmetric_interval(std::uint32_t bits) {
     if constexpr (sizeof(Real) == 4) {
@@ -95,8 +94,8 @@ PT_HD constexpr Real symmetric_interval(std::uint32_t bits) {
     }
 }
 
-// A number in (0, 1] from all 32 bits, for -log(u): the longest free path is 22.9 mean free paths instead of the 16.6
-// that 24 bits would allow.
+// Uniform number in (0, 1] from all 32 random bits, for -log(u): the longest free path is 22.9 mean free paths instead
+// of the 16.6 that 24 bits would allow.
 template <class Real>
 PT_HD constexpr Real positive_unit_interval(std::uint32_t bits) {
     return (static_cast<Real>(bits) + Real(0.5)) * Real(0x1p-32);

@@ -12,10 +12,10 @@ PT_HD inline Vec2<Real> concentric_disc_of_square(Real x, Real y) {
     const bool x_is_radius = absolute(x) > absolute(y);
     const Real radius = x_is_radius ? x : y;
     const Real other = x_is_radius ? y : x;
-    // Quotient of two whole multiples of 2^-23 (in double 2^-31) that are at most 1.
+    // The quotient of two whole multiples of 2^-23 (in double 2^-31) that are at most 1 is in range.
     Real ratio;
     if constexpr (draws_approximately<Real>) {
-        ratio = keep_smaller(Real(1), nearly_divide(other, radius));  // 0 / 0 is passed over
+        ratio = keep_smaller(Real(1), nearly_divide(other, radius));  // a NaN from 0 / 0 is ignored
     } else {
         ratio = radius == Real(0) ? Real(0) : divide_in_range(other, radius);
     }
@@ -28,12 +28,12 @@ PT_HD inline Vec2<Real> concentric_disc(Real u, Real v) {
     return concentric_disc_of_square(Real(2) * u - Real(1), Real(2) * v - Real(1));
 }
 
-// Density cos(theta) / pi on the hemisphere around +z (Malley's method), from the square [-1, 1]^2.
+// Samples the hemisphere around +z with pdf cos(theta) / pi (Malley's method), by a point of the square [-1, 1]^2.
 template <class Real>
 PT_HD inline Vec3<Real> cosine_hemisphere_of_square(Real x, Real y) {
     const Vec2<Real> disc = concentric_disc_of_square(x, y);
     const Real rest = Real(1) - disc.x * disc.x - disc.y * disc.y;
-    // A difference of numbers up to 1: if it is not 0, it is no less than their last bit.
+    // `rest` is a difference of numbers up to 1: if it is not 0, it is no less than their last bit, and so in range.
     return {disc.x, disc.y, rest > Real(0) ? nearly_square_root_in_range(rest) : Real(0)};
 }
 
@@ -51,9 +51,9 @@ PT_HD inline Vec3<Real> uniform_sphere(Real u, Real v) {
     return {radius * azimuth.cosine, radius * azimuth.sine, z};
 }
 
-// Cosine between the old and the new direction of travel. Henyey and Greenstein 1941, inverted in closed form and freed
-// of the division by g: (1 + g^2 - s^2) / 2g cancels for small g, where in float it moved the mean cosine by a few per
-// cent. g in (-1, 1); g = 0 is exactly isotropic.
+// Samples the Henyey-Greenstein (1941) cosine between the old and the new direction of travel, inverted in closed form
+// and freed of the division by g: (1 + g^2 - s^2) / 2g cancels for small g, where in float it moved the mean cosine by
+// a few per cent. g in (-1, 1); g = 0 is exactly isotropic.
 template <class Real>
 PT_HD inline Real henyey_greenstein_cosine(Real g, Real u) {
     const Real isotropic = Real(1) - Real(2) * u;

@@ -1,5 +1,5 @@
-// What a material has at hand where a path meets it, and what materials share: connecting their lobes to lights, and
-// colours and roughnesses that may be images.
+// What a material's scatter() is given at a path vertex, and what materials share: connecting their lobes to lights,
+// and colours and roughnesses that may be textures.
 #pragma once
 
 #include "kernels/absorption.h"
@@ -8,7 +8,7 @@
 
 namespace pt {
 
-// The roughness to shade with at a vertex at the end of the path's ray: the material's, unless it is an image.
+// GGX roughness (alpha) at the vertex at the end of the path's ray: the material's, unless it is a texture.
 template <class Config>
 PT_HD inline typename Config::Real facet_width(const SceneView<typename Config::Real>& scene,
                                                const Path<typename Config::Real>& path, const VertexOf<Config>& vertex,
@@ -37,9 +37,9 @@ struct Scattering {
     const VertexOf<Config>& vertex;
     const Surface<Real>& surface;
     const RandomWords& words;
-    bool is_last;  // of a final-bounce path: the vertex is connected only, where its lobe is diffuse
+    bool is_last;  // last vertex of a final-bounce path: a diffuse lobe is connected only
     Counters& counters;
-    Walk& walk;  // through a body, where it begins here
+    Walk& walk;  // subsurface walk, if one begins at this vertex
 
     PT_HD Real random_lobe() const { return unit_interval<Real>(words.x); }
 
@@ -48,7 +48,7 @@ struct Scattering {
         counters.connections += connections;
     }
 
-    // Connects the vertex to a light where the variant asks for it and the lobe is wide enough; returns whether it is.
+    // Connects the vertex to a light if the variant asks for it and the lobe is wide enough; returns whether it did.
     template <class Lobe>
     PT_HD bool connect_if_wide(const Lobe& lobe) const {
         bool is_connected = false;
@@ -63,7 +63,7 @@ struct Scattering {
 
     PT_HD Real roughness(Real of_material) const { return facet_width<Config>(scene, path, vertex, of_material); }
 
-    // The colour to shade with: the surface's where it may show an image, else the material's.
+    // Colour to shade with: the surface's in kernels with textures, else the material's.
     PT_HD const Vec3<Real>& colour(const Vec3<Real>& of_material) const {
         if constexpr (has<Config>(Feature::textures)) {
             return surface.colour;
@@ -72,8 +72,8 @@ struct Scattering {
         }
     }
 
-    // Draws a sample of a lobe that may let light through, whose cosine is below 0 there, and sends the path by it.
-    // Returns whether the path goes on: it does not where a facet sends it to the wrong side of the surface.
+    // Samples a lobe that may transmit light (the cosine is then below 0), and sends the path by the sample. Returns
+    // whether the path goes on: it does not where a facet sends it to the wrong side of the surface.
     template <class Lobe>
     PT_HD bool leave_by(const Lobe& lobe, LobeSample<Real>& sample) const {
         sample = lobe.sample(random_lobe(), unit_interval<Real>(words.y), unit_interval<Real>(words.z));

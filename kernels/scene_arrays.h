@@ -1,5 +1,5 @@
-// The arrays of a scene, listed once: who sizes, copies, bakes or places them goes by this list, and where their order
-// matters, as in constant memory, by the list's.
+// The arrays of a scene, listed once: all code that sizes, copies, bakes or places them expands this list, in its order
+// where that matters, as in constant memory.
 #pragma once
 
 #include "kernels/scene_view.h"
@@ -7,17 +7,17 @@
 namespace pt {
 
 enum class ArrayKind : std::uint32_t {
-    objects,    // of one kind; every ray reads them
-    traced,     // by object number; every ray reads it
-    matrix,     // by object number; every ray of a kernel with Feature::matrix reads it, others have no use for it
-    shading,    // by object number; read where a ray has hit
-    shared,     // by numbers of its own; read where a ray has hit
-    selection,  // read where a light is drawn by a kernel with one of light_selections, others have no use for it
-    texture     // read where a ray has hit by a kernel with Feature::textures, others have no use for it
+    objects,    // objects of one kind of shape; every ray reads them
+    traced,     // array by object index that every ray reads
+    matrix,     // array by object index that every ray of a kernel with Feature::matrix reads; unused by others
+    shading,    // array by object index, read where a ray has hit
+    shared,     // array with indices of its own, read where a ray has hit
+    selection,  // array read where a light is chosen, by kernels with one of light_selections; unused by others
+    texture     // array read where a ray has hit, by kernels with Feature::textures; unused by others
 };
 
 struct SceneArray {
-    const char* name;  // as in SceneView
+    const char* name;  // name of the member of SceneView
     ArrayKind kind;
 
     PT_HD constexpr bool is_used(FeatureSet features) const {
@@ -30,8 +30,8 @@ struct SceneArray {
     PT_HD constexpr bool is_traced(FeatureSet features) const { return is_used(features) && kind < ArrayKind::shading; }
 };
 
-// ARRAY(name, kind, word): the list for who needs the names in program text, a macro a kind. The word is in the name of
-// the constant that tells a kernel how many there are: PT_SPHERES, baked::material_count.
+// ARRAY(name, kind, word): the list of arrays for code that needs their names, one macro per kind. The word is in the
+// name of the constant that tells a kernel the array's size: PT_SPHERES, baked::material_count.
 #define PT_OBJECT_ARRAYS(ARRAY) PT_SHAPES_WITH(PT_ARRAY_OF_SHAPE, ARRAY)
 #define PT_ARRAY_OF_SHAPE(name, array, Type, WORD, ARRAY) ARRAY(array, objects, WORD)
 #define PT_TRACED_ARRAYS(ARRAY) ARRAY(velocity, traced, OBJECTS)

@@ -15,12 +15,12 @@
 
 namespace pt {
 
-// Counters of one thread while it runs stages, which are summed by whoever runs it.
+// Counters of one thread that runs stages; whoever runs the thread sums them up.
 template <class Count>
 struct PathCountersOf {
     Count paths = 0;
-    Count rays = 0;              // queries: path segments (closest hit) and connections to lights
-    Count connections = 0;       // of the rays, those to lights
+    Count rays = 0;              // rays traced: path segments (closest hit) and connections to lights
+    Count connections = 0;       // rays that connect a vertex to a light
     Count unfinished_walks = 0;  // paths lost in a subsurface body: the walk met its cap, or began inside
 };
 using PathCounters = PathCountersOf<std::uint64_t>;
@@ -55,8 +55,8 @@ PT_HD inline void accumulate(const FilmView& film, const Path<Real>& path) {
     film.add(path.pixel, path.radiance);
 }
 
-// Has the vertex's material pick the next direction. Returns whether the path goes on. The list is expanded as
-// statements: other forms give kernels other registers.
+// Has the vertex's material pick the next direction. Returns whether the path goes on. The list of material types is
+// expanded as statements: other forms give kernels other registers.
 template <class Config, class At>
 PT_HD inline bool scatter(const At& at) {
     using Real = typename Config::Real;
@@ -81,7 +81,7 @@ PT_HD inline bool scatter(const At& at) {
     return false;
 }
 
-// Takes the path one step further on its subsurface walk. False: the path is lost.
+// Takes the path one step further on its subsurface walk. Returns false if the path is lost.
 template <class Config>
 PT_HD inline bool walk_on(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
                           WalkOf<Config>& walk, auto& counters) {
@@ -108,9 +108,9 @@ PT_HD inline void meet_light(const SceneView<typename Config::Real>& scene,
     }
 }
 
-// What happens where the segment ends. On return the path has its next ray, or is at the beginning of a walk that the
-// caller takes to its end by walk_on, or is over (returns false). `traced`: the same scene, as rays walk through it.
-// `branch`: what befalls the path at the vertex before it scatters; a branch that begins there has met the light there.
+// Shades the end of a path segment. On return the path has its next ray, or is at the beginning of a walk that the
+// caller takes to its end by walk_on, or is over (returns false). `traced`: the same scene as rays traverse it.
+// `branch`: roulette or splitting before the path scatters; a resuming branch has had the vertex's light already.
 template <class Config, class Branch = OneBranch>
 PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const SceneView<typename Config::Real>& traced,
                         Path<typename Config::Real>& path, const Hit<typename Config::Real>& hit, auto& counters,

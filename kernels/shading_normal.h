@@ -1,20 +1,20 @@
-// Normals that surfaces are shaded with in place of their own: those of a mesh's corners, blended over each triangle
-// (Phong, "Illumination for computer generated pictures", CACM 18(6), 1975), and on top of them, or of any surface that
-// has texture coordinates, those of an image (Cohen, Olano, Manocha, "Appearance-preserving simplification", SIGGRAPH
-// 1998) in the frame of the tangent dP/du, the bitangent on the side of dP/dv, and the normal.
+// Shading normals: those of a mesh's corners, interpolated over each triangle (Phong, "Illumination for computer
+// generated pictures", CACM 18(6), 1975), and on top of them, or of any surface that has texture coordinates, those of
+// a normal map (Cohen, Olano, Manocha, "Appearance-preserving simplification", SIGGRAPH 1998) in the frame of the
+// tangent dP/du, the bitangent on the side of dP/dv, and the normal.
 //
-// What is shaded is one surface through the point, across this normal; which side of it a direction is on, the
-// surface's own normal decides as well (Veach 1997, sec. 5.3). Directions that the two place on different sides carry
-// nothing: neither the viewer's, nor one that is drawn, nor one to a light. Light is only lost by that, and densities
-// stay what they are, so that connections and encounters keep one mean. Where a path goes on, its next ray starts on
-// the surface as ever.
+// Shading takes place on a plane through the point, across the shading normal; on which side of it a direction is, the
+// geometric normal decides as well (Veach 1997, sec. 5.3). Directions that the two normals put on different sides carry
+// nothing: neither the viewer's, nor a BSDF sample's, nor one to a light. Light is only lost by that, and pdfs stay
+// what they are, so that connections and lights that are hit keep one mean. The next ray starts on the geometric
+// surface.
 #pragma once
 
 #include "kernels/texture.h"
 
 namespace pt {
 
-// The shading normal of a mesh's triangle, blended from its corners' normals, outward; `own` where these have none.
+// Shading normal of a mesh's triangle, interpolated from its corners' normals, outward; `own` where these have none.
 template <class Config, class Scene>
 PT_HD inline Vec3<typename Config::Real> normal_of_corners(const Scene& scene,
                                                            const ObjectNormals<typename Config::Real>& normals,
@@ -34,8 +34,8 @@ PT_HD inline Vec3<typename Config::Real> normal_of_corners(const Scene& scene,
     return square > Real(0) ? placed * (Real(1) / square_root(square)) : own;
 }
 
-// The directions on a surface in which an image's u and v grow, of any length; both 0: there are none. In double:
-// squares of a small triangle's would leave the range of float.
+// Directions on a surface in which a texture's u and v grow, of any length; both 0: there are none. In double, since
+// the squares for a small triangle would leave the range of float.
 struct Tangents {
     Vec3<double> along_u, along_v;
 };
@@ -58,7 +58,7 @@ PT_HD inline Tangents tangents_of(const MeshInstance<Real>& mesh, std::uint32_t 
     return {placed(u), placed(v)};
 }
 
-// The tangents on the face of the unit box whose normal is `axis` or, with sign -1, its opposite; u and v are those of
+// Tangents on the face of the unit box whose normal is `axis` or, with sign -1, its opposite; u and v are those of
 // face_coordinates.
 template <class Real>
 PT_HD inline Tangents tangents_of_face(const Transform<Real>& box, std::uint32_t axis, double sign) {
@@ -98,8 +98,8 @@ PT_HD inline Tangents tangents_at(const Scene& scene, const ObjectTexture<typena
     return tangents_of_face(texture.place, axis, component_of(p, axis) < Real(0) ? -1.0 : 1.0);
 }
 
-// `normal` turned as an image has it in the frame of the tangents, which is made orthogonal from the normal on; where
-// there is no frame, and where the image's texels are (0, 0, 1), the very normal.
+// Normal turned by a normal map's texel in the frame of the tangents, which is made orthogonal from the normal on;
+// where there is no frame, and where the texel is (0, 0, 1), the very normal.
 template <class Real>
 PT_HD inline Vec3<Real> turned_by_map(const Vec3<Real>& normal, const Tangents& tangents, const Vec3<Real>& texel) {
     const Vec3<double> n(normal);
@@ -114,8 +114,8 @@ PT_HD inline Vec3<Real> turned_by_map(const Vec3<Real>& normal, const Tangents& 
     return Vec3<Real>(normalize(tangent * double(texel.x) + bitangent * double(texel.y) + n * double(texel.z)));
 }
 
-// The outward normal that the surface is shaded with where the ray has met it; `own`: its own, outward. The very `own`
-// where nothing says otherwise.
+// Outward shading normal at a hit; `own`: the outward geometric normal, which is returned bit for bit where there is no
+// other.
 template <class Config, class Scene>
 PT_HD inline Vec3<typename Config::Real> shading_normal_at(const Scene& scene, const Ray<typename Config::Real>& ray,
                                                            const Hit<typename Config::Real>& hit,
@@ -145,7 +145,7 @@ PT_HD inline Vec3<typename Config::Real> shading_normal_at(const Scene& scene, c
     return normal;
 }
 
-// Gives the vertex the normal that it is shaded with. False: the ray comes from behind that one, and is lost.
+// Gives the vertex its shading normal. Returns false if the ray comes from behind this normal, and is lost.
 template <class Config>
 PT_HD inline bool bend_normal(VertexOf<Config>& vertex, const SceneView<typename Config::Real>& scene,
                               const Ray<typename Config::Real>& ray, const Hit<typename Config::Real>& hit) {

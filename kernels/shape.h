@@ -1,15 +1,15 @@
-// What a shape is asked for, and what it need not say. Its header defines a class template on the number type with
+// Interface of a shape. A shape's header defines a class template on the number type with
 //   static constexpr const char* file_name     what scene files call it; several kinds may share a name
 //   static constexpr bool is_flat              a surface without an inside, met on both sides; has a unit `normal` then
-//   static constexpr UnitShape unit_shape      what a matrix kernel meets in its place; none: it is met as ever
+//   static constexpr UnitShape unit_shape      unit shape that a matrix kernel uses in its place, or none
 //   static bool is_kind_of(placement)          of the kinds of one name, the first that says yes is the object's
 //   static Shape placed(placement)             from what a scene's file says
 //   static bool contains(point)                of the shape of scale 1 about 0: whether the point lies inside
 // and these functions, found by the type of their first argument:
-//   interval(shape, origin, direction)         where a line enters and leaves it; flat: both where it is met
+//   interval(shape, origin, direction)         where a line enters and leaves it; flat: both are the hit
 //   surface_point(shape, origin, direction, t, inside)
 //   sample_point(shape, u, v, w)               a point on it, by area
-//   size_of(shape), bounds_of(shape)           the largest of its half extents; a box round it
+//   size_of(shape), bounds_of(shape)           the largest half extent; the bounding box
 //   widened(shape of float)                    the same in double
 //   naive::normal_at(shape, point)             for a point near its surface
 // Sampling by solid angle (kernels/solid_angle.h) asks for area_of(shape) where sample_point is uniform, or is written
@@ -47,16 +47,16 @@ struct LightSample {
     Vec3<Real> position;
     Vec3<Real> normal;            // outward unit normal
     Real inverse_density;         // 1 / density by area, square scene units
-    std::uint32_t primitive = 0;  // that the point lies on
+    std::uint32_t primitive = 0;  // primitive that the point lies on
 };
 
 // A direction towards a light. `inverse_pdf` is 1 / density by solid angle; 0: there is nothing to sample.
 template <class Real>
 struct DirectionSample {
-    Vec3<Real> direction;  // unit
+    Vec3<Real> direction;  // unit direction towards the light
     Real inverse_pdf;
-    std::uint32_t primitive = 0;  // that the direction was drawn to
-    Real distance = Real(0);      // to the point that was drawn; 0: it is not known
+    std::uint32_t primitive = 0;  // primitive that the direction was drawn to
+    Real distance = Real(0);      // distance to the sampled point; 0: not known
 };
 
 template <class Real>
@@ -64,15 +64,15 @@ struct Bounds {
     Vec3<Real> low, high;
 };
 
-// [-1/2, 1/2]^3, the sphere of diameter 1, or the square of side 1 in the plane y = 0 (kernels/transform.h).
+// Unit shapes: box [-1/2, 1/2]^3, sphere of diameter 1, square of side 1 in the plane y = 0 (kernels/transform.h).
 enum class UnitShape : std::uint32_t { box, sphere, quad, none };
 
 // An object as its scene's file places it: the shape of scale 1 about 0, scaled, rotated, and moved.
 struct Placement {
-    Vec3<double> centre;     // relative to the camera's eye
-    Vec3<double> column[3];  // of the rotation; a flat shape faces +y before it
+    Vec3<double> centre;     // position relative to the camera's eye
+    Vec3<double> column[3];  // columns of the rotation; a flat shape faces +y before it
     Vec3<double> scale;
-    bool is_quarter_turned;  // by multiples of 90 degrees only
+    bool is_quarter_turned;  // rotated by multiples of 90 degrees only
 };
 
 template <class Real>

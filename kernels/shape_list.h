@@ -1,12 +1,12 @@
-// The shapes, listed once: everybody who does something for each of them goes by this list. A shape is a header in
-// kernels/shapes/ and a line here (docs/add_a_shape.md); objects are numbered by kind, in the order of the lines.
+// The shapes, listed once: all code that does something for each of them expands this list. A shape is a header in
+// kernels/shapes/ and a line in this list (docs/add_a_shape.md); objects are numbered by kind, in line order.
 #pragma once
 
 #include <cstdint>
 
-// SHAPE(name, array, Type, WORD, more): the name of its header and of its Feature, the array of SceneView that holds
-// the objects of the kind, the class, and the word in PT_WORD, by which a kernel knows how many there are. `more` is
-// for whoever hands something on to SHAPE.
+// SHAPE(name, array, Type, WORD, more): name of the shape's header and of its Feature, array of SceneView that holds
+// its objects, class, and the word in PT_WORD, the constant that tells a kernel how many objects there are. `more` is
+// for macros that hand something on to SHAPE.
 #define PT_SHAPES_WITH(SHAPE, more)                                        \
     SHAPE(sphere, spheres, Sphere, SPHERES, more)                          \
     SHAPE(ellipsoid, ellipsoids, Ellipsoid, ELLIPSOIDS, more)              \

@@ -1,4 +1,4 @@
-// Every shape of the list (kernels/shape_list.h), whole: a shape's header has the name of its line.
+// Includes all shapes of the list (kernels/shape_list.h); a shape's header has the name of its line.
 #pragma once
 
 #include "kernels/pick_header.h"
@@ -27,7 +27,7 @@ namespace pt {
 
 static_assert(shape_count <= 13, "kernels/shapes.h includes, and kernels/config.h has bits for, 13 shapes");
 
-// The class of a kind of shape.
+// ShapeOf<kind, Real> is the class of a kind of shape.
 template <ShapeKind kind, class Real>
 struct ShapeOfKind;
 #define PT_SHAPE_OF(name, array, Type)          \
@@ -40,7 +40,7 @@ PT_SHAPES(PT_SHAPE_OF)
 template <ShapeKind kind, class Real>
 using ShapeOf = typename ShapeOfKind<kind, Real>::Shape;
 
-// The kinds of shapes that are no image of a unit shape, and that a matrix kernel meets as any kernel does.
+// Features of shapes that are no image of a unit shape: a matrix kernel intersects them as any kernel does.
 #define PT_UNLESS_UNIT(name, array, Type) \
     | (Type<float>::unit_shape == UnitShape::none ? static_cast<FeatureSet>(Feature::name) : no_features)
 inline constexpr FeatureSet shapes_without_matrix = no_features PT_SHAPES(PT_UNLESS_UNIT);

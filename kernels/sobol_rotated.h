@@ -1,6 +1,6 @@
-// Sobol' points that a pixel shifts, each coordinate by an offset of its own, modulo 1: Cranley and Patterson,
+// Sobol' points that each pixel shifts, each coordinate by an offset of its own, modulo 1: Cranley and Patterson,
 // "Randomization of Number Theoretic Methods for Multiple Integration", SIAM J. Numer. Anal. 13(6), 1976.
-// What scrambles the points apart, this is kernels/sobol_owen.h: blocks of four dimensions, in shuffled orders.
+// Except for the scrambling this is kernels/sobol_owen.h: blocks of four dimensions, in shuffled orders.
 #pragma once
 
 #include "kernels/sobol_owen.h"

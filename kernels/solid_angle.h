@@ -13,13 +13,12 @@
 
 namespace pt {
 
-// What a unit sphere fills of the sky of a point at a distance: 2 pi (1 - cos) of a cone, everything from inside.
+// The cone of directions in which an observer sees a sphere: solid angle 2 pi (1 - cos); all directions from inside.
 template <class Real>
 struct Cone {
-    Real one_minus_cosine;  // 2: the whole sphere of directions
+    Real one_minus_cosine;  // 1 - cos of the half angle; 2: the whole sphere of directions
 
-    // The cone of directions in which a sphere is seen. A `radius_over_distance` above 1 means that the point is
-    // inside, from where the sphere fills all directions.
+    // A `radius_over_distance` above 1 means that the observer is inside the sphere, which then fills all directions.
     PT_HD explicit Cone(Real radius_over_distance) : one_minus_cosine(Real(2)) {
         if (radius_over_distance < Real(1)) {
             const Real cosine = square_root((Real(1) - radius_over_distance) * (Real(1) + radius_over_distance));
@@ -39,7 +38,7 @@ struct Cone {
 template <class Real>
 PT_HD inline Vec3<Real> along(const Vec3<Real>& axis, const Vec3<Real>& local) {
     const Real square = dot(axis, axis);
-    // The direction from the centre is undefined at the very centre, where every axis will do.
+    // An observer at a sphere's very centre has no direction to it, and any axis of the cone will do.
     return square > Real(0) ? Frame<Real>(axis * (Real(1) / square_root(square))).to_world(local) : local;
 }
 
@@ -47,15 +46,15 @@ PT_HD inline Vec3<Real> along(const Vec3<Real>& axis, const Vec3<Real>& local) {
 template <class Real>
 struct SphericalRectangle {
     Real x0, x1, y0, y1, height;
-    Real skew;         // what a share of the solid angle is counted from
-    Real solid_angle;  // not above 0, or NaN: not to be seen
+    Real skew;         // angle from which shares of the solid angle are counted
+    Real solid_angle;  // solid angle of the rectangle; not above 0, or NaN: not visible
 
     PT_HD SphericalRectangle(Real low_x, Real high_x, Real low_y, Real high_y, Real z)
         : x0(low_x), x1(high_x), y0(low_y), y1(high_y), height(z) {
         skew = corner(x0, y0) - corner(x0, y1);
         solid_angle = corner(x1, y1) - corner(x1, y0) + skew;
     }
-    // The point for which u of the solid angle lies on the side of x0, and v of the rest on that of y0.
+    // Point of the rectangle for which u of the solid angle lies on the side of x0, and v of the rest on that of y0.
     PT_HD Vec3<Real> point(Real u, Real v) const {
         const SinCos<Real> angle = sin_cos(u * solid_angle - skew);
         const Real b0 = -y0 / square_root(y0 * y0 + height * height);
@@ -83,21 +82,21 @@ private:
     }
 };
 
-// The far form's 1 / density in the direction of a point: `total` over the cube of its distance in diagonals.
+// 1 / pdf of a light sample on a far box: `total` over the cube of the distance in diagonals of the box.
 template <class Real>
 PT_HD inline Real far_inverse_pdf(Real total, Real distance, Real diagonal) {
     const Real t = distance / diagonal;
     return total / (t * t * t);
 }
 
-// A box as a point in its own frame sees it, in units of its diagonal. A quad is a box without height.
+// A box light in its own frame as an observer sees it, in units of its diagonal. A quad is a box without height.
 template <class Real>
 struct SeenBox {
-    Vec3<Real> observer;  // from the box's centre
+    Vec3<Real> observer;  // observer's position relative to the box's centre
     Vec3<Real> half;
-    Real diagonal;  // scene units; half of it from the centre to a corner is 1/2
+    Real diagonal;  // length of the box's diagonal, scene units
     bool near;
-    Real share[3];  // of the seen face across each axis: solid angle (near) or projected area times distance (far)
+    Real share[3];  // share of each axis's seen face: solid angle (near) or projected area times distance (far)
     Real total;
     bool inside;
 
@@ -123,7 +122,7 @@ struct SeenBox {
         }
     }
 
-    // 1 / density in the direction of a ray that meets the box after `distance` scene units.
+    // 1 / pdf of the direction of a ray that hits the box after `distance` scene units.
     PT_HD Real inverse_pdf(Real distance) const {
         if (inside) {
             return Real(4) * pi<Real>;
@@ -131,13 +130,13 @@ struct SeenBox {
         return near ? total : far_inverse_pdf(total, distance, diagonal);
     }
 
-    // Draws a direction towards the box, which is not yet unit; its `inverse_pdf` is set.
+    // Samples a unit direction towards the box light by solid angle (near) or projected area (far).
     PT_HD DirectionSample<Real> sample(Real u, Real v, Real w) const {
         if (inside) {
             return {uniform_sphere(u, v), inverse_pdf(Real(1))};
         }
         const Real pick = w * total;
-        // Rounding may take the pick to the very end: never a face that is not seen.
+        // Rounding may take the pick to the very end of the shares, which must not choose a face that is not seen.
         const int last = share[2] > Real(0) ? 2 : share[1] > Real(0) ? 1 : 0;
         const int axis = pick < share[0] ? 0 : min(pick < share[0] + share[1] ? 1 : 2, last);
         const int b = after(axis);
@@ -175,8 +174,8 @@ private:
     }
 };
 
-// A shape that has nothing better is sampled by area, uniformly: each point in which a ray meets it adds its density,
-// distance^2 / (cosine * area). Of a convex body these are up to two. Right from everywhere, but the weights of samples
+// Default sampling of a shape that emits: uniformly by area. Each point in which a ray hits the shape, up to two of a
+// convex body, adds its pdf, distance^2 / (cosine * area). This is right from everywhere, but the weights of samples
 // are not bounded where the observer is near.
 template <class Shape, class Real>
 PT_HD inline Real area_density(const Shape& shape, const Vec3<Real>& observer, const Vec3<Real>& direction, Real t,

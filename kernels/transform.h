@@ -1,6 +1,6 @@
-// An object the general way, as cis565 does it: a unit box, unit sphere or unit quad under a 4x4 matrix. A ray is
-// taken into the object's frame by the inverse matrix, met there, and the point taken back; normals go by the inverse
-// transpose. Every object costs the same, whatever its shape could save.
+// Objects in the general form of CIS 565 path tracers: a unit box, unit sphere or unit quad under a 4x4 matrix. A ray
+// is taken into the object's frame by the inverse matrix, intersected there, and the point taken back; normals go by
+// the inverse transpose. Every object costs the same, whatever its shape could save.
 #pragma once
 
 #include "kernels/box.h"
@@ -10,10 +10,10 @@ namespace pt {
 
 template <class Real>
 struct Transform {
-    Vec3<Real> row[3];     // of the inverse's 3x3 part
-    Vec3<Real> offset;     // the inverse's last column
-    Vec3<Real> column[3];  // of the matrix's 3x3 part
-    Vec3<Real> centre;     // the matrix's last column, relative to the camera's eye
+    Vec3<Real> row[3];     // rows of the inverse matrix's 3x3 part
+    Vec3<Real> offset;     // last column of the inverse matrix
+    Vec3<Real> column[3];  // columns of the matrix's 3x3 part
+    Vec3<Real> centre;     // last column of the matrix, relative to the camera's eye
     UnitShape shape;
 
     PT_HD Vec3<Real> direction_to_local(const Vec3<Real>& v) const {

@@ -1,8 +1,8 @@
-// One triangle along a ray, without gaps: two triangles that share an edge, vertex for vertex, let no ray through
-// between them, and no epsilon is in it. Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2 (1), 2013.
-// Every accelerator calls this test and no other, and its operations are IEEE ones in a fixed order, none of them fused
-// with another in any arithmetic: equal bits. (Where denormals are flushed to zero, in arithmetic=fast, nothing of this
-// is promised.)
+// Watertight ray/triangle intersection: two triangles that share an edge, vertex for vertex, let no ray through between
+// them, and there is no epsilon. Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2 (1), 2013. Every
+// accelerator calls this test and no other, and its operations are IEEE ones in a fixed order, none of them fused with
+// another in any arithmetic: equal bits. (Where denormals are flushed to zero, in arithmetic=fast, nothing of this is
+// promised.)
 #pragma once
 
 #include "kernels/math.h"
@@ -19,7 +19,7 @@ struct Triangle {
 template <class Real>
 struct ShearedDirection {
     std::uint32_t kx, ky, kz;  // kz: the axis of the direction's largest component
-    Vec3<Real> shear;          // x, y: by how much of z they shift; z: 1 / that component
+    Vec3<Real> shear;          // x, y: shift per unit of z; z: 1 / the largest component
 
     PT_HD static ShearedDirection of(const Vec3<Real>& direction) {
         const Vec3<Real> size{absolute(direction.x), absolute(direction.y), absolute(direction.z)};
@@ -35,14 +35,14 @@ struct ShearedDirection {
 
 template <class Real>
 struct TriangleHit {
-    Real t;        // along the direction, in its multiples
-    Real det;      // u + v + w
-    Real u, v, w;  // barycentric weights of a, b, c times det
+    Real t;        // distance in multiples of the direction
+    Real det;      // determinant u + v + w
+    Real u, v, w;  // barycentric weights of the corners a, b, c, times det
     bool hits;
-    bool from_behind;  // on the side where a, b, c go round clockwise
+    bool from_behind;  // hit on the side where a, b, c go round clockwise
 };
 
-// ax by - ay bx: of two triangles that share the edge from a to b one has the other's negative, exactly.
+// Edge function ax by - ay bx: two triangles that share the edge from a to b get exact negatives of each other.
 template <class Real>
 PT_HD inline Real edge_function(Real ax, Real ay, Real bx, Real by) {
     return rounded_product(ax, by) - rounded_product(ay, bx);
@@ -55,9 +55,9 @@ PT_HD inline double edge_function_in_double(Real ax, Real ay, Real bx, Real by) 
                          static_cast<double>(by));
 }
 
-// Hits where t > 0 and, on an edge, both triangles that share it: a closed mesh has no gap, and of equal distances the
-// least primitive wins. A triangle seen edge-on (det = 0) is not hit. x, y, z: the corners relative to the ray's
-// origin, a, b and c along the axes kx, ky and kz.
+// Intersects a triangle where t > 0. On an edge both triangles that share it are hit: a closed mesh has no gap, and of
+// equal distances the lowest primitive wins. A triangle seen edge-on (det = 0) is not hit. x, y, z: coordinates of the
+// corners a, b and c along the axes kx, ky and kz, relative to the ray origin.
 template <class Real>
 PT_HD inline TriangleHit<Real> intersect_along(const Vec3<Real>& x, const Vec3<Real>& y, const Vec3<Real>& z,
                                                const Vec3<Real>& shear) {
@@ -68,14 +68,13 @@ PT_HD inline TriangleHit<Real> intersect_along(const Vec3<Real>& x, const Vec3<R
     TriangleHit<Real> hit{
         Real(0), Real(0), edge_function(cx, cy, bx, by), edge_function(ax, ay, cx, cy), edge_function(bx, by, ax, ay),
         false,   false};
-    // A rounded zero says neither side; the exact sign does. In double there is nothing wider to ask, and zero is in.
+    // An edge function rounded to 0 tells no side; its exact sign does. In double nothing is wider, and 0 is inside.
     if (hit.u != Real(0) && hit.v != Real(0) && hit.w != Real(0) &&
         ((hit.u < Real(0)) != (hit.v < Real(0)) || (hit.u < Real(0)) != (hit.w < Real(0)))) {
         return hit;
     }
-    // The weights are formed in twice the precision also where the triangle is hit: a needle's are differences of
-    // products that are almost equal, and boxes can only be trusted to be entered by t where t is that of a point of
-    // the triangle.
+    // The weights are formed in twice the precision for hits too: those of a needle triangle are differences of almost
+    // equal products, and bounding boxes may only be culled by t if t is that of a point of the triangle.
     const double u = edge_function_in_double(cx, cy, bx, by), v = edge_function_in_double(ax, ay, cx, cy),
                  w = edge_function_in_double(bx, by, ax, ay), det = u + v + w;
     hit.u = static_cast<Real>(u);
@@ -94,7 +93,7 @@ PT_HD inline TriangleHit<Real> intersect_along(const Vec3<Real>& x, const Vec3<R
     return hit;
 }
 
-// Along an axis: what `origin` has there taken from each corner.
+// Coordinates of a triangle's corners along one axis, relative to the ray origin.
 template <class Real>
 PT_HD inline Vec3<Real> corners_along(const Triangle<Real>& triangle, const Vec3<Real>& origin, std::uint32_t axis) {
     return {component_of(triangle.a - origin, axis), component_of(triangle.b - origin, axis),

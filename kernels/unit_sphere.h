@@ -1,6 +1,6 @@
 // The unit sphere, for a ray f + t g; g of any length. Discriminant and roots as in Haines, Günther and Akenine-Möller,
 // "Precision Improvements for Ray/Sphere Intersection", Ray Tracing Gems ch. 7, 2019. Spheres and ellipsoids are solved
-// as it in the object's own frame, so the arithmetic does not see the scene's scale.
+// in this way in the object's own frame, so the arithmetic does not see the scene's scale.
 // A ray that starts on the surface never uses an epsilon: it knows which root it starts from and takes the other one
 // (docs/numerics.md S15: no self-hit and chords to 3e-7 for radii 1e-6 to 1e6).
 #pragma once

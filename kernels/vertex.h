@@ -9,13 +9,13 @@ namespace pt {
 template <class Real>
 struct Vertex {
     Vec3<Real> position;
-    Vec3<Real> surface_normal;  // unit, on the incoming ray's side; not set where the hit has a face
+    Vec3<Real> surface_normal;  // unit normal on the incoming ray's side; not set for hits with a box face
     std::uint32_t object;
     bool inside;  // the incoming ray ran inside the object
     std::uint32_t material;
-    SurfaceId hit;  // with the face, where it is known
+    SurfaceId hit;  // surface of the hit, with its box face where that is known
     std::uint32_t primitive = 0;
-    // Unit, on the incoming ray's side: a face is met from outside. What the vertex is shaded with.
+    // Unit normal that the vertex is shaded with, on the incoming ray's side: a box face is hit from outside.
     PT_HD Vec3<Real> normal() const { return hit.has_face() ? face_normal<Real>(hit) : surface_normal; }
     // The dot product of a finite vector with the normal. A face's normal has one entry that is not 0, so it is one
     // entry of the vector.
@@ -58,8 +58,8 @@ PT_HD inline Vec3<typename Config::Real> geometric_normal(const VertexOf<Config>
     }
 }
 
-// Whether a direction away from the vertex is for the surface what it is for the normal that the vertex is shaded with:
-// on the side that the path comes from or, where it `passes`, on the other one.
+// Whether a direction away from the vertex is on the same side for the geometric normal as for the shading normal: on
+// the side that the path comes from or, where it `passes`, on the other one.
 template <class Config>
 PT_HD inline bool is_on_one_side(const VertexOf<Config>& vertex, const Vec3<typename Config::Real>& direction,
                                  bool passes) {
@@ -81,7 +81,7 @@ PT_HD inline void leave_on_same_side(Path<Real>& path, const Vertex<Real>& verte
     path.primitive = vertex.primitive;
 }
 
-// Sends the path through the surface.
+// Sends the path away from the vertex through the surface.
 template <class Real>
 PT_HD inline void leave_on_other_side(Path<Real>& path, const Vertex<Real>& vertex, const Vec3<Real>& direction) {
     path.origin = vertex.position;

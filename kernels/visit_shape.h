@@ -1,5 +1,5 @@
-// Finds an object's shape by its number: the one place that knows in which order the kinds of shapes are numbered. Who
-// wants to do something with an object's shape hands a generic function over.
+// Finds an object's shape by its number: the one place that knows in which order the kinds of shapes are numbered. Code
+// that needs an object's shape passes a generic function.
 #pragma once
 
 #include "kernels/scene_view.h"
@@ -9,16 +9,16 @@ namespace pt {
 
 PT_HD constexpr bool is_last(ShapeKind kind) { return static_cast<std::uint32_t>(kind) + 1 == shape_count; }
 
-// Whether a kernel has no kind after this one. Where meshes are the last kind, kernels without them end with the one
-// before.
+// Whether a kernel has no kind of shape after this one. Where meshes are the last kind, kernels without them end with
+// the kind before.
 PT_HD constexpr bool is_last(ShapeKind kind, FeatureSet features) {
     constexpr bool ends_with_meshes = is_last(ShapeKind::mesh);
     return is_last(kind) || (ends_with_meshes && static_cast<std::uint32_t>(kind) + 2 == shape_count &&
                              !contains(features, Feature::mesh));
 }
 
-// Shape i of an array. A kernel that is compiled for a scene's numbers of objects need not ask which one it is if there
-// is one alone.
+// Shape i of an array. A kernel that is compiled for a scene's numbers of objects ignores the index if there is only
+// one shape of the kind.
 template <class Config, class Shapes>
 PT_HD inline decltype(auto) shape_in(const Shapes& shapes, std::uint32_t i) {
 #if defined(__CUDA_ARCH__)
@@ -29,8 +29,8 @@ PT_HD inline decltype(auto) shape_in(const Shapes& shapes, std::uint32_t i) {
     return shapes[i];
 }
 
-// Calls visit(shape) with the object's shape: a Sphere, Ellipsoid, and so on. Kinds that the kernel has not leave
-// nothing behind; an object of such a kind is not visited. The last kind takes what is left, with no comparison.
+// Calls visit(shape) with the object's shape: a Sphere, Ellipsoid, and so on. Kinds of shapes that the kernel lacks
+// cost nothing, and their objects are not visited. The last kind takes all objects that are left, without a comparison.
 template <class Config, class Scene, class Visitor>
 PT_HD inline void visit_shape(const Scene& scene, std::uint32_t object, Visitor&& visit) {
 #define PT_VISIT(name, array, Type)                                                                \
@@ -42,7 +42,7 @@ PT_HD inline void visit_shape(const Scene& scene, std::uint32_t object, Visitor&
 #undef PT_VISIT
 }
 
-// Whether the object is a surface without an inside.
+// Whether an object is flat: a surface without an inside.
 template <class Scene>
 PT_HD inline bool is_flat(const Scene& scene, std::uint32_t object) {
     bool flat = false;

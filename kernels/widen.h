@@ -1,6 +1,6 @@
-// Intersection in double precision within kernels that are in single precision otherwise: every object, the ray and
-// the hit are widened, met by the same functions, and rounded again. The scene's numbers stay the single ones that it
-// was loaded with, so what this mends is the rounding of the intersection itself (docs/numerics.md S13, S14).
+// Intersection in double precision within kernels that are in single precision otherwise: every object, the ray and the
+// hit are widened, intersected by the same functions, and rounded again. The scene keeps the single precision numbers
+// that it was loaded with, so this mends the rounding of the intersection alone (docs/numerics.md S13, S14).
 #pragma once
 
 #include "kernels/scene_view.h"

@@ -17,9 +17,9 @@ struct DiffuseLobe {
     }
 };
 
-// Frame::to_world for a normal along an axis: the frame's entries are 0, 1 and -1, so coordinates only change places
-// and signs. Where one is 0, the frame's sums decide about the sign of a zero: then only the frame has its bits, if
-// anybody wants them.
+// Frame::to_world for a normal along a coordinate axis: the frame's entries are 0, 1 and -1, so coordinates are only
+// permuted and negated. Returns false where a coordinate is 0, whose sign only the frame's sums can give, unless the
+// kernel's samples are approximate anyway.
 template <class Real>
 PT_HD inline bool axis_to_world(const SurfaceId& face, const Vec3<Real>& local, Vec3<Real>& world) {
     const Real sign = face.face_looks_up() ? Real(1) : Real(-1);
@@ -48,7 +48,7 @@ PT_HD inline void scatter_diffuse(Path<typename Config::Real>& path, const Verte
     leave_on_same_side(path, vertex, direction);
 }
 
-// Shades the diffuse lobe of the vertex: connected to a light where the variant asks for it, and then sampled. The last
+// Shades a vertex's diffuse lobe: connects it to a light where the variant asks for it, and then samples it. The last
 // vertex of a final-bounce path is connected only. Returns whether the path goes on.
 template <class At>
 PT_HD inline bool shade_diffuse(const At& at, const Vec3<typename At::Real>& albedo) {
@@ -76,7 +76,7 @@ PT_HD inline bool shade_diffuse(const At& at, const Vec3<typename At::Real>& alb
             path.bsdf_pdf =
                 kept_pdf<Config>(path, max(at.vertex.dot_normal(path.direction), least) * (Real(1) / pi<Real>));
         } else {
-            // Any number but 0, which says that there was no connection, will do unless light that is met is weighed.
+            // Where lights that are hit are not weighted, any pdf will do but 0, which stands for no connection.
             path.bsdf_pdf = Real(1);
         }
     }

@@ -1,4 +1,4 @@
-// Perfect specular reflection.
+// Perfect specular reflection (material type mirror).
 #pragma once
 
 #include "kernels/boundary.h"

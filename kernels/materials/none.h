@@ -1,2 +1,2 @@
-// What kernels/materials.h includes for the places that its list leaves empty.
+// Empty header that kernels/materials.h includes for the unused places of the material list.
 #pragma once

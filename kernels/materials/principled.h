@@ -1,6 +1,6 @@
 // Metal, plastic and glass in one: the base colour, metallic, roughness and transmission of glTF 2.0 (appendix B of its
 // specification, KHR_materials_transmission and _ior), over the facets of the other rough materials (kernels/ggx.h,
-// alpha = roughness^2). With c the base colour, m metallic, t transmission, h the facet between both directions,
+// alpha = roughness^2). With c the base colour, m metallic, t transmission, h the half vector,
 //   m      a metal: facets that reflect c + (1 - c) (1 - v.h)^5 (Schlick 1994), as kernels/materials/rough_conductor.h,
 //   1 - m  a dielectric: facets that reflect F(v.h), and beneath them
 //            t      glass, tinted by c, as kernels/materials/rough_dielectric.h,
@@ -18,7 +18,7 @@ namespace pt {
 
 template <class Real>
 struct PrincipledMaterial {
-    DielectricMaterial<Real> glass;  // its tint is the base colour
+    DielectricMaterial<Real> glass;  // dielectric part, whose tint is the base colour
     Real metallic;
     Real transmission;
     Real alpha;  // width of the GGX distribution, roughness^2
@@ -34,12 +34,12 @@ struct Principled {
     using Real = typename Config::Real;
     static constexpr bool transmits = true, may_be_opaque = true;
 
-    RoughDielectric<Config> glass;  // its facets are the metal's too
+    RoughDielectric<Config> glass;  // glass lobe, whose facets are the metal's too
     Vec3<Real> colour;
-    Real metal_share, diffuse_share, glass_share;  // their sum is 1
-    Real layer_reflectance;                        // of a smooth boundary, F(n.v)
+    Real metal_share, diffuse_share, glass_share;  // shares of the three lobes, which sum to 1
+    Real layer_reflectance;                        // reflectance of a smooth boundary, F(n.v)
     Real diffuse_probability;
-    Vec3<Real> diffuse_colour;  // times its share over its probability
+    Vec3<Real> diffuse_colour;  // colour * diffuse_share / diffuse_probability
     bool are_facets_wide;
     std::uint32_t medium_beyond;
 
@@ -53,30 +53,29 @@ struct Principled {
           medium_beyond(beyond) {
         glass.tint = colour;
         if (!(glass_share > Real(0))) {
-            // No light comes from within: both sides are the outside.
+            // No light comes out of an opaque body: the boundary is always the one from outside.
             glass.boundary = material.glass.entering;
         }
         are_facets_wide = glass_share > Real(0) ? glass.is_connectable() : glass.facets.are_wide();
         layer_reflectance = reflectance_of(glass.facets.cosine);
-        // The diffuse lobe and the mirroring layer are drawn in proportion to what a smooth surface would send by each.
+        // The diffuse lobe and the reflecting layer are drawn in proportion to what a smooth surface sends by each.
         const Real beneath = (Real(1) - layer_reflectance) * max(colour.x, max(colour.y, colour.z));
         const Real both = layer_reflectance + beneath;
         diffuse_probability = diffuse_share * (both > Real(0) ? beneath / both : Real(1));
         const Vec3<Real> shown = colour * diffuse_share;
-        // Divided last: the share over a probability of a colour near the least number would overflow.
+        // The division comes last: share over probability would overflow for a colour near the least number.
         diffuse_colour = diffuse_probability > Real(0)
                              ? Vec3<Real>(shown.x / diffuse_probability, shown.y / diffuse_probability,
                                           shown.z / diffuse_probability)
                              : Vec3<Real>(Real(0));
     }
 
-    // Facets that are narrow are not connected to lights, as mirrors and smooth glass are not; the diffuse surface
-    // beneath them is.
+    // Narrow facets are not connected to lights, as mirrors and smooth glass are not; the diffuse surface beneath is.
     PT_HD bool is_connectable() const { return are_facets_wide || diffuse_share > Real(0); }
     PT_HD bool lets_through() const { return glass_share > Real(0) && are_facets_wide; }
 
-    // BSDF times cosine over density, and density, of a direction that this connectable lobe sends light in; `cosine`
-    // of the direction to the normal, not 0.
+    // BSDF * cosine / pdf, and pdf, of the principled lobe in the direction `incoming`, if the lobe is connectable;
+    // `cosine`: of the direction to the normal, not 0.
     PT_HD LobeValue<Real> towards(const Vec3<Real>& incoming, Real cosine) const {
         if (!(cosine > Real(0))) {
             return lets_through() ? through(glass.towards(incoming, cosine))
@@ -95,8 +94,8 @@ struct Principled {
                      facets.mirrored_pdf(along, across_squared, square));
     }
 
-    // `lobe` picks what the light meets. The cosine of the direction is below 0 where it is refracted; the density is
-    // 0 of narrow facets, and never 0 otherwise.
+    // Samples the principled lobe; `lobe` in [0, 1) picks its part. The sample's cosine is below 0 where it is
+    // refracted; its pdf is 0 for narrow facets, and never 0 otherwise.
     PT_HD LobeSample<Real> sample(Real lobe, Real u, Real v) const {
         const bool meets_metal = lobe < metal_share;
         const Real rest = lobe - metal_share;
@@ -161,8 +160,8 @@ private:
     }
     PT_HD Real diffuse_pdf(Real cosine) const { return diffuse_probability * (cosine * (Real(1) / pi<Real>)); }
 
-    // The value of all lobes together for a direction above the surface; `mirrored`: the density with which a facet
-    // mirrors light there.
+    // Value of all parts of the principled lobe together for a direction above the surface; `mirrored`: the pdf with
+    // which a facet mirrors light in that direction.
     PT_HD LobeValue<Real> above(Real cosine, const Mirror& mirror, Real mirrored) const {
         const Real facets_pdf = mirrored * mirror.probability;
         if (!(facets_pdf > Real(0))) {
@@ -180,7 +179,7 @@ private:
     PT_HD LobeValue<Real> through(const LobeValue<Real>& of_glass) const {
         return {of_glass.weight, of_glass.pdf * glass_share};
     }
-    // Keeps the density above 0, which in a path means that no light was connected.
+    // Keeps a lobe's pdf above 0: in a path a pdf of 0 means that no light was connected.
     PT_HD static LobeValue<Real> kept(const LobeValue<Real>& value) {
         return {value.weight, max(value.pdf, Real(0x1p-60))};
     }
@@ -205,7 +204,7 @@ private:
     }
 };
 
-// What narrow facets send on meets lights as from a mirror, though the diffuse surface beneath them was connected.
+// After narrow facets lights that the path hits count in full, though the diffuse lobe was connected to a light.
 template <class Real>
 template <class At>
 PT_HD inline bool PrincipledMaterial<Real>::scatter(const At& at, const Material<Real>& material) const {

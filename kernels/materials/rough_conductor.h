@@ -1,5 +1,5 @@
-// A rough metal: mirrors of one kind under the GGX distribution of normals (kernels/ggx.h), and Schlick's reflectance,
-// which takes the colour at normal incidence.
+// Rough conductor: mirror microfacets under the GGX distribution of normals (kernels/ggx.h), with Schlick's reflectance
+// from the colour at normal incidence.
 // Single scattering: what one facet sends into another is lost, so a rough white metal is darker than white; or, where
 // the material asks for it, given back by scaling the lobe (kernels/ggx_gain.h).
 #pragma once
@@ -24,13 +24,13 @@ struct RoughConductor {
     static constexpr bool transmits = false, may_be_opaque = false;
     GgxFacets<Real> facets;
     Vec3<Real> reflectance;
-    Vec3<Real> gain{Real(1)};  // of the weight
+    Vec3<Real> gain{Real(1)};  // factor on the lobe's weight
 
     PT_HD RoughConductor(const Vec3<Real>& reflectance_of, Real alpha, const Vec3<Real>& outgoing,
                          const Vec3<Real>& normal)
         : facets(alpha, outgoing, normal), reflectance(reflectance_of) {}
 
-    // A narrower lobe is not connected to lights, as a mirror is not: next to no connection would bring light. It
+    // Narrow lobes are not connected to lights, as mirrors are not: next to no connection would bring light. This
     // depends on the surface alone, so either way the expectation is the same.
     PT_HD bool is_connectable() const { return facets.are_wide(); }
 
@@ -48,7 +48,7 @@ struct RoughConductor {
         }
     }
 
-    // The value of this connectable lobe for a direction above the surface.
+    // Value of a rough conductor's lobe for a direction above the surface; the lobe must be connectable.
     PT_HD LobeValue<Real> towards(const Vec3<Real>& incoming, Real incoming_cosine) const {
         const Real along = facets.cosine + incoming_cosine;
         const Vec3<Real> across = facets.outgoing + incoming - facets.normal * along;
@@ -76,12 +76,12 @@ struct RoughConductor {
 
 template <class Real>
 struct RoughConductorMaterial {
-    Vec3<Real> reflectance;           // at normal incidence
+    Vec3<Real> reflectance;           // reflectance at normal incidence
     Real alpha;                       // width of the GGX distribution, roughness^2
-    std::uint32_t scatters_multiply;  // 1 if what facets send into others is not lost
+    std::uint32_t scatters_multiply;  // 1: energy lost between facets is given back
 
-    // The last vertex of a final-bounce path goes on, as a mirror's does. A path ends where the facet sends it into the
-    // surface.
+    // Scatters the path by a rough conductor. The last vertex of a final-bounce path goes on, as a mirror's does. A
+    // path ends where the facet sends it into the surface.
     template <class At>
     PT_HD bool scatter(const At& at, const Material<Real>&) const {
         using Config = typename At::Config;

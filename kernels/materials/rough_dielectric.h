@@ -1,10 +1,9 @@
-// Rough glass: boundaries of one kind under the GGX distribution of normals (kernels/ggx.h; Walter et al. 2007), each
-// reflecting and refracting as a smooth one does (kernels/boundary.h). Radiance is not scaled by n^2 either.
-// With n = index ahead / index behind, c the cosine of incidence on the facet and q = n cos(theta_t), the facet is
-// along
-// +-(outgoing + n incoming), and a refracted direction is as dense as the facet's mirrored one times
+// Rough dielectric: smooth microfacets under the GGX distribution of normals (kernels/ggx.h; Walter et al. 2007), each
+// of which reflects and refracts as in kernels/boundary.h. Radiance is not scaled by n^2 either.
+// With n = index ahead / index behind, c the cosine of incidence on the facet and q = n cos(theta_t), the facet normal
+// is along +-(outgoing + n incoming), and the pdf of a refracted direction is the facet's mirrored pdf times
 //   4 c n^2 cos(theta_t) / (q - c)^2 = 4 c n q (q + c)^2 / k^2.
-// Single scattering, and Smith's masking of both sides on their own where light is refracted (Walter et al., eq. 23).
+// Single scattering; refracted light is masked on each side independently (Smith; Walter et al., eq. 23).
 #pragma once
 
 #include "kernels/ggx.h"
@@ -24,7 +23,7 @@ struct RoughDielectric {
     Vec3<Real> tint;
     std::uint32_t medium_beyond;
 
-    // `beyond`: the medium that the path runs in once it has crossed the surface.
+    // `beyond`: the absorbing medium of a path that has crossed the surface.
     PT_HD RoughDielectric(const DielectricMaterial<Real>& glass, std::uint32_t beyond, Real alpha,
                           const Vec3<Real>& outgoing, const Vertex<Real>& vertex)
         : facets(alpha, outgoing, vertex.normal()),
@@ -32,14 +31,14 @@ struct RoughDielectric {
           tint(glass.tint),
           medium_beyond(beyond) {}
 
-    // A narrower lobe is not connected to lights, as smooth glass is not. Indices that are nearly equal bend light less
-    // than facets are turned.
+    // Narrow lobes are not connected to lights, as smooth glass is not. Nearly equal indices bend light less than
+    // facets are turned, which narrows the lobe.
     PT_HD bool is_connectable() const {
         return facets.are_wide() && facets.alpha * absolute(boundary.k) >= Real(0x1p-7);
     }
 
-    // The value of this connectable lobe for a direction on either side; `cosine` of the direction to the normal, not
-    // 0.
+    // Value of a rough dielectric's lobe for a direction on either side; the lobe must be connectable. `cosine`: of the
+    // direction to the normal, not 0.
     PT_HD LobeValue<Real> towards(const Vec3<Real>& incoming, Real cosine) const {
         const bool passes = !(cosine > Real(0));
         const Real index = passes ? boundary.relative_ior : Real(1);
@@ -48,7 +47,7 @@ struct RoughDielectric {
         const Real across_squared = dot(across, across);
         const Real square = along * along + across_squared;
         const Real length = (along < Real(0) ? Real(-1) : Real(1)) * square_root(square);
-        // These are the cosines to the facet's normal, turned to the side of the surface's normal.
+        // Cosines of both directions to the facet normal, which is turned to the surface normal's side.
         const Real between = dot(facets.outgoing, incoming);
         const Real facet_cosine = passes ? (Real(1) + index * between) / length : Real(0.5) * length;
         const Real beyond = (between + index) / length;
@@ -60,7 +59,7 @@ struct RoughDielectric {
                      facets.mirrored_pdf(along, across_squared, square));
     }
 
-    // Draws a facet and reflects or refracts by it, as `lobe` in [0, 1) picks in proportion to their energy. The
+    // Samples a facet and reflects or refracts by it, as `lobe` in [0, 1) picks in proportion to their energy. The
     // sample's cosine is below 0 where it is refracted.
     PT_HD LobeSample<Real> sample(Real lobe, Real u, Real v) const {
         const GgxFacet<Real> facet = facets.sample(u, v);
@@ -82,7 +81,7 @@ struct RoughDielectric {
         return sample;
     }
 
-    // The sample refracted by a facet that sample() has drawn.
+    // Sample of a rough dielectric's lobe that is refracted by a facet which sample() has drawn.
     PT_HD LobeSample<Real> refracted(const GgxFacet<Real>& facet, Real facet_cosine,
                                      const Refraction<Real>& refraction) const {
         LobeSample<Real> sample{refract(boundary, -facets.outgoing, facet.normal, facet_cosine, refraction.q),
@@ -98,7 +97,7 @@ struct RoughDielectric {
     }
 
 private:
-    // The lobe's value for a direction by a facet; `mirrored`: the density of the direction that this facet mirrors.
+    // Value of a rough dielectric's lobe for a direction by a facet; `mirrored`: pdf of the facet's mirrored direction.
     PT_HD LobeValue<Real> value(bool passes, Real cosine, Real facet_cosine, const Refraction<Real>& refraction,
                                 Real mirrored) const {
         if (!passes) {
@@ -130,7 +129,7 @@ struct RoughDielectricMaterial {
             return false;
         }
         if (is_connected) {
-            // The density kept is never 0, which says that there was no connection.
+            // The stored pdf is never 0, which would say that there was no connection.
             constexpr Real least = Real(0x1p-60);
             at.path.bsdf_pdf = kept_pdf<Config>(at.path, max(sample.value.pdf, least));
         }

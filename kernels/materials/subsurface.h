@@ -4,7 +4,7 @@
 // coefficients bring no bias, and the sum of the three throughputs never grows; under a uniform choice their variance
 // grows with every step. A grey medium has the weight sigma_s / sigma_t exactly. Phase function: Henyey and Greenstein
 // 1941. Boundary: index-matched, or Fresnel with internal reflection. The walk sees its own body only: objects inside
-// the body are not met. Where the variant asks for it, walks are guided to the surface (kernels/guided_walk.h).
+// the body are not hit. Where the variant asks for it, walks are guided to the surface (kernels/guided_walk.h).
 #pragma once
 
 #include "kernels/boundary.h"
@@ -23,7 +23,7 @@ PT_HD inline Real naive_distance_to_exit(const Scene& scene, std::uint32_t objec
     return distance;
 }
 
-// Way to the surface from a point inside the body or, if `on_surface`, from its surface inwards.
+// Distance along a ray to a body's surface, from a point inside or, if `on_surface`, from the surface inwards.
 template <class Config, class Scene>
 PT_HD inline typename Config::Real distance_to_exit(const Scene& scene, std::uint32_t object,
                                                     const Vec3<typename Config::Real>& origin,
@@ -47,32 +47,32 @@ PT_HD inline Real channel(const Vec3<Real>& v, std::uint32_t i) {
     return i == 0 ? v.x : i == 1 ? v.y : v.z;
 }
 
-// Weight of a flight of length t: transmittance over the mean density. `scattered`: the flight ended in a collision
-// (density sigma_t e^-sigma_t t), else it reached the surface (probability e^-sigma_t t).
+// Weight of a subsurface flight of length t: transmittance over the mean density. `scattered`: the flight ended in a
+// collision (density sigma_t e^-sigma_t t), else it reached the surface (probability e^-sigma_t t).
 template <class Real>
 PT_HD inline Vec3<Real> flight_weight(const ScatteringMedium<Real>& medium, const Vec3<Real>& throughput, Real t,
                                       bool scattered) {
     if (medium.grey != 0) {
         return scattered ? medium.scattering_albedo : Vec3<Real>{Real(1), Real(1), Real(1)};
     }
-    // Relative to the most transparent channel, so that no transmittance underflows in all three at once.
+    // Transmittances are relative to the most transparent channel, so that they do not all underflow at once.
     const Real least = min(medium.sigma_t.x, min(medium.sigma_t.y, medium.sigma_t.z));
     const Vec3<Real> transmittance{exponential((least - medium.sigma_t.x) * t),
                                    exponential((least - medium.sigma_t.y) * t),
                                    exponential((least - medium.sigma_t.z) * t)};
     const Real carried = dot(throughput, scattered ? transmittance * medium.sigma_t : transmittance);
-    // Finite where hardly anything is carried: a channel that lets nothing through must not become 0 * infinity.
+    // The weight stays finite where hardly anything is carried: an opaque channel must not become 0 * infinity.
     const Real inverse_mean = carried > Real(0) ? min(std::numeric_limits<Real>::max(),
                                                       (throughput.x + throughput.y + throughput.z) / carried)
                                                 : Real(0);
     return (scattered ? transmittance * medium.sigma_s : transmittance) * inverse_mean;
 }
 
-// A walk in progress. Meanwhile path.origin and path.direction are the walk's, as the body at rest sees them.
+// A subsurface random walk; path.origin and path.direction are the walk's, in the frame of the body at rest.
 struct Walk {
     static constexpr std::uint32_t none = 0xffffffffu;
-    std::uint32_t step = none;  // steps taken; none: the path is on no walk
-    std::uint32_t object = 0;   // the body
+    std::uint32_t step = none;  // steps taken by the walk; none: the path is on no walk
+    std::uint32_t object = 0;   // object that the walk is inside of
     bool on_surface = true;
 
     PT_HD bool is_on() const { return step != none; }
@@ -81,9 +81,9 @@ struct Walk {
 // A subsurface walk in progress in kernels that guide walks by Dwivedi sampling (kernels/guided_walk.h).
 template <class Real>
 struct GuidedWalk : Walk {
-    Vec3<Real> normal;            // outward, of the surface that is nearest as far as is known
-    StepChoice choice;            // of the next step
-    bool drew_direction = false;  // together with the choice
+    Vec3<Real> normal;            // outward normal of the surface that is nearest as far as is known
+    StepChoice choice;            // density by which the next step is drawn
+    bool drew_direction = false;  // the direction was drawn together with `choice`
 
     PT_HD void meet_surface(const Vec3<Real>& outward, const StepChoice& next) {
         normal = outward;
@@ -92,11 +92,11 @@ struct GuidedWalk : Walk {
     }
 };
 
-// The walk that a kernel keeps: one that guides no walks keeps nothing for it.
+// State of a walk in a kernel: kernels without guided walks keep nothing for the guide.
 template <class Config>
 using WalkOf = std::conditional_t<has<Config>(Feature::guided_walk), GuidedWalk<typename Config::Real>, Walk>;
 
-// Whether walks in this medium are guided; no walk is where a kernel could guide them and the variant asks for none.
+// Whether random walks in this medium are guided: never if the variant asks for none, though a kernel could guide them.
 template <class Real>
 PT_HD inline bool is_guided(const ScatteringMedium<Real>& medium) {
     return medium.guided_share > Real(0);
@@ -118,7 +118,7 @@ PT_HD inline typename Config::Real sigma_of_flight(const Path<typename Config::R
     return channel(medium.sigma_t, choose_channel(path.throughput, unit_interval<Real>(words.y)));
 }
 
-// Weight of a step of a walk: of the flight and, in a guided walk, of its direction too.
+// Weight of a step of a subsurface walk: of its flight and, in a guided walk, of its direction too.
 template <class Config>
 PT_HD inline Vec3<typename Config::Real> step_weight(const Path<typename Config::Real>& path,
                                                      const WalkOf<Config>& walk,
@@ -134,7 +134,7 @@ PT_HD inline Vec3<typename Config::Real> step_weight(const Path<typename Config:
     return flight_weight(medium, path.throughput, t, scattered);
 }
 
-// The direction at a cosine to an axis, turned about it by a random number.
+// Unit direction at a cosine to an axis, with a random azimuth about the axis.
 template <class Real>
 PT_HD inline Vec3<Real> turn_about(const Vec3<Real>& axis, Real cosine, std::uint32_t random) {
     const Real sine = square_root(max(Real(0), (Real(1) - cosine) * (Real(1) + cosine)));
@@ -142,7 +142,7 @@ PT_HD inline Vec3<Real> turn_about(const Vec3<Real>& axis, Real cosine, std::uin
     return renormalize(Frame<Real>(axis).to_world({sine * azimuth.cosine, sine * azimuth.sine, cosine}));
 }
 
-// The direction after a collision. A guided walk chooses here by what it goes on.
+// Scatters a subsurface walk at a collision. A guided walk also chooses the density of its next step.
 template <class Config>
 PT_HD inline void scatter_in_medium(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
                                     WalkOf<Config>& walk, const ScatteringMedium<typename Config::Real>& medium,
@@ -171,12 +171,12 @@ PT_HD inline void scatter_in_medium(const SceneView<typename Config::Real>& scen
 template <class Real>
 struct SubsurfaceMaterial {
     Boundary<Real> entering, leaving;
-    std::uint32_t has_boundary;     // 1 if ior != 1
-    std::uint32_t max_scatterings;  // cap of one walk
+    std::uint32_t has_boundary;     // 1 if the index of refraction is not 1
+    std::uint32_t max_scatterings;  // cap on the scatterings of one walk
     ScatteringMedium<Real> medium;
 
-    // Reflects the path at the boundary, or lets it in, to begin a walk. A walk that cannot begin is a lost path, and
-    // counted.
+    // Reflects the path at the boundary of a subsurface body, or lets it in to begin a walk. A path whose walk cannot
+    // begin is lost, and counted.
     template <class At>
     PT_HD bool scatter(const At& at, const Material<Real>&) const {
         const bool has_begun = begin_walk(at);
@@ -190,8 +190,8 @@ private:
         using Config = typename At::Config;
         Path<Real>& path = at.path;
         const VertexOf<Config>& vertex = at.vertex;
-        // Walks start at surfaces. A path that meets one from within came there through another body that reaches in:
-        // what it missed is not known, so it is lost and counted (the loader refuses an eye inside a body).
+        // Walks start at the surface, from outside. A path that hits it from inside came through another body that
+        // reaches in: what it missed is not known, so it is lost and counted (the loader refuses an eye inside a body).
         if (vertex.inside) {
             return false;
         }
@@ -218,8 +218,8 @@ private:
 
 enum class WalkStep { goes_on, left, lost };
 
-// One flight of the walk, to a collision or to the surface. `left`: the path stands on the surface, heading out;
-// `lost`: the cap on scatterings and internal reflections was met first.
+// Takes one flight of a subsurface walk, to a collision or to the surface. `left`: the path is on the surface, heading
+// out; `lost`: the cap on scatterings and internal reflections was reached first.
 template <class Config>
 PT_HD inline WalkStep walk_step(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
                                 WalkOf<Config>& walk, const SubsurfaceMaterial<typename Config::Real>& body) {

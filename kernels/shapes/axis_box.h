@@ -1,4 +1,4 @@
-// Boxes along the axes.
+// Axis-aligned boxes: ray intersection, and sampling of boxes that emit.
 #pragma once
 
 #include "kernels/box.h"

@@ -11,8 +11,8 @@ namespace pt {
 template <class Real>
 struct Ellipsoid {
     Vec3<Real> centre;
-    Vec3<Real> semi_axis[3];     // columns of to_world
-    Vec3<Real> inverse_axis[3];  // rows of its inverse
+    Vec3<Real> semi_axis[3];     // columns of the matrix from the unit sphere to the scene
+    Vec3<Real> inverse_axis[3];  // rows of the matrix from the scene to the unit sphere
 
     PT_HD Vec3<Real> to_unit(const Vec3<Real>& v) const {
         return {dot(inverse_axis[0], v), dot(inverse_axis[1], v), dot(inverse_axis[2], v)};
@@ -20,7 +20,7 @@ struct Ellipsoid {
     PT_HD Vec3<Real> to_world(const Vec3<Real>& f) const {
         return semi_axis[0] * f.x + semi_axis[1] * f.y + semi_axis[2] * f.z;
     }
-    // The outward normal at the image of f; normals transform by the inverse transpose.
+    // Outward normal of the ellipsoid at the image of f; normals transform by the inverse transpose.
     PT_HD Vec3<Real> normal(const Vec3<Real>& f) const {
         return normalize(inverse_axis[0] * f.x + inverse_axis[1] * f.y + inverse_axis[2] * f.z);
     }
@@ -58,9 +58,9 @@ PT_HD inline SurfacePoint<Real> surface_point(const Ellipsoid<Real>& e, const Ve
     return {e.centre + e.to_world(f), e.normal(f)};
 }
 
-// Uniform on the unit sphere; the area element of the image is the length of the cofactor matrix times f, which
-// points along the normal. Its columns are products of two lengths: they stay in range where a determinant
-// (three) or a square (four) leaves it, from 1e-18 to 1e18 scene units.
+// Samples an ellipsoid by a uniform point on the unit sphere. The area element of the image is the length of the
+// cofactor matrix times f, which points along the normal. The matrix's columns are products of two lengths: they stay
+// in range where a determinant (three) or a square (four) leaves it, from 1e-18 to 1e18 scene units.
 template <class Real>
 PT_HD inline LightSample<Real> sample_point(const Ellipsoid<Real>& e, Real u, Real v, Real) {
     const Vec3<Real> f = uniform_sphere(u, v);
@@ -118,7 +118,7 @@ PT_HD inline Bounds<Real> bounds_of(const Ellipsoid<Real>& e) {
     return {e.centre - half, e.centre + half};
 }
 
-// The inverse is formed anew: rounded to single precision it is not the inverse of the axes.
+// An ellipsoid in double. The inverse is formed anew: rounded to single precision it does not invert the axes.
 PT_HD inline Ellipsoid<double> widened(const Ellipsoid<float>& e) {
     Ellipsoid<double> wide{
         widened(e.centre), {widened(e.semi_axis[0]), widened(e.semi_axis[1]), widened(e.semi_axis[2])}, {}};

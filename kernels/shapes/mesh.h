@@ -1,5 +1,5 @@
-// Triangle meshes: an object shows one, and several may show the same. What a ray meets is a primitive, one of its
-// triangles, met on both sides; the side that a, b, c go round anticlockwise is outside.
+// Triangle meshes: an object is an instance of a mesh, and several may share one. A ray hits a primitive, one of the
+// mesh's triangles, on either side; outside is the side on which a, b, c go round anticlockwise.
 #pragma once
 
 #include "kernels/mesh_view.h"
@@ -16,12 +16,12 @@ PT_HD inline Vec3<Real> vector_of(const float (&v)[3]) {
 template <class Real>
 struct MeshInstance {
     MeshView geometry;
-    // The maps from the scene to the mesh's own space (row, offset), and back (column, centre). A mesh that one object
-    // shows has been placed in the scene already (is_placed), and needs neither.
+    // The maps from the scene to the mesh's own space (row, offset), and back (column, centre). A mesh with a single
+    // instance has been placed in the scene already (is_placed), and needs neither.
     Vec3<Real> row[3], offset;
     Vec3<Real> column[3], centre;
-    Vec3<float> low, high;  // bounds in the scene, relative to the eye
-    float area;             // in the scene; 0: not emissive
+    Vec3<float> low, high;  // bounding box in the scene, relative to the eye
+    float area;             // surface area in the scene; 0: not emissive
     std::uint32_t is_placed;
 
     static constexpr const char* file_name = "mesh";
@@ -41,8 +41,8 @@ struct MeshInstance {
     }
     static bool contains(const Vec3<double>&) { return false; }
 
-    // Takes a direction into the mesh's own space. Each entry is rounded in the same way wherever a ray is taken in:
-    // the triangle that a traversal met must be met by that very ray again where its surface is asked for.
+    // Takes a direction into the mesh's own space. Every call rounds each entry in the same way: the triangle that a
+    // traversal has hit must be hit by the same ray again when its surface point is asked for.
     PT_HD Vec3<Real> direction_in(const Vec3<Real>& v) const {
         return is_placed != 0 ? v : Vec3<Real>(rounded_dot(row[0], v), rounded_dot(row[1], v), rounded_dot(row[2], v));
     }
@@ -56,7 +56,7 @@ struct MeshInstance {
     }
 };
 
-// One triangle of a mesh: what a hit names.
+// One triangle of a mesh, as a hit names it.
 template <class Real>
 struct MeshTriangle {
     const MeshInstance<Real>& mesh;
@@ -65,7 +65,7 @@ struct MeshTriangle {
     static constexpr bool is_flat = true;
 };
 
-// Unit, outward, in the scene; formed in double, for the edges of a small triangle multiply to what float cannot hold.
+// A mesh triangle's outward normal in the scene; in double, as a small triangle's edge products leave float's range.
 template <class Real>
 PT_HD inline Vec3<double> scaled_normal(const MeshTriangle<Real>& met) {
     const Triangle<Real> t = met.mesh.triangle(met.primitive);
@@ -96,13 +96,13 @@ PT_HD inline Real largest_component(const Vec3<Real>& v) {
 template <class Real>
 struct KeptWeights {
     Vec3<Real> weights;
-    Real reach;  // in the mesh's own units
+    Real reach;  // how far rounding may put the point off the plane, in the mesh's units
 };
 
-// Weights kept off the edges by twice a bound on the rounding of the point that is formed with them: a path that starts
-// in a corner stands before the plane of the neighbour, not on it or behind it. A triangle thinner than that bound
-// cannot be kept off its long edges, and is left alone there. Lengths in units of a power of two near the triangle's
-// size: the product of four of them would leave the range of float at 2^32.
+// Moves barycentric weights off the edges by twice a bound on the rounding of the point formed with them: a path that
+// starts in a corner is then in front of the neighbour's plane, not on it or behind it. A triangle thinner than that
+// bound cannot be kept off its long edges, and is left alone there. Lengths are in units of a power of two near the
+// triangle's size: the product of four of them would leave the range of float at 2^32.
 template <class Real>
 PT_HD inline KeptWeights<Real> off_the_edges(const Vec3<Real>& weights, const Triangle<Real>& t) {
     Vec3<Real> sides[3] = {t.c - t.b, t.a - t.c, t.b - t.a};
@@ -124,8 +124,8 @@ PT_HD inline KeptWeights<Real> off_the_edges(const Vec3<Real>& weights, const Tr
     return {kept * (Real(1) / (kept.x + kept.y + kept.z)), Real(0.5) * reach * unit};
 }
 
-// A bound on how far a point that was taken out of the mesh's own space may be off its triangle's plane, when a ray
-// from it is taken back in: the rounding along each axis of the mesh, as far as it lies along the normal.
+// A bound on how far a point, taken from the mesh's own space to the scene, may be off its triangle's plane when a ray
+// from it is taken back: the rounding along each axis of the mesh, as far as it lies along the normal.
 template <class Real>
 PT_HD inline Real reach_of_instance(const MeshInstance<Real>& mesh, const Vec3<Real>& local, const Vec3<Real>& placed,
                                     const Vec3<Real>& normal, Real local_reach) {
@@ -140,9 +140,9 @@ PT_HD inline Real reach_of_instance(const MeshInstance<Real>& mesh, const Vec3<R
     return reach;
 }
 
-// The hit point moved in front of the triangle's plane, to the side that the ray comes from, by the bound on its
-// rounding (as pbrt's OffsetRayOrigin): a point that rounding puts behind the plane would meet a neighbour in the same
-// plane from there, and be outside.
+// Moves the hit point in front of the triangle's plane, to the side that the ray comes from, by the bound on its
+// rounding (as pbrt's OffsetRayOrigin): a point that rounding puts behind the plane would hit a neighbour in the same
+// plane from behind, and be outside.
 template <class Real>
 PT_HD inline SurfacePoint<Real> surface_point(const MeshTriangle<Real>& met, const Vec3<Real>& origin,
                                               const Vec3<Real>& direction, Real, bool = false) {
@@ -157,7 +157,7 @@ PT_HD inline SurfacePoint<Real> surface_point(const MeshTriangle<Real>& met, con
     return {placed + normal * (hit.from_behind ? -reach : reach), normal};
 }
 
-// The primitive with the first cumulative area above `area`.
+// Triangle of a mesh with the first cumulative area above `area`, by binary search.
 template <class Real>
 PT_HD inline std::uint32_t primitive_at_area(const MeshInstance<Real>& mesh, float area) {
     std::uint32_t low = 0, high = mesh.geometry.triangle_count - 1;
@@ -172,8 +172,8 @@ PT_HD inline std::uint32_t primitive_at_area(const MeshInstance<Real>& mesh, flo
     return low;
 }
 
-// Uniform by area: the triangle by w, the point in it by Turk's map of the unit square ("Generating random points in
-// triangles", Graphics Gems, 1990).
+// Samples a point of a mesh uniformly by area: the triangle by w, the point in it by Turk's map of the unit square
+// ("Generating random points in triangles", Graphics Gems, 1990).
 template <class Real>
 PT_HD inline LightSample<Real> sample_point(const MeshInstance<Real>& mesh, Real u, Real v, Real w) {
     const std::uint32_t primitive = primitive_at_area(
@@ -185,7 +185,7 @@ PT_HD inline LightSample<Real> sample_point(const MeshInstance<Real>& mesh, Real
             normal_of(MeshTriangle<Real>{mesh, primitive}), static_cast<Real>(mesh.area), primitive};
 }
 
-// 1 / density, by solid angle, of sample_direction in the direction of a triangle that the ray meets after `distance`.
+// 1 / pdf, by solid angle, with which sample_direction draws the direction of a ray that hits a triangle at `distance`.
 template <class Real>
 PT_HD inline Real inverse_direction_pdf(const MeshTriangle<Real>& met, const Vec3<Real>&, const Vec3<Real>& direction,
                                         Real distance) {

@@ -1,2 +1,2 @@
-// What kernels/shapes.h includes for the places that its list leaves empty.
+// Empty header that kernels/shapes.h includes for the unused places of the shape list.
 #pragma once

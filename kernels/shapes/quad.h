@@ -1,4 +1,4 @@
-// Rectangles: two-sided, anywhere. A ray that starts on a quad never meets it again.
+// Quads: two-sided rectangles of any place and orientation. A ray that starts on a quad never hits it again.
 #pragma once
 
 #include "kernels/light_sampling.h"
@@ -9,8 +9,8 @@ namespace pt {
 template <class Real>
 struct Quad {
     Vec3<Real> centre;
-    Vec3<Real> normal;          // unit; the side that faces +y before the rotation
-    Vec3<Real> axis_u, axis_v;  // unit
+    Vec3<Real> normal;          // unit normal of the side that faces +y before the rotation
+    Vec3<Real> axis_u, axis_v;  // unit vectors along the sides
     Real half_u, half_v;
 
     static constexpr const char* file_name = "quad";
@@ -25,8 +25,9 @@ struct Quad {
     static bool contains(const Vec3<double>&) { return false; }
 };
 
-// Ray parameter of the quad's plane within its edges. The edges reach out by gamma(16) times the lengths that the hit
-// point is formed from, a bound on its rounding, so that two quads which share an edge leave no gap between them.
+// Intersects a ray with a quad: the ray parameter of its plane, within its edges. The edges reach out by gamma(16)
+// times the lengths that form the hit point, a bound on its rounding, so that quads which share an edge leave no gap
+// between them.
 template <class Real>
 PT_HD inline Interval<Real> interval(const Quad<Real>& quad, const Vec3<Real>& origin, const Vec3<Real>& direction) {
     const Vec3<Real> to_centre = quad.centre - origin;
@@ -38,8 +39,8 @@ PT_HD inline Interval<Real> interval(const Quad<Real>& quad, const Vec3<Real>& o
     return {t, t, within};
 }
 
-// The hit point pulled onto the quad, and inside its edges by the same bound: a path that starts in the corner of a
-// room must stand before its neighbour's plane, not on it or behind it, or it would leave the room through the edge.
+// Moves the hit point onto the quad and inside its edges by a bound on its rounding: a path that starts in the corner
+// of a room must be in front of the neighbour's plane, not on it or behind it, or it would leave through the edge.
 template <class Real>
 PT_HD inline SurfacePoint<Real> surface_point(const Quad<Real>& quad, const Vec3<Real>& origin,
                                               const Vec3<Real>& direction, Real t, bool = false) {

@@ -1,5 +1,5 @@
-// Spheres, and a kind for those near the camera, as the ground beneath it. kernels/unit_sphere.h explains why the
-// discriminant and the roots are formed as they are.
+// Spheres, and NearSphere for spheres near the camera, as a ground sphere beneath it. kernels/unit_sphere.h explains
+// why the discriminant and the roots are formed as they are.
 #pragma once
 
 #include "kernels/naive.h"
@@ -13,12 +13,12 @@ struct Sphere {
     Vec3<Real> centre;
     Real radius;
     Real inverse_radius;
-    Real eye_power = Real(0);       // the eye's power_at, for a NearSphere
-    std::uint32_t is_near_eye = 0;  // 1: is to be intersected as a NearSphere
+    Real eye_power = Real(0);       // power of the eye (power_at), for a NearSphere
+    std::uint32_t is_near_eye = 0;  // 1: the sphere is intersected as a NearSphere
 
     static constexpr const char* file_name = "sphere";
     static constexpr bool is_flat = false;
-    static constexpr bool misses_at_zero = true;  // kernels/intersect.h
+    static constexpr bool misses_at_zero = true;  // distance 0 means a miss (kernels/intersect.h)
     static constexpr UnitShape unit_shape = UnitShape::sphere;
     static bool is_kind_of(const Placement& object) {
         return object.scale.x == object.scale.y && object.scale.y == object.scale.z;
@@ -30,15 +30,15 @@ struct Sphere {
     static bool contains(const Vec3<double>& p) { return dot(p, p) < 0.25; }
 };
 
-// A sphere in a kernel with Feature::near_sphere. Of a sphere that the eye is near, as the ground beneath it, |f|^2 - 1
-// keeps only the digits in which the eye's height differs from none. But it is the power of the point with respect to
-// the sphere, and that of any origin follows from the eye's, which is formed at load in doubled precision: positions
-// are relative to the eye, so |o - c|^2 - r^2 = (|c|^2 - r^2) + o.(o - 2 c), and all terms are small near the eye.
+// A sphere in a kernel with Feature::near_sphere. If the eye is near the sphere, as above a ground sphere, |f|^2 - 1 of
+// a ray origin f in the sphere's frame keeps only the digits of the height. But it is the power of the origin with
+// respect to the sphere, which follows from the eye's, formed at load in doubled precision: positions are relative to
+// the eye, so |o - c|^2 - r^2 = (|c|^2 - r^2) + o.(o - 2 c), and all terms are small near the eye.
 template <class Real>
 struct NearSphere : Sphere<Real> {};
 
-// A sphere's frame only moves and scales evenly, so the direction stays a unit vector: its square, 1 but for rounding,
-// would move t by no more than the direction's own rounding moves the point.
+// The frame of a sphere only moves and scales evenly, so the ray direction stays a unit vector: its square, 1 but for
+// rounding, would move t by no more than the direction's own rounding moves the point.
 template <class Real>
 PT_HD inline Interval<Real> interval(const Sphere<Real>& sphere, const Vec3<Real>& origin,
                                      const Vec3<Real>& direction) {
@@ -86,7 +86,7 @@ PT_HD inline Real chord(const Sphere<Real>& sphere, const Vec3<Real>& origin, co
     return max(Real(0), Real(-2) * dot((origin - sphere.centre) * sphere.inverse_radius, direction)) * sphere.radius;
 }
 
-// For a ray that starts on its surface, a sphere near the eye is met like any other.
+// A ray that starts on a sphere near the eye has the chord of any other sphere.
 template <class Real>
 PT_HD inline Real chord(const NearSphere<Real>& sphere, const Vec3<Real>& origin, const Vec3<Real>& direction) {
     return chord(static_cast<const Sphere<Real>&>(sphere), origin, direction);
@@ -99,7 +99,7 @@ PT_HD inline SurfacePoint<Real> surface_point(const Sphere<Real>& sphere, const 
     return {sphere.centre + normal * sphere.radius, normal};
 }
 
-// A sphere that is near the eye may be too wide to be measured from its centre: the point is pulled along the normal.
+// A sphere near the eye may be too wide to be measured from its centre, so the hit point is pulled along the normal.
 template <class Real>
 PT_HD inline SurfacePoint<Real> surface_point(const NearSphere<Real>& sphere, const Vec3<Real>& origin,
                                               const Vec3<Real>& direction, Real t, bool = false) {
@@ -122,8 +122,7 @@ PT_HD inline Cone<Real> cone_of(const Sphere<Real>& sphere, const Vec3<Real>& to
     return Cone<Real>(sphere.radius / square_root(dot(to_centre, to_centre)));
 }
 
-// 1 / density of the directions that sample_direction gives, in the direction of a ray that meets the light after
-// `distance`.
+// 1 / pdf, by solid angle, of directions towards a sphere: constant within the cone in which the sphere is seen.
 template <class Real>
 PT_HD inline Real inverse_direction_pdf(const Sphere<Real>& sphere, const Vec3<Real>& observer, const Vec3<Real>&,
                                         Real) {

@@ -1,4 +1,4 @@
-// The host's side of the compactions that append what is alive to another queue: slot numbers, or the payload.
+// Host side of the stream compactions that append live paths to another queue: slot numbers, or the paths themselves.
 #pragma once
 
 #include "variants/cuda/device/append_parameters.h"

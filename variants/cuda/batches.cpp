@@ -40,7 +40,7 @@ void Batches::prepare(const Enqueue& enqueue) {
     work_per_graph_.graph_nodes = graph_->nodes();
 }
 
-// A graph goes on where the last one ended; batches that ran by stream in between have to be skipped.
+// A graph launch goes on at the sample where the last one ended, past batches that ran by stream in between.
 void Batches::launch_graph(std::uint32_t sample) {
     if (graph_sample_ != sample) {
         set_value(next_sample_, sample, job_.stream);
@@ -76,7 +76,7 @@ std::uint32_t Batches::enqueue_loop(const std::function<LiveCounts()>& enqueue_r
     });
     is_in_loop_ = false;
     work_per_round_ = std::exchange(job_.work, before);
-    work_per_round_.launches = 0;  // the device's own
+    work_per_round_.launches = 0;  // rounds are launched by the device itself
     return taken;
 }
 

@@ -20,17 +20,16 @@ public:
 
     void reserve(Arena& arena);
     void clear();
-    // Captures a full batch before the clock starts, if the variant's launches are captured.
+    // Captures a full batch as a CUDA graph before the clock starts, if the variant's launches are captured.
     void prepare(const Enqueue& enqueue);
-    // Enqueues all samples of the job, samples_in_flight at a time. A last batch that is not full, and so every part of
-    // a render with fewer samples than that, takes the places of the first paths of the queue only. Full batches run as
-    // a graph where one was captured, others by stream.
+    // Enqueues all samples of the job, samples_in_flight at a time. A batch that is not full (the last one, or the only
+    // one of a short part of a render) fills the first slots of the queue only. Full batches run as a CUDA graph where
+    // one was captured, others by stream.
     void run(const Enqueue& enqueue);
 
-    // Captures the body of a loop over segments, where the graph loops and a batch is being captured: `enqueue_round`
-    // enqueues segments 1 and 2 and returns where the paths then alive are counted, and the loop ends with the last
-    // path. Returns the number of segments that the loop may take: none of them is the last possible one, which ends
-    // differently.
+    // Captures the body of a loop over segments, if the graph loops and a batch is being captured: `enqueue_round`
+    // enqueues segments 1 and 2 and returns the counters of the paths then alive, and the loop ends with the last path.
+    // Returns the number of segments that the loop may take, without the last possible segment, which ends differently.
     std::uint32_t enqueue_loop(const std::function<LiveCounts()>& enqueue_round);
     SegmentNumber segment(std::uint32_t number) const { return {number, is_in_loop_ ? offset_ : nullptr}; }
     // The device address of a batch's first sample while the batch is being captured; null: the sample is in the
@@ -38,24 +37,24 @@ public:
     const std::uint32_t* cursor() const { return is_capturing_ ? next_sample_ : nullptr; }
     bool is_capturing() const { return is_capturing_; }
     std::uint32_t samples_in_flight() const { return samples_in_flight_; }
-    // The work that the rounds of loops have counted. Waits for the device.
+    // The work that the rounds of graph loops have counted so far. Waits for the device.
     WorkCounters loop_work() const;
 
 private:
     void launch_graph(std::uint32_t sample);
 
     Job& job_;
-    std::uint32_t samples_in_flight_;  // of a pixel
+    std::uint32_t samples_in_flight_;  // samples of a pixel in a full batch
     LaunchTraits launch_;
     std::unique_ptr<Graph> graph_;
-    WorkCounters work_per_graph_;  // what the host's side of one captured batch counts
-    WorkCounters work_per_round_;  // of one round of the loop
+    WorkCounters work_per_graph_;  // what the host counts for one captured batch
+    WorkCounters work_per_round_;  // work of one round of the loop
     bool is_capturing_ = false;
-    bool is_in_loop_ = false;               // its body is being captured
-    std::uint32_t* next_sample_ = nullptr;  // device: where the graph finds its first sample
-    std::uint32_t graph_sample_ = 0;        // what is there once all that was enqueued has run
+    bool is_in_loop_ = false;               // the body of the graph's loop is being captured
+    std::uint32_t* next_sample_ = nullptr;  // device address of the graph's first sample
+    std::uint32_t graph_sample_ = 0;        // value at next_sample_ once all that was enqueued has run
     std::uint32_t* offset_ = nullptr;  // device: segments that earlier rounds of this batch took; 0 outside the loop
-    std::uint64_t* rounds_ = nullptr;  // device: rounds run since the render began
+    std::uint64_t* rounds_ = nullptr;  // in device memory: rounds of the loop run since the render began
 };
 
 }  // namespace pt::cuda

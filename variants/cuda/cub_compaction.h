@@ -1,5 +1,5 @@
-// What the CUB compactions share. The count stays on the device: CUB writes the new one beside the old one, which the
-// selection reads, and no host waits. Every call is over the bound, which stays what it was.
+// Parts shared by the CUB compactions. The count of paths stays on the device: CUB writes the new one beside the old
+// one, which the selection reads, and no host waits. Every call is over the bound of the count, which does not change.
 #pragma once
 
 #include "variants/cuda/cub_storage.h"
@@ -10,11 +10,11 @@
 
 namespace pt::cuda {
 
-// The path in a slot; from the count on an ended one, which is not read: what lies there is of no path in play.
+// Loads the path in a slot; from the count on gives an ended path, since what lies in these slots is not in play.
 template <class Paths>
 struct PathAt {
     Paths paths;
-    const std::uint32_t* count;  // device
+    const std::uint32_t* count;  // number of paths in play, in device memory
 
     PT_HD Path<float> operator()(std::uint32_t slot) const {
         if (slot < *count) {
@@ -26,8 +26,8 @@ struct PathAt {
     }
 };
 
-// Moves slot numbers. Algorithm::slots(memory, bytes, slot_at, is_alive, kept, count, items, stream) calls CUB to
-// bring the live of the slots at positions 0 to items - 1 to the front of `kept`. Counts as one launch.
+// CUB compaction of slot numbers. Algorithm::slots(memory, bytes, slot_at, is_alive, kept, count, items, stream) calls
+// CUB to bring the live of the slots at positions 0 to items - 1 to the front of `kept`. Counts as one launch.
 template <class Algorithm>
 class CubIndexCompaction final : public Compaction {
 public:
@@ -59,9 +59,9 @@ private:
     CubStorage storage_;
 };
 
-// Moves the payload, for a choice whose tunable says so. Algorithm::paths<Paths>(memory, bytes, from, to, slot_at,
-// is_alive, count, items, stream) calls CUB to bring the live of the paths in slots 0 to items - 1 of one store to the
-// front of another. An order is dropped: it permutes the slots 0 to count - 1.
+// CUB compaction of the paths themselves, where the tunable `payload` asks for it. Algorithm::paths<Paths>(memory,
+// bytes, from, to, slot_at, is_alive, count, items, stream) calls CUB to bring the live paths in slots 0 to items - 1
+// of one store to the front of another. An order is dropped: it permutes the slots 0 to count - 1.
 template <class Algorithm>
 class CubPayloadCompaction final : public Compaction {
 public:

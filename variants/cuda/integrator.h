@@ -14,8 +14,8 @@ namespace pt::cuda {
 
 // Bytes of device memory that one path in a queue takes.
 struct PathBytes {
-    std::size_t state = 0;       // one copy of the path itself
-    std::size_t everything = 0;  // with all that compacts and sorts it
+    std::size_t state = 0;       // bytes of one copy of the path itself
+    std::size_t everything = 0;  // bytes of the path with its share of all memory of the queue
 };
 
 class Integrator {
@@ -25,30 +25,30 @@ public:
     Integrator(const Integrator&) = delete;
     Integrator& operator=(const Integrator&) = delete;
 
-    // Takes memory on the device; called with a measuring arena first, then with one that has the memory.
+    // Takes the integrator's device memory; called with a measuring arena first, then with one that has the memory.
     virtual void reserve(Arena&) {}
     // Brings the memory that reserve() took into the state in which a render begins. May wait for the device.
     virtual void upload() {}
-    // Captures what can be replayed, before the clock starts.
+    // Captures launches that can be replayed (CUDA graphs), before the clock starts.
     virtual void prepare() {}
     // Enqueues the job's samples on its stream.
     virtual void render() = 0;
-    // Counts that only the device knows, for which it waits.
+    // Work counters that only the device knows; waits for the device.
     virtual WorkCounters device_work() const { return {}; }
     virtual PathBytes path_bytes() const { return {}; }
 };
 
-// What an integrator is made from, beside the job.
+// What an integrator is made from, beside the job: the variant, its choices on the queue, and facts of the scene.
 struct IntegratorNeeds {
     Variant variant;
     VariantTraits traits;
-    FeatureSet features = no_features;  // of the kernels
-    KeyBounds key_bounds;               // of the scene
+    FeatureSet features = no_features;  // features that the kernels have
+    KeyBounds key_bounds;               // bounds of the scene's positions
     // The queue's memory layout and the choices that work on the queue; only integrators with a queue use them.
     Layout layout = {};
-    std::vector<unsigned char> object_class = {};      // as in Queue
-    std::unique_ptr<Compaction> compaction = nullptr;  // null: none
-    std::unique_ptr<Sorting> sorting = nullptr;        // null: none
+    std::vector<unsigned char> object_class = {};      // class of each object, as in Queue
+    std::unique_ptr<Compaction> compaction = nullptr;  // compaction of the queue; null: none
+    std::unique_ptr<Sorting> sorting = nullptr;        // sorting of the queue; null: none
 
     std::uint32_t tunable(std::string_view name) const { return pt::tunable(variant, name, Backend::cuda); }
 };

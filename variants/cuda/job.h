@@ -14,26 +14,26 @@ namespace pt::cuda {
 
 struct Job {
     const Module* module = nullptr;
-    FilmView film;                    // device pointers
-    std::uint32_t pixels = 0;         // that this device renders
-    std::uint32_t image_pixels = 0;   // of film and cache
-    std::uint32_t longest_path = 1;   // segments
-    std::uint32_t most_branches = 1;  // of a path that splits
+    FilmView film;                    // film in device memory
+    std::uint32_t pixels = 0;         // pixels that this device renders
+    std::uint32_t image_pixels = 0;   // pixels of the whole film and of the first-bounce cache
+    std::uint32_t longest_path = 1;   // most segments of a path
+    std::uint32_t most_branches = 1;  // most branches of a path that splits
     std::uint32_t materials = 0;
-    // The samples to take now, a pixel: the whole render's, or those of one part of it, from checkpoint to checkpoint.
+    // Samples per pixel to take in this job: the whole render's, or those of one part, from checkpoint to checkpoint.
     std::uint32_t first_sample = 0;
     std::uint32_t samples = 1;
-    std::uint32_t all_samples = 1;  // the whole render's
-    std::uint32_t block = 128;      // threads
+    std::uint32_t all_samples = 1;  // samples per pixel of the whole render
+    std::uint32_t block = 128;      // threads of a block
     std::uint32_t multiprocessors = 1;
     cudaStream_t stream = nullptr;
 
     std::uint32_t kept_rays = 0;    // camera rays of a pixel that the first-bounce cache keeps; 0: there is none
-    std::uint32_t cached_rays = 0;  // of them, those that earlier parts of the render have put there
+    std::uint32_t cached_rays = 0;  // kept rays that earlier parts of the render have traced
     Totals* totals = nullptr;
-    HealthRequest health;  // for an integrator that inspects; counters: device
+    HealthRequest health;  // audit request, with counters in device memory
     SegmentCounts segments;
-    StageEvents* stages = nullptr;  // null: not instrumented
+    StageEvents* stages = nullptr;  // stage timers; null: not instrumented
     WorkCounters work;
 
     // Counters of paths by their number of segments, for integrators without a queue; null where nobody asked.
@@ -58,12 +58,12 @@ struct Job {
 
 template <class Real>
 struct JobOf : Job {
-    SceneView<Real> scene = {};  // device pointers
+    SceneView<Real> scene = {};  // scene with pointers to device memory
     HitCache<Real> cache;
 };
 
-// Camera rays of a pixel that the job's samples use and that the cache does not hold yet; from here on it holds them.
-// Sample s uses ray s mod rays: a render's first samples need a ray each, and none that follow them need another.
+// Camera rays of a pixel that the job's samples use and the first-bounce cache lacks; they count as cached after the
+// call. Sample s uses ray s mod rays: a render's first samples need a ray each, and later samples none.
 inline std::uint32_t take_missing_rays(Job& job) {
     const std::uint32_t missing = std::min(job.kept_rays - job.cached_rays, job.samples);
     job.cached_rays += missing;

@@ -1,5 +1,5 @@
-// Which slots are in play and alive, asked on the device by slot or by position, whatever the layout: what compactions
-// of slot numbers select by. The count is read on the device, so that no host has to know it.
+// Device predicates for whether a slot is in play and alive, by slot or by position, in any layout: compactions of slot
+// numbers select by them. The count is read on the device, so that the host need not know it.
 #pragma once
 
 #include <thrust/iterator/counting_iterator.h>
@@ -12,10 +12,10 @@ namespace pt::cuda {
 
 inline constexpr std::uint32_t no_slot = 0xffffffffu;
 
-// The slot at a position; no_slot from the count on, where the order holds what was left there earlier.
+// The slot at a position of a queue; no_slot from the count on, where the order holds leftovers.
 struct SlotAt {
-    const std::uint32_t* order = nullptr;  // null: slot i is at position i
-    const std::uint32_t* count = nullptr;  // device
+    const std::uint32_t* order = nullptr;  // slots by position; null: slot i is at position i
+    const std::uint32_t* count = nullptr;  // number of paths in play, in device memory
 
     PT_HD std::uint32_t operator()(std::uint32_t position) const {
         if (position >= *count) {

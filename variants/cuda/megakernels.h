@@ -73,7 +73,8 @@ inline std::uint32_t samples_per_launch(const Job& job, std::uint32_t threads_pe
     return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(a_thread * threads, 1, job.samples));
 }
 
-// The loop over a render's samples: launch after launch, each of so many samples of every pixel as it may take.
+// Base class of integrators with one kernel: launch after launch, each with as many of a render's samples per pixel as
+// a launch may take.
 template <class Real>
 class Megakernel : public Integrator {
 public:

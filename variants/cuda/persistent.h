@@ -5,15 +5,15 @@
 
 namespace pt::cuda {
 
-// Most samples of a pixel in one launch. Persistent threads add up what they have counted after a piece: so many
-// samples that the pieces' numbers fit in 32 bits.
+// Most samples per pixel in one launch of persistent threads, which add up their counts after each piece: as many as
+// leave piece numbers in 32 bits.
 inline std::uint32_t samples_per_persistent_launch(const Job& job) {
     const std::uint64_t by_pieces = 0xffffffffull / ((job.pixels + warp_size - 1) / warp_size) - 1;
     return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(by_pieces, 1, job.samples));
 }
 
-// Samples in a piece, a strip of pixels with one a lane: samples_per_piece, or fewer, so that a thread that happens to
-// trace them all, and the paths of the piece before that wait or live, can count them.
+// Samples per pixel in a piece (a strip of pixels): samples_per_piece, or fewer, so that a thread's counters suffice
+// even if it traces the whole piece, and the paths of the piece before that wait or live.
 inline std::uint32_t samples_per_strip(const Job& job, std::uint32_t samples_per_piece) {
     const std::uint64_t rays_per_sample = std::uint64_t{warp_size} * 2 * job.longest_path * job.most_branches;
     const std::uint64_t countable = (0xffffffffull - few_rays) / rays_per_sample;

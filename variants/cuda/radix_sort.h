@@ -9,7 +9,7 @@ namespace pt::cuda {
 // The bits of a key that a sort looks at.
 enum class KeyBits { needed, all };
 
-// Sorts slot numbers by key. An order for every position up to the bound comes out; the keys are used up.
+// Sorts slot numbers by key. The result is an order for every position up to the bound; the keys are overwritten.
 class RadixSort final : public Sorting {
 public:
     bool moves_paths() const override { return false; }

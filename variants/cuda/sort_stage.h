@@ -16,11 +16,11 @@ public:
     bool exists() const { return needs_.sorting != nullptr; }
     const SortKeyTraits& key() const { return needs_.traits.sort_key; }
 
-    // Slots in a chunk, the same as long as the queue has its capacity; 0: keys are not by chunk.
+    // Slots in a chunk of the queue, the same as long as the queue has its capacity; 0: sort keys are not by chunk.
     std::uint32_t chunk(const Queue& queue) const {
         return key().by_chunk ? slots_of_chunk(queue.capacity, job_.materials, asked_chunk_) : 0;
     }
-    // The key of positions where no path is alive. There is one material more than the scene has, for "missed".
+    // The sort key of positions without a live path. There is one material more than the scene has, for "missed".
     std::uint32_t last_key(const Queue& queue) const {
         if (key().by_chunk) {
             return keys_of_chunks(queue.capacity, job_.materials, chunk(queue));
@@ -44,7 +44,7 @@ public:
 private:
     Job& job_;
     const IntegratorNeeds& needs_;
-    std::uint32_t asked_chunk_;  // slots
+    std::uint32_t asked_chunk_;  // slots per chunk that the tunable asks for
 };
 
 }  // namespace pt::cuda

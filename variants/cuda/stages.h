@@ -15,18 +15,18 @@ namespace pt::cuda {
 // the device; the host knows a bound on it, which is the count itself after a choice that waits for the device.
 struct Queue {
     PathStore paths;
-    PathStore spare;                       // as large as `paths`, for choices that move the payload elsewhere
+    PathStore spare;                       // second store as large as `paths`, for choices that move whole paths
     void* hits = nullptr;                  // StoredHit<Real> by slot, valid between intersect and shade
-    std::uint32_t* order = nullptr;        // capacity entries
-    std::uint32_t* order_spare = nullptr;  // capacity entries
-    std::uint32_t* keys = nullptr;         // capacity entries, by position in play; written before a sort only
-    std::uint32_t* keys_spare = nullptr;   // capacity entries
-    std::uint32_t* count = nullptr;        // device
-    std::uint32_t* count_spare = nullptr;  // device
-    std::uint32_t bound = 0;               // paths in play are no more than this
+    std::uint32_t* order = nullptr;        // slots by position, capacity entries
+    std::uint32_t* order_spare = nullptr;  // second array of slots, capacity entries
+    std::uint32_t* keys = nullptr;        // sort keys by position in play, capacity entries; written before a sort only
+    std::uint32_t* keys_spare = nullptr;  // second array of sort keys, capacity entries
+    std::uint32_t* count = nullptr;       // number of paths in play, in device memory
+    std::uint32_t* count_spare = nullptr;  // second count of paths, in device memory
+    std::uint32_t bound = 0;               // upper bound on the paths in play
     bool indirect = false;
-    std::uint32_t capacity = 0;                   // slots
-    const unsigned char* object_class = nullptr;  // device, by object: 0 diffuse-like, 1 delta-like
+    std::uint32_t capacity = 0;                   // number of slots
+    const unsigned char* object_class = nullptr;  // in device memory, by object: 0 diffuse-like, 1 delta-like
 
     void swap_order() { std::swap(order, order_spare); }
     void swap_paths() { std::swap(paths, spare); }
@@ -42,15 +42,15 @@ struct CellContext {
     const Layout* layout = nullptr;
     std::string_view layout_name;
     std::size_t real_bytes = 4;
-    std::uint32_t materials = 0;  // of the scene
+    std::uint32_t materials = 0;
     std::uint32_t multiprocessors = 1;
     cudaStream_t stream = nullptr;
-    // The value of a tunable in the variant.
+    // Returns the value of a tunable in the variant.
     std::function<std::uint32_t(std::string_view)> tunable;
-    // The choice's kernels (Hooks::kernels), of the source of its name (variants/compaction/NAME.cuh), compiled for the
-    // cell's layout, precision and GPU.
+    // Kernels of the choice (Hooks::kernels), from the source of its name (variants/compaction/NAME.cuh), compiled for
+    // the cell's layout, precision and GPU.
     std::function<const Module&()> module;
-    // Counts kernels that the choice enqueues and waits for the device.
+    // Counters of the kernels that the choice enqueues, and of its waits for the device.
     std::uint64_t* launches = nullptr;
     std::uint64_t* host_waits = nullptr;
 };
@@ -59,13 +59,13 @@ struct CellContext {
 class Compaction {
 public:
     virtual ~Compaction() = default;
-    // Takes memory beyond the queue's; called with a measuring arena first, then with one that has it. Every pointer of
-    // the queue but its counts is null in the first call.
+    // Takes device memory beyond the queue's; called with a measuring arena first, then with one that has the memory.
+    // Every pointer of the queue but its counts is null in the first call.
     virtual void reserve(Arena&, const Queue&) {}
-    // Enqueues the work. Afterwards *queue.count paths are in play (device) and queue.bound is not less.
+    // Enqueues the compaction. Afterwards *queue.count paths are in play, and queue.bound is not less.
     virtual void compact(Queue& queue) = 0;
     virtual bool needs_spare_paths() const { return false; }
-    // Whether it copies whole paths, so that a store must have room for every field, whatever the scene needs.
+    // Whether the compaction copies whole paths, so that a store must have room for every field of a path.
     virtual bool moves_paths() const { return true; }
 };
 
@@ -86,7 +86,7 @@ public:
     virtual void sort(Queue& queue, std::uint32_t key_count) = 0;
     // The ranges to shade, one launch each; empty: one launch over the queue.
     virtual std::vector<ShadeRange> shade_ranges() const { return {}; }
-    // Whether it copies whole paths, so that a store must have room for every field, whatever the scene needs.
+    // Whether the sort copies whole paths, so that a store must have room for every field of a path.
     virtual bool moves_paths() const { return true; }
 };
 

@@ -1,4 +1,4 @@
-// What the Thrust compactions that move the payload share.
+// Parts shared by the Thrust compactions that move the paths themselves.
 #pragma once
 
 #include "variants/cuda/queue_kernels.h"
@@ -16,9 +16,10 @@ inline void set_count(Queue& queue, std::uint32_t count, const CellContext& cell
     *cell.launches += 1;
 }
 
-// `algorithm(policy, first, last)` works on the paths' iterator of whatever layout, brings the live paths to the front
-// and returns the end of the live ones. The slots in play are 0 to bound - 1 before: the bound is the count here,
-// because every Thrust compaction returns it, and a sort of indices only permutes. So an index order is dropped.
+// Thrust compaction of the paths themselves. `algorithm(policy, first, last)` works on an iterator over paths in any
+// layout, brings the live paths to the front and returns their end. The slots in play are 0 to bound - 1 before: the
+// bound is the count, since every Thrust compaction returns it, and a sort of indices only permutes. So an index order
+// is dropped.
 template <class Algorithm>
 class ThrustPayloadCompaction final : public Compaction {
 public:

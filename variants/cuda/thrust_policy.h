@@ -37,8 +37,8 @@ inline Descriptor on_device(Descriptor descriptor,
     return descriptor;
 }
 
-// The allocator that Thrust takes temporaries from. It is one type for both kinds, so that each algorithm is compiled
-// once.
+// The allocator that Thrust takes temporaries from. One type either keeps blocks or frees them, so that each algorithm
+// is compiled once.
 class TemporaryMemory {
 public:
     using value_type = char;
@@ -88,7 +88,7 @@ public:
 
 private:
     bool keeps_blocks_;
-    std::multimap<std::size_t, char*> free_;  // by size; empty unless keeps_blocks_
+    std::multimap<std::size_t, char*> free_;  // free blocks by size; empty unless keeps_blocks_
     std::map<char*, std::size_t> used_;
 };
 
@@ -103,15 +103,15 @@ public:
           nosync_(cell.tunable("par_nosync") != 0),
           memory_(caches_) {}
 
-    // Calls call(policy), which returns a count: Thrust waits for it under either policy. The call counts as one
-    // launch.
+    // Calls Thrust by call(policy), which returns a count: Thrust waits for it under either policy. The call counts as
+    // one launch.
     template <class Call>
     auto for_count(Call&& call) {
         *launches_ += 1;
         *host_waits_ += 1;
         return with_policy(call);
     }
-    // Calls call(policy), which returns nothing: what waits for the device is par, or the cudaFree of a temporary.
+    // Calls Thrust by call(policy), which returns nothing: what waits is par, or the cudaFree of a temporary.
     template <class Call>
     void for_effect(Call&& call) {
         *launches_ += 1;

@@ -1,4 +1,4 @@
-// The host's side of walks that a queue's paths take in a kernel of their own (device/walkers.h).
+// Host side of subsurface walks that a queue's paths take in a kernel of their own (device/walkers.h).
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace pt::cuda {
 inline constexpr Tunable walks_tunable{
     "walks_apart", 1, 0, 1, 1, "subsurface walks: 1: in a kernel of their own; 0: to their end where paths are shaded"};
 
-// The kernel of queues whose paths all do a segment before any does the next.
+// The walk kernel of queues whose paths all do a segment before any does the next.
 inline constexpr KernelPart walk_paths_part = kernel_part<WalkPathsParameters>("variants/cuda/device/walk_paths.cuh");
 
 inline std::vector<KernelConstant> walks_constants(const Variant& variant) {
@@ -37,7 +37,7 @@ public:
     }
 
     bool are_apart() const { return are_apart_; }
-    // Blocks that take walks: as many as fit at once.
+    // Number of blocks of the walk kernel: as many as the device holds at once.
     std::uint32_t blocks() const { return blocks_; }
     void reserve(Arena& arena) {
         for (int i = 0; are_apart_ && i < lists; ++i) {
@@ -62,17 +62,17 @@ private:
     WalkerList lists_[lists];
 };
 
-// The walks of queues whose paths all do a segment before any does the next: each is taken to its end in between.
+// The walks of queues whose paths all do a segment before any does the next: taken to their ends between segments.
 template <class Real>
 class Walks : public WalkerLists<Real, 1> {
 public:
-    // `parts`: of the queue, each with a counter, where kernels append.
+    // `parts`: number of parts of the queue, each with a counter, where kernels append.
     Walks(JobOf<Real>& job, const IntegratorNeeds& needs, std::uint32_t paths, std::uint32_t parts = 1)
         : WalkerLists<Real, 1>(job, needs, paths, WalkPathsParameters<Real>::kernel), job_(job), parts_(parts) {}
 
     // Enqueues the walks of the list. Paths stay in their slots of `in`.
     void take_in_place(const PathStore& in) { take(in, {}, nullptr, {}); }
-    // Enqueues the walks of the list, whose paths lie in `in`. They are appended to `out` after it.
+    // Enqueues the walks of the list, whose paths lie in `in`; each path is appended to `out` after its walk.
     void take_to(const PathStore& in, const PathStore& out, std::uint32_t* out_count, const SegmentNumber& segment) {
         take(in, out, out_count, segment);
     }

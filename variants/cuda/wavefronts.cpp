@@ -23,8 +23,9 @@ void check_round_trip(const Queue& before, const Queue& after) {
 
 }  // namespace
 
-// The device counts the paths that each segment finds alive. Made before the segment is enqueued; the pinned words are
-// those of a read-back, which there is none of where this asks.
+// Asks whether all paths of a batch have ended, by the device's count of the paths that a segment finds alive. Made
+// before the segment is enqueued; the pinned words are those of a read-back, which does not take place where this class
+// asks.
 class Wavefront::EndOfPaths {
 public:
     EndOfPaths(Wavefront& wavefront, std::uint32_t segment)
@@ -45,7 +46,7 @@ public:
         read(1);
         PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));
         job_.work.host_waits += 1;
-        return counts_[0] == counts_[1];  // it counts earlier batches too
+        return counts_[0] == counts_[1];  // the count includes earlier batches
     }
 
 private:
@@ -69,7 +70,7 @@ Wavefront::Wavefront(Job& job, IntegratorNeeds&& needs, std::size_t real_bytes, 
       reads_back_(!needs_.traits.integrator.refills_queue && needs_.tunable("read_back") != 0),
       pinned_(make_pinned_words(pinned_words)) {}
 
-// ---- the loop over the segments
+// ---- the loop over the segments of a batch
 
 void Wavefront::prepare() {
     batches_.prepare([this](std::uint32_t first_sample, std::uint32_t samples) { enqueue(first_sample, samples); });
@@ -215,7 +216,7 @@ void Wavefront::upload() {
         clear(index, std::size_t{start_.capacity} * sizeof(std::uint32_t), job_.stream);
     }
     if (copies_whole_paths()) {
-        // The whole store is cleared, for fields that the scene's kernels never write are copied too.
+        // The whole store of paths is cleared, for fields that the scene's kernels never write are copied too.
         clear(start_.paths.base, needs_.layout.bytes(start_.capacity, real_bytes_, every_path_field), job_.stream);
     }
     clear(start_.count, sizeof(std::uint32_t), job_.stream);

@@ -13,9 +13,10 @@ namespace pt::cuda {
 inline constexpr Tunable wavefront_tunables[] = {
     {"block", 256, 32, 1024, 32, "threads a block"},
     shading_tunable,
-    // 64 registers a thread at the standard block: with six materials shading takes more, and the queue waits for
-    // memory that more threads would hide (H200: 0.76 to 0.79 of the time with six materials, no difference with two).
-    // A kernel with every feature would keep a kilobyte a thread in local memory under that bound: it has none.
+    // The default of min_blocks leaves a thread 64 registers at the standard block: with six materials shading takes
+    // more, and the queue waits for memory that more threads would hide (H200: 0.76 to 0.79 of the time with six
+    // materials, no difference with two). A kernel with every feature has no such bound, under which it would keep a
+    // kilobyte a thread in local memory.
     {.name = "min_blocks",
      .default_value = 4,
      .lowest = min_blocks_tunable.lowest,
@@ -34,8 +35,8 @@ inline std::string wavefront_work_missing(const WorkCounters& work, std::uint64_
     return work.launches == 0 ? "launched no kernel" : "";
 }
 
-// An integrator tells how a batch begins and what a segment is; the rest is here, but for one that does not take its
-// samples in batches and has a loop of its own.
+// Base class of the integrators with a queue: a derived class tells how a batch begins and what a segment is. One that
+// does not take its samples in batches has a loop of its own.
 class Wavefront : public Integrator {
 public:
     void reserve(Arena& arena) final;
@@ -49,7 +50,7 @@ protected:
     // Constructs a wavefront. hit_bytes: size of a hit that is stored between two kernels; 0: none is.
     Wavefront(Job& job, IntegratorNeeds&& needs, std::size_t real_bytes, std::size_t hit_bytes);
 
-    // Enqueues the start of the first queue_.bound paths of queue_. They may have done their first segment.
+    // Enqueues the start of the first queue_.bound paths of queue_. These paths may have done their first segment.
     virtual void begin(std::uint32_t first_sample) = 0;
     // Enqueues a segment of the paths in queue_, but for the compaction after it.
     virtual void trace(std::uint32_t segment) = 0;
@@ -63,16 +64,16 @@ protected:
     // a round finds it.
     virtual LiveCounts end_round(const Queue& before);
 
-    // Sets queue_ up as a render finds it, with so many paths in play.
+    // Resets queue_ to the state in which a batch starts, with `paths` paths in play.
     void start_queue(std::uint32_t paths);
-    // Counts a segment that was enqueued, and compacts where the kernel did not.
+    // Counts a segment that was enqueued, and compacts the queue where the kernel has not appended to it.
     void end_segment(std::uint32_t segment);
     bool is_last(std::uint32_t segment) const { return segment + 1 == job_.longest_path; }
     const std::uint32_t* order() const { return queue_.indirect ? queue_.order : nullptr; }
     const IntegratorNeeds& needs() const { return needs_; }
     const Batches& batches() const { return batches_; }
 
-    Queue queue_;  // of the batch being enqueued
+    Queue queue_;  // queue of the batch being enqueued
     const bool appends_;
 
 private:
@@ -91,7 +92,7 @@ private:
     Batches batches_;
     bool reads_back_;  // the host learns the count after each compaction
     PinnedWords pinned_;
-    Queue start_;  // in the state in which a batch starts
+    Queue start_;  // queue in the state in which a batch starts
     PathBytes path_bytes_;
 };
 

@@ -3,7 +3,7 @@
 
 #include "variants/cuda/device/device.cuh"
 
-// Moves the number of a CUDA graph's first sample on, on the device, for the next launch.
+// Advances the first sample of a CUDA graph, in device memory, for its next launch.
 PT_UNBOUNDED_KERNEL(advance, pt::cuda::AdvanceParameters, (std::uint32_t * cursor, std::uint32_t samples)) {
     if (threadIdx.x == 0) {
         *cursor += samples;

@@ -1,5 +1,5 @@
-// Appending to a queue in global memory from many threads: where each kept element goes.
-// Device side; kernel_config.block threads a block. Every thread of the block must call these.
+// Appending to a queue in global memory from many threads: finds the position of each kept element.
+// Device code for blocks of kernel_config.block threads. Every thread of a block must call these functions.
 #pragma once
 
 #include "variants/cuda/device/device.cuh"
@@ -7,8 +7,8 @@
 
 namespace pt::cuda {
 
-// Hands every thread that keeps a value its position, by one atomic operation a warp. Adinetz 2014, "CUDA Pro Tip:
-// Optimized Filtering with Warp-Aggregated Atomics".
+// Gives every thread that keeps a value its position in a queue, by one atomic operation per warp. Adinetz 2014, "CUDA
+// Pro Tip: Optimized Filtering with Warp-Aggregated Atomics".
 __device__ inline std::uint32_t append_by_warp(std::uint32_t* count, bool keep) {
     const unsigned kept = __ballot_sync(0xffffffffu, keep);
     std::uint32_t first = 0;
@@ -19,8 +19,8 @@ __device__ inline std::uint32_t append_by_warp(std::uint32_t* count, bool keep) 
     return first + static_cast<std::uint32_t>(__popc(kept & ((1u << lane()) - 1u)));
 }
 
-// Hands every thread that keeps a value its position, by one atomic operation a block: the warps' counts are scanned in
-// shared memory. Within a block the order is kept.
+// Gives every thread that keeps a value its position in a queue, by one atomic operation per block: the warps' counts
+// are scanned in shared memory. Within a block the order is kept.
 __device__ inline std::uint32_t append_by_block(std::uint32_t* count, bool keep) {
     constexpr unsigned warps = kernel_config.block / warp_size;
     __shared__ std::uint32_t before[warps];
@@ -49,11 +49,11 @@ __device__ inline std::uint32_t append_by_block(std::uint32_t* count, bool keep)
     }
     __syncthreads();
     const std::uint32_t position = before[warp] + static_cast<std::uint32_t>(__popc(kept & ((1u << lane()) - 1u)));
-    __syncthreads();  // `before` may be used again
+    __syncthreads();  // after this barrier `before` may be written again
     return position;
 }
 
-// Empties a list once all blocks have called it. Every thread of a block must call it, as the last thing.
+// Resets a list's counts once all blocks have called it. Every thread of a block must call it, as the last thing.
 __device__ inline void finish_list(ListCounts* counts) {
     __syncthreads();
     if (threadIdx.x == 0) {
@@ -64,10 +64,10 @@ __device__ inline void finish_list(ListCounts* counts) {
     }
 }
 
-// What a block has gathered: element i below count has place first + i among all that the kernel's blocks gather.
+// Elements gathered by a block: element i below `count` has position first + i among those of all blocks.
 struct Gathered {
-    std::uint32_t first, count;   // of no elements `first` says nothing
-    const std::uint32_t* values;  // in shared memory, until the block gathers again
+    std::uint32_t first, count;   // `first` is undefined where nothing was gathered
+    const std::uint32_t* values;  // gathered values in shared memory, valid until the block gathers again
 };
 
 // append_by_block, with the kept values of the block side by side in shared memory, in the order of their threads.
@@ -76,7 +76,7 @@ __device__ inline Gathered gather_by_block(std::uint32_t* count, bool keep, std:
     __shared__ std::uint32_t first;
     const std::uint32_t position = append_by_block(count, keep);
     if (threadIdx.x == 0) {
-        first = position;  // of the block's first kept element, whether or not this thread keeps its own
+        first = position;  // position of the block's first kept element
     }
     const std::uint32_t kept = static_cast<std::uint32_t>(__syncthreads_count(keep ? 1 : 0));
     if (keep) {

@@ -1,4 +1,4 @@
-// The kernels of the appending compactions. Who includes this names the way to append: append(count, keep).
+// Kernels of the appending compactions. The file that includes this one defines append(count, keep).
 #pragma once
 
 #include "variants/cuda/device/append.cuh"

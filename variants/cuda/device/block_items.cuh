@@ -4,8 +4,8 @@
 #include "variants/cuda/device/items.cuh"
 #include "variants/cuda/device/warp_lock.cuh"
 
-// Pieces of the image, numbered strip by strip within `samples_per_piece` samples of the whole image, and a counter in
-// global memory of those taken.
+// Pieces of work on the image: `samples_per_piece` samples of a strip of 32 pixels each, numbered strip by strip.
+// `next` counts the pieces taken, in global memory.
 struct Pieces {
     std::uint32_t pixels, width, first_sample, samples, samples_per_piece;
     std::uint64_t* next;
@@ -23,16 +23,16 @@ struct Pieces {
     }
 };
 
-// What a warp is given: items first to first + count - 1 of `items`; less than it asked for at a piece's end.
+// Items given to a warp: first to first + count - 1 of `items`; fewer than it asked for at a piece's end.
 struct GivenItems {
     Items items;
     std::uint32_t first, count;
-    bool is_exhausted;  // and so it will be from now on
+    bool is_exhausted;  // no items are left, for any later call either
 };
 
 class BlockItems {
 public:
-    // Begins with no items. Every thread of the block must call it, and meet the others before it takes anything.
+    // Starts a block without items. Every thread of the block must call it, and synchronise before any takes items.
     __device__ void begin() {
         if (threadIdx.x == 0) {
             locked_ = next_ = 0;
@@ -40,7 +40,7 @@ public:
         }
     }
 
-    // Takes up to so many items for the warp. Every lane must call it, with the same number.
+    // Takes up to `wanted` items for the warp. Every lane must call it, with the same number.
     __device__ GivenItems take(const Pieces& pieces, std::uint32_t wanted) {
         pt::cuda::acquire(locked_);
         GivenItems given{items_, next_, 0, false};

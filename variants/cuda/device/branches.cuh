@@ -1,5 +1,5 @@
-// What a thread keeps of the path that it traces besides its state: nothing, or, in kernels whose paths split, the
-// branches that wait (kernels/path_tree.h).
+// What a thread keeps beside the state of its path: nothing or, in kernels whose paths split, the branches that wait
+// (kernels/path_tree.h).
 #pragma once
 
 #include "kernels/path_tree.h"
@@ -7,12 +7,12 @@
 
 template <bool splits>
 struct Branches {
-    // Takes one step of the path, or of a branch of it. Returns whether it lives.
+    // Takes one step of the path, or of a branch of it. Returns whether the path lives.
     __device__ bool take_step(const SceneViews& scene, Path& path, pt::WalkOf<Configuration>& walk,
                               const HitCache& cache, ThreadCounters& counters) {
         return ::take_step(scene, path, walk, cache, counters);
     }
-    // Traces the path to its end. A kernel with everything shades in one place, since a second one would double it.
+    // Traces the path to its end. A kernel with all features has one call of shade, since a second one would double it.
     __device__ void finish(const SceneViews& scene, Path& path, const HitCache& cache, ThreadCounters& counters) {
         if constexpr (pt::has_everything(Configuration::features)) {
             while (shade(scene, path, next_hit(scene, path, cache), counters)) {
@@ -24,7 +24,7 @@ struct Branches {
             }
         }
     }
-    // Rays traced for a path that has ended, and segments of its longest branch; both are its number of segments here.
+    // Rays traced for a path that has ended, and segments of its longest branch; without splitting the same number.
     __device__ std::uint32_t rays(const Path& path) const { return path.segment; }
     __device__ std::uint32_t longest(const Path& path) const { return path.segment; }
     __device__ void start_again() {}

@@ -1,4 +1,4 @@
-// What bounds a counting sort on the device. Shared by host and NVRTC.
+// Bound on the keys of a counting sort on the device. Shared by host and NVRTC.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// What every kernel that NVRTC compiles starts from: the types of the variant, and adding up over a block.
+// Common header of all kernels that NVRTC compiles: the types of the variant, and sums over a thread block.
 // The program's text (program_text in variants/cuda/runtime/module.cpp) begins with what the host has chosen: Real,
 // kernel_config, the layout (Paths), the accelerator, where the scene's arrays lie; and goes on with the sort key.
 #pragma once
@@ -9,9 +9,9 @@
 #include "variants/cuda/device/path_store.h"
 #include "variants/cuda/device/warp_reduce.cuh"
 
-// The head of a kernel, with its parameters in brackets: it compiles only if they are what the host launches it with,
-// in number, type and size. The parameters are one struct on the host's side alone: as one parameter of the kernel they
-// are loaded elsewhere, and kernels have other registers. host_bytes is in the program's text.
+// Declares a kernel, with its parameters in brackets: it compiles only if they match the host's launch in number, type
+// and size. The parameters are one struct on the host alone: as one parameter of the kernel they are loaded elsewhere,
+// and kernels have other registers. host_bytes is in the program's text.
 #define PT_KERNEL_WITH(bounds, name, Parameters, ...)                                                      \
     extern "C" __global__ void bounds name __VA_ARGS__;                                                    \
     static_assert(pt::cuda::is_kernel_of<Parameters, decltype(name)>(#name), "not the host's parameters"); \
@@ -45,7 +45,7 @@ __device__ inline std::uint32_t lane() { return threadIdx.x % warp_size; }
 __device__ inline std::uint32_t thread_number() { return blockIdx.x * blockDim.x + threadIdx.x; }
 __device__ inline std::uint32_t thread_count() { return gridDim.x * blockDim.x; }
 
-// The next number of a counter in global memory, one for the warp. Every lane must call it.
+// Takes the next number of a counter in global memory, one for the warp. Every lane must call it.
 __device__ inline std::uint32_t take_number(std::uint64_t* counter) {
     unsigned long long taken = 0;
     if (lane() == 0) {
@@ -88,9 +88,9 @@ __device__ inline void add_votes(std::uint64_t* total, bool vote) {
     }
 }
 
-// Adds up the counts of a kernel that shades one segment a thread: whether the thread's path ended and, where the
-// features know them, rare events. Rays are told from how many paths were traced. Every thread of the block must call
-// it.
+// Adds up the counts of a kernel that shades one segment a thread: whether the thread's path ended and, in kernels that
+// may have them, connections and unfinished walks. The number of rays follows from that of paths traced. Every thread
+// of the block must call it.
 __device__ inline void add_shade_counters(Totals* totals, const ThreadCounters& counters) {
     Totals* const mine = own_copy(totals);
     add_votes(&mine->paths.paths, counters.paths != 0);
@@ -138,9 +138,9 @@ __device__ inline void add_counters(Totals* totals, const ThreadCounters& counte
 
 }  // namespace pt::cuda
 
-// A scene as kernels use it: `shade` for a surface that each lane chooses for itself, `trace` for all objects in turn.
-// A kernel for one scene has copies, of which little is left: where the variant fixes the numbers of objects, they are
-// constants from here on.
+// A scene as kernels read it: `shade` for the surface that each lane has hit, `trace` for all objects in turn. A kernel
+// for one scene has copies, of which little is left: where the variant fixes the numbers of objects, they are
+// constants.
 struct OwnSceneViews {
     Scene shade, trace;
 
@@ -190,9 +190,9 @@ private:
     }
 };
 
-// A kernel with everything is more than the compiler inlines, and each thread would write its copies to local memory
-// for the functions that are called. So it reads the parameter where it is, and each block keeps one copy, for tracing,
-// in shared memory: as bytes, for what is shared has no constructor.
+// The scene of a kernel with all features, which is too large to be inlined: each thread would write its copies to
+// local memory for the functions that it calls. So the kernel reads the parameter in place, and each block keeps one
+// copy, for tracing, in shared memory: as bytes, since shared variables have no constructor.
 struct SharedSceneViews {
     const Scene &shade, &trace;
 
@@ -235,7 +235,7 @@ __device__ inline Path load_path(const Paths& paths, std::uint32_t slot, const S
     return path;
 }
 
-// The start of a path: its own camera ray or, with a first-bounce cache, the kept one that the sample uses.
+// Start of a path: the sample's own camera ray or, with a first-bounce cache, the cached one that it uses.
 __device__ inline Path first_path(const Scene& scene, const pt::PixelPlace& place, std::uint32_t sample,
                                   const HitCache& cache) {
     return pt::generate<Configuration>(scene, place, sample,
@@ -263,10 +263,10 @@ __device__ inline Hit next_hit(const SceneViews& scene, const Path& path, const 
     return kernel_config.keeps_first_hits && path.segment == 0 ? first_hit(scene, path, cache) : trace(scene, path);
 }
 
-// Stands in for a costlier material: kernel_config.shading_fmas dependent multiply-adds, executed material by material,
-// so that a warp whose lanes hit k materials pays for k. The path depends on the result as far as ptxas can tell (it
-// drops unused inline assembly, volatile or not): x starts at 0 or above and never falls, so it is never below 0 in
-// fact.
+// Injects the cost of a costlier material: kernel_config.shading_fmas dependent multiply-adds, executed material by
+// material, so that a warp whose lanes hit k materials pays for k. The path depends on the result as far as ptxas can
+// tell (it drops unused inline assembly, volatile or not): x starts at 0 or above and never falls, so it is never below
+// 0 in fact.
 __device__ inline void injected_cost(const Scene& scene, const Hit& hit, Path& path) {
     if constexpr (kernel_config.shading_fmas > 0) {
         const std::uint32_t mine = hit.side.exists() ? scene.object_material[hit.side.object()] : 0xffffffffu;

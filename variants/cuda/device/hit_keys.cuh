@@ -1,4 +1,4 @@
-// The sort keys of paths whose rays have been traced. Device side; after the program's sort_key.
+// Sort keys of paths whose rays have been traced. Device code, included after the program's sort_key.
 #pragma once
 
 #include "variants/cuda/device/device.cuh"
@@ -6,8 +6,8 @@
 
 namespace pt::cuda {
 
-// The sort key of a path by what its ray has met: its material (the number of materials where it met nothing), then
-// what the axis sort_key adds. By chunk: the chunk that its slot lies in, then its material.
+// Sort key of a path by its hit: the material (the number of materials after a miss), then the bits that the axis
+// sort_key adds. With sort_key by chunk: the chunk that the path's slot lies in, then the material.
 __device__ inline std::uint32_t key_of(const ::Scene& scene, const Ray<Real>& ray, const Hit<Real>& hit,
                                        std::uint32_t slot, std::uint32_t bits, std::uint32_t chunk,
                                        const KeyBounds& bounds) {

@@ -1,4 +1,4 @@
-// What a warp that goes through the image is given: a strip of 32 pixels, and samples of it.
+// What a warp that goes through the image is given: samples of a strip of 32 pixels.
 #pragma once
 
 #include "variants/cuda/device/device.cuh"
@@ -7,13 +7,13 @@
 // (i / 32) * sample_stride. A strip may reach beyond the last pixel; such items are passed over.
 struct Items {
     std::uint32_t count;
-    std::uint32_t pixels;  // the device's own
-    std::uint32_t width;   // of the image
-    pt::PixelPlace first;  // among its own
+    std::uint32_t pixels;  // number of the device's own pixels
+    std::uint32_t width;   // width of the image
+    pt::PixelPlace first;  // first pixel of the strip, among the device's own
     std::uint32_t first_sample, sample_stride;
 
     __device__ bool exists(std::uint32_t item) const { return item < count && first.index + item % warp_size < pixels; }
-    // The pixel of an item. The division by the width is made once a strip instead of once a path.
+    // Pixel of item number `item` of a strip. The division by the image's width is made once a strip, not once a path.
     __device__ pt::PixelPlace place(std::uint32_t item) const {
         const std::uint32_t step = item % warp_size;
         const std::uint32_t x = first.x + step;

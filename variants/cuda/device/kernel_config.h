@@ -1,5 +1,5 @@
-// What a program that NVRTC compiles is compiled for. The host writes one of these into the program's text, as the
-// constant `kernel_config` (text_of), and the kernels read it; shared by both sides.
+// What NVRTC compiles a program for. The host writes a KernelConfig into the program's text, as the constant
+// `kernel_config` (text_of), and the kernels read it; shared by both sides.
 #pragma once
 
 #include "kernels/config.h"
@@ -9,8 +9,8 @@ namespace pt::cuda {
 
 inline constexpr std::uint32_t warp_size = 32;
 
-// The numbers of a scene's objects, which of them are a room's walls (AxisAlignedEnclosure) and which is its one light,
-// where a program is for scenes with the same numbers alone.
+// Numbers of a scene's objects, its walls (AxisAlignedEnclosure) and its one light, in a program that is compiled for
+// scenes with the same numbers alone.
 struct FixedCounts {
     static constexpr std::uint32_t none = 0xffffffffu;
 #define PT_COUNT(name, kind, word) std::uint32_t name = 0;
@@ -18,7 +18,7 @@ struct FixedCounts {
 #undef PT_COUNT
     std::uint32_t walls = 0, lamps = 0, open_sides = 0;
     std::uint32_t low_sides[3] = {0, 0, 0}, high_sides[3] = {0, 0, 0};
-    std::uint32_t one_light = none;  // the object; none: lights are none or several
+    std::uint32_t one_light = none;  // object of the only light; none: no light or several
 
     PT_HD constexpr std::uint32_t objects() const {
         std::uint32_t sum = 0;
@@ -31,11 +31,11 @@ struct FixedCounts {
 
 struct KernelConfig {
     FeatureSet features = no_features;
-    std::uint32_t block = 256;                // threads
-    std::uint32_t min_blocks = 0;             // that a multiprocessor must be able to hold at once; 0: no bound
+    std::uint32_t block = 256;                // threads of a block
+    std::uint32_t min_blocks = 0;             // blocks that a multiprocessor must hold at once; 0: no bound
     bool keeps_first_hits = false;            // there is a first-bounce cache
-    std::uint32_t shading_fmas = 0;           // injected cost of a material
-    std::uint32_t constant_scene_bytes = 16;  // of the arrays in constant memory, where the program has them there
+    std::uint32_t shading_fmas = 0;           // multiply-adds injected as cost of a material
+    std::uint32_t constant_scene_bytes = 16;  // bytes of the scene's arrays in constant memory, if they lie there
     bool has_fixed_counts = false;
     FixedCounts counts = {};
 };

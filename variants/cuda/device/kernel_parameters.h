@@ -1,6 +1,6 @@
-// A kernel's parameters are a struct that both sides include and that says by its member `kernel` whose they are: the
-// host launches by the type of the struct, with its members as the kernel's parameters, and a kernel compiles only if
-// its parameters are those members (PT_KERNEL in device.cuh). Shared by host and NVRTC.
+// A kernel's parameters are a struct for host and device, whose member `kernel` names the kernel: the host launches by
+// the type of the struct, with its members as the kernel's parameters, and a kernel compiles only if its parameters are
+// those members (PT_KERNEL in device.cuh). Shared by host and NVRTC.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@ namespace pt::cuda {
 
 namespace members {
 
-// Converts to any type, to count the members of a struct by how many values initialise it.
+// A value of any type, to count the members of a struct by how many values initialise it.
 struct Any {
     template <class T>
     operator T() const;  // NOLINT: converts; only in expressions that are not evaluated
@@ -34,7 +34,7 @@ List<std::remove_const_t<Types>...> list_of(Types&...);
 
 }  // namespace members
 
-// Calls visit(member, ...) with the members of a struct of no more than 16.
+// Calls visit(member, ...) with all members of a struct that has no more than 16.
 template <class Struct, class Visit>
 constexpr decltype(auto) visit_members(const Struct& s, Visit&& visit) {
     constexpr std::size_t count = members::count<Struct>();
@@ -116,8 +116,8 @@ constexpr bool is_kernel_of(const char* name) {
 struct KernelSignature {
     const char* name = nullptr;
     std::size_t parameter_bytes = 0;
-    bool is_reported = true;           // does the work: its registers are in results
-    std::uint32_t most_threads = ~0u;  // of a block, where that is fewer than the program's
+    bool is_reported = true;           // whether results have the kernel's register count
+    std::uint32_t most_threads = ~0u;  // most threads of a block, if fewer than the program's
 };
 
 template <class Parameters>

@@ -6,10 +6,10 @@
 
 namespace pt::cuda {
 
-// All are 0 when a kernel begins to fill the list.
+// Counts of a list, all 0 when a kernel begins to fill it.
 struct ListCounts {
-    std::uint32_t waiting;   // entries of the list
-    std::uint32_t taken;     // of them, those that were handed out
+    std::uint32_t waiting;   // number of entries in the list
+    std::uint32_t taken;     // number of entries that were handed out
     std::uint32_t finished;  // blocks that are done with the list
 };
 

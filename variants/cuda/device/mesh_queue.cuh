@@ -1,4 +1,4 @@
-// What the kernel with a thread a path does for those that fetch paths (mesh_queue.h).
+// For kernels with one thread per path: listing the paths that the fetching kernel takes through meshes (mesh_queue.h).
 #pragma once
 
 #include "variants/cuda/device/append.cuh"
@@ -6,16 +6,16 @@
 
 namespace pt::cuda {
 
-// Whether the accelerator is a choice of the axis traversal that has a kernel for itself.
+// Whether a choice of the axis `traversal` fetches paths by a kernel of its own.
 template <class Traversal>
 inline constexpr bool fetches_paths = requires {
     Traversal::fetches_paths;
 };
 
-// The kernel's features but for meshes.
+// The kernel's configuration without meshes.
 using WithoutMeshes = Config<Real, ::Configuration::features & ~static_cast<FeatureSet>(Feature::mesh), Accelerator>;
 
-// A mesh as a path meets it: the ray in its space, and the walk at the root of its tree.
+// A ray in a mesh's space, and its traversal at the root of the mesh's tree.
 template <class Traversal>
 struct MeshWalk {
     using Walk = typename Traversal::template Walk<Real>;
@@ -34,7 +34,7 @@ struct MeshWalk {
     }
 };
 
-// The stack of a walk that ends after its root: it only says whether something would wait.
+// Stack of a traversal that ends after the root: it only records whether the ray enters a child.
 template <class Open>
 class RootStack {
 public:
@@ -56,7 +56,7 @@ private:
     bool has_entered_ = false;
 };
 
-// Whether the ray, which meets `best` among the other shapes, enters a child of a mesh's root before that.
+// Whether a ray whose closest hit among the other shapes is `best` enters a child of a mesh's root before that hit.
 template <class Traversal>
 __device__ inline bool enters_mesh(const ::Scene& scene, const Ray<Real>& ray, const Hit<Real>& best) {
     using Walk = typename MeshWalk<Traversal>::Walk;
@@ -74,7 +74,7 @@ __device__ inline bool enters_mesh(const ::Scene& scene, const Ray<Real>& ray, c
     return false;
 }
 
-// Lists the positions of the threads whose path `waits`. Every thread of the block must call it.
+// Appends the positions of the threads whose path `waits` to the mesh queue. Every thread of the block must call it.
 __device__ inline void put_position(const MeshQueue& queue, bool waits, std::uint32_t position) {
     const std::uint32_t place = append_by_block(&queue.counts->waiting, waits);
     if (waits) {

@@ -1,6 +1,6 @@
-// Paths of a queue whose rays go on through meshes: the kernel that traces a path a thread meets the scene's other
-// shapes and the root of each tree, and lists the paths that enter one; persistent warps work the list off. For NVRTC,
-// nvcc and the host compiler alike.
+// Paths of a queue whose rays go on through meshes: the kernel with one thread per path intersects the other shapes and
+// the root of each mesh's tree, and lists the paths that enter one; persistent warps work off the list. For NVRTC, nvcc
+// and the host compiler alike.
 #pragma once
 
 #include "variants/cuda/device/key_bounds.h"
@@ -10,8 +10,8 @@
 
 namespace pt::cuda {
 
-// Threads of a block of the kernel that works the list off, in programs of so many a block. Seven blocks of 128 leave a
-// thread 72 registers, which hold a ray's state without spills (H200: 0.97 of the time with 64).
+// Block size of the kernel that works off the mesh queue, in programs of `block` threads per block. Seven blocks of 128
+// leave a thread 72 registers, which hold a ray's state without spills (H200: 0.97 of the time with 64).
 inline constexpr std::uint32_t most_fetching_threads = 128;
 PT_HD constexpr std::uint32_t fetching_block(std::uint32_t block) {
     return block < most_fetching_threads ? block : most_fetching_threads;
@@ -20,26 +20,26 @@ PT_HD constexpr std::uint32_t fetching_blocks_at_once(std::uint32_t block, std::
     return static_cast<std::uint32_t>(7 * most_fetching_threads * sizeof(float) / real_bytes) / fetching_block(block);
 }
 
-// A list with room for every position of the queue. Null where the traversal needs no kernel of its own.
+// List of the queue positions that enter a mesh, with room for all. Null: the traversal has no kernel of its own.
 struct MeshQueue {
     std::uint32_t* positions = nullptr;
     ListCounts* counts = nullptr;
 };
 
-// Parameters of the kernel for the paths at the listed positions, whose hits among the other shapes are in `hits`. With
-// `keys`, it also writes the sort key of each.
+// Parameters of the kernel that takes the paths at the listed positions through meshes; their hits among the other
+// shapes are in `hits`. With `keys`, the kernel also writes their sort keys.
 template <class Real>
 struct IntersectMeshesParameters {
     static constexpr const char* kernel = "intersect_meshes";
     static constexpr std::uint32_t most_threads = most_fetching_threads;
     SceneView<Real> scene;
     PathStore store;
-    const std::uint32_t* order;  // null: slot i at position i
+    const std::uint32_t* order;  // slots by position; null: slot i at position i
     MeshQueue queue;
     StoredHit<Real>* hits;
     std::uint32_t* keys;
     std::uint32_t bits;
-    std::uint32_t chunk;  // slots; read by keys by chunk only
+    std::uint32_t chunk;  // slots in a chunk; only for sort keys by chunk
     KeyBounds bounds;
 };
 

@@ -1,11 +1,11 @@
-// What comes next for a path, as a number, and the path itself in words of 32 bits, four to a column: as it lies in
+// The kind of a path's next stage as a number, and the path packed in words of 32 bits, four to a column, as it lies in
 // shared memory between two stages (path_pool.cuh).
 #pragma once
 
 #include "variants/cuda/device/device.cuh"
 
-// The kinds of paths that met a surface, by its material's type: 4 bits a type. Only types that these kernels have are
-// told apart, and only where tuned::by_material asks for it.
+// Kinds of paths that hit a surface, by material type: 4 bits per type. Only types that these kernels have are told
+// apart, and only where tuned::by_material asks for it.
 struct SurfaceKinds {
     std::uint64_t table = 0;
     std::uint32_t count = 0;
@@ -30,11 +30,11 @@ struct Kinds {
     // Kind of a path that shading ends, or of a slot without a path: a new path begins.
     static constexpr std::uint32_t over = 0;
     static constexpr SurfaceKinds surfaces = SurfaceKinds::after(over + 1);
-    static constexpr std::uint32_t walking = over + 1 + surfaces.count;       // within a body
-    static constexpr std::uint32_t starting = walking + (has_walks ? 1 : 0);  // its next ray is yet to be traced
-    static constexpr std::uint32_t lists = starting + (has_walks ? 1 : 0);    // number of the kinds above
-    static constexpr std::uint32_t retired = lists;                           // the slot gets no path any more
-    static constexpr std::uint32_t nothing = lists + 1;                       // the lane has no slot
+    static constexpr std::uint32_t walking = over + 1 + surfaces.count;       // path on a walk in a body
+    static constexpr std::uint32_t starting = walking + (has_walks ? 1 : 0);  // path whose next ray is yet to be traced
+    static constexpr std::uint32_t lists = starting + (has_walks ? 1 : 0);    // number of kinds with a ring of paths
+    static constexpr std::uint32_t retired = lists;                           // slot that gets no path any more
+    static constexpr std::uint32_t nothing = lists + 1;                       // lane without a slot
     static_assert(nothing < 16);
 
     __device__ static std::uint32_t of(pt::MaterialType type) {
@@ -63,7 +63,7 @@ __device__ constexpr std::size_t bytes_carried() {
     return bytes;
 }
 
-// A path's carried fields (PT_PATH_FIELDS) and what it met or, on a walk, where that is, in columns of 16 bytes.
+// A path's carried fields (PT_PATH_FIELDS) and its hit or, on a walk, the walk's place, in columns of 16 bytes.
 class PackedPath {
     static constexpr std::size_t words = bytes_carried() / 4 + sizeof(Real) / 4 + 1 + (Kinds::has_walks ? 1 : 0);
 

@@ -1,5 +1,5 @@
-// Parameters of the kernels that several integrators have, a struct a kernel (kernel_parameters.h). Shared by host and
-// NVRTC.
+// Parameters of the kernels that several integrators have, one struct per kernel (kernel_parameters.h). Shared by host
+// and NVRTC.
 #pragma once
 
 #include "kernels/scene_view.h"
@@ -7,7 +7,7 @@
 
 namespace pt::cuda {
 
-// Traces the camera rays that `samples` samples, no more than the cache keeps, will use: one thread a pixel.
+// Parameters of the kernel that fills the first-bounce cache by `samples` camera rays per pixel, one thread a pixel.
 template <class Real>
 struct FillCacheParameters {
     static constexpr const char* kernel = "fill_cache";
@@ -18,7 +18,7 @@ struct FillCacheParameters {
     Totals* totals;
 };
 
-// Parameters of the kernel that moves the number of a CUDA graph's first sample on, for the next launch.
+// Parameters of the kernel that advances the first sample of a CUDA graph for its next launch.
 struct AdvanceParameters {
     static constexpr const char* kernel = "advance";
     std::uint32_t* cursor;

@@ -1,9 +1,9 @@
-// A block's paths between two stages, in shared memory, and a ring of them for each kind of what comes next: a warp
-// takes up to 32 paths of one kind, whoever worked on them before, does what comes next, and hands them back. No warp
-// waits for another: a ring's ends are moved by atomic operations, and an entry says by itself whether it is there.
+// Paths of a thread block between two stages, in shared memory, and a ring of them for each kind of next stage: a warp
+// takes up to 32 paths of one kind, whoever worked on them before, runs their stage, and hands them back. No warp waits
+// for another: a ring's ends are moved by atomic operations, and an entry itself says whether it is filled.
 //
-// By the pigeonhole principle enough paths keep every warp full: those that other warps hold are 32 a warp, and of the
-// rest some kind has at least 32 as soon as there are more than 31 for each kind.
+// By the pigeonhole principle enough paths keep every warp full: other warps hold 32 paths each, and among the rest
+// some kind has at least 32 as soon as there are more than 31 for each kind.
 #pragma once
 
 #include "variants/cuda/device/packed_path.cuh"
@@ -19,7 +19,7 @@ struct PoolSize {
     static constexpr std::uint32_t enough = kernel_config.block - warp_size + 31 * Kinds::lists + 1;
     static constexpr std::uint32_t wanted = tuned::pool != 0 ? tuned::pool : enough;
 
-    // Entries of a ring for so many slots: a power of two, so that positions may wrap around.
+    // Number of ring entries for `slots` slots: a power of two, so that positions may wrap around.
     __device__ static constexpr std::uint32_t ring(std::uint32_t slots) {
         std::uint32_t entries = warp_size;
         while (entries < slots) {
@@ -27,8 +27,8 @@ struct PoolSize {
         }
         return entries;
     }
-    // Number of slots: as many as wanted, in whole warps, as far as a block's shared memory holds them (48 KiB without
-    // asking for more).
+    // Number of a block's path slots: as many as wanted, in whole warps, as far as its shared memory holds them (48 KiB
+    // without asking for more).
     __device__ static constexpr std::uint32_t slots() {
         std::uint32_t fit = (wanted + warp_size - 1) / warp_size * warp_size;
         while (16 * PackedPath::columns * fit + 2 * Kinds::lists * ring(fit) > 49152 - 512 - scene_bytes_shared) {
@@ -61,7 +61,7 @@ public:
         __syncthreads();
     }
 
-    // Hands back the lane's slot, with the kind of what its path does next, and takes slots of the kind that most paths
+    // Hands back the lane's slot, with the kind of its path's next stage, and takes slots of the kind that most paths
     // wait for. Every lane of the warp must call it.
     __device__ Taken exchange(std::uint32_t slot, std::uint32_t kind) {
         put(slot, kind);
@@ -95,7 +95,7 @@ private:
             first = atomicAdd(&tails_[kind], static_cast<std::uint32_t>(__popc(peers)));
         }
         first = __shfl_sync(pt::cuda::all_lanes, first, __ffs(static_cast<int>(peers)) - 1);
-        // Positions that are a ring apart share an entry: who read it last may yet have to say so.
+        // Positions a ring's length apart share an entry, which the last reader may not have emptied yet.
         bool has_entry = kind < Kinds::lists;
         while (__any_sync(pt::cuda::all_lanes, has_entry)) {
             if (has_entry) {
@@ -114,8 +114,8 @@ private:
         std::uint32_t first = 0;
         bool has_taken = false;
         do {
-            // The head is read first: then the tail is not behind it, and what lies between is there until the head
-            // moves.
+            // A ring's head is read before its tail: then the tail is not behind it, and the entries in between are
+            // there until the head moves.
             const std::uint32_t head = lane <= Kinds::retired ? pt::cuda::load_acquire(heads_[lane]) : 0;
             const std::uint32_t tail = lane <= Kinds::retired ? pt::cuda::load_acquire(tails_[lane]) : 0;
             const std::uint32_t fullest = pt::cuda::warp_max(lane < Kinds::lists ? (tail - head) << 5 | lane : 0);
@@ -134,7 +134,7 @@ private:
             }
         } while (!has_taken && !taken.finished);
         taken.count = has_taken ? taken.count : 0;
-        // An entry whose position is given away but that is not yet written will be in a moment.
+        // A ring entry that was taken but is not yet written will be written in a moment: wait for it.
         taken.slot = 0;
         bool waits = lane < taken.count;
         while (__any_sync(pt::cuda::all_lanes, waits)) {

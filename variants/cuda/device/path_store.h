@@ -1,4 +1,4 @@
-// What the layouts on the device build on, for NVRTC, nvcc and the host compiler alike.
+// Storage of paths, on which the layouts on the device build, for NVRTC, nvcc and the host compiler alike.
 #pragma once
 
 #include <cstddef>
@@ -11,13 +11,13 @@ namespace pt::cuda {
 // The paths of a queue in device memory: one block whose inner order is the layout's.
 struct PathStore {
     unsigned char* base = nullptr;
-    std::uint32_t capacity = 0;  // slots
+    std::uint32_t capacity = 0;  // number of slots
 };
 
 // One 32-bit field of the paths of a store, whatever the layout: slot i is at base + i * stride.
 struct FieldView {
     const unsigned char* base = nullptr;
-    std::uint32_t stride = 0;  // bytes
+    std::uint32_t stride = 0;  // bytes from one slot to the next
 };
 
 PT_HD inline std::uint32_t value_at(const FieldView& field, std::uint32_t slot) {

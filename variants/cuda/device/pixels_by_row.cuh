@@ -1,4 +1,4 @@
-// Which pixels a program's threads render: every so many-th row of the image, as one of several devices has them
+// Which pixels a program's threads render: every n-th row of the image, as one of several devices has them
 // (partition=tiles). Threads number the device's own pixels from 0, row-major; paths and the film have the image's
 // numbers.
 #pragma once

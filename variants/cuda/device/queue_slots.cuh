@@ -1,4 +1,4 @@
-// What a number in a queue stands for: a position's slot, and the path that a batch of samples has under it.
+// The slot at a position of a queue, and the path that has a number in a batch of samples.
 #pragma once
 
 #include "variants/cuda/device/device.cuh"
@@ -10,7 +10,7 @@ __device__ inline std::uint32_t slot_at(const std::uint32_t* order, std::uint32_
     return order != nullptr ? order[position] : position;
 }
 
-// The start of path n of a batch: it is of pixel n mod pixels and sample first_sample + n / pixels.
+// Start of path n of a batch, which is of pixel n mod pixels and sample first_sample + n / pixels.
 __device__ inline ::Path path_of_number(const ::Scene& scene, std::uint32_t number, std::uint32_t first_sample,
                                         const ::HitCache& cache) {
     const std::uint32_t pixels = own_pixels(scene);

@@ -1,4 +1,4 @@
-// A store in shared memory for paths of a warp that wait for a lane: column by column, with what this variant's paths
+// A store in shared memory for paths of a warp that wait for a lane: one column for each word that this variant's paths
 // carry.
 #pragma once
 
@@ -62,7 +62,7 @@ public:
     }
 
 private:
-    // Keeps what guides a walk. These are templates, so that kernels without guided walks need not compile them.
+    // Stores the guide of a guided walk. A template, so that kernels without guided walks need not compile it.
     template <class WalkHere>
     __device__ void put_guide(std::uint32_t slot, const WalkHere& walk) {
         if constexpr (guides_walks) {

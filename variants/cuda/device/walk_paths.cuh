@@ -1,15 +1,15 @@
 // The kernel that takes the subsurface walks of a queue's paths to their ends: part of the programs of integrators with
-// a queue, where the scene has such bodies. A lane whose walk has ended takes the next, so a warp does not wait for the
-// longest of 32.
+// a queue, if the scene has subsurface bodies. A lane whose walk has ended takes the next walker, so a warp does not
+// wait for the longest of 32 walks.
 #pragma once
 
 #include "variants/cuda/device/device.cuh"
 #include "variants/cuda/device/walkers.cuh"
 
-// Lanes of a warp that still walk when the others take new walkers: taking one costs a warp as much as taking many.
+// A warp takes new walkers once no more lanes than this still walk: taking one costs as much as taking many.
 inline constexpr int walking_at_fetch = 20;
 
-// Puts a path that has left its body where the next segment finds it, and ends one that is lost.
+// After a walk, puts a path that has left its body where the next segment finds it, and ends a path that is lost.
 __device__ inline void put_after_walk(const FilmView& film, const Path& path, bool alive, const Walker& walker,
                                       const PathStore& in, const PathStore& out, std::uint32_t* out_count,
                                       std::uint32_t parts, ThreadCounters& counters) {
@@ -43,7 +43,7 @@ PT_KERNEL(walk_paths, pt::cuda::WalkPathsParameters<Real>,
     Path path;
     std::uint32_t pixel = 0;
     bool walks = false;
-    unsigned walking = 0;  // lanes
+    unsigned walking = 0;  // lanes that are on a walk
     do {
         if (walkers.some_left() && __popc(walking) <= walking_at_fetch) {
             if (walkers.take(!walks, walker)) {
@@ -51,7 +51,7 @@ PT_KERNEL(walk_paths, pt::cuda::WalkPathsParameters<Real>,
                 path = load_path(Paths(in), walker.slot, scene.shade);
                 pixel = path.pixel;
                 if (contains(pt::sampler_of<Configuration>(scene.shade.seed), pt::Feature::minstd)) {
-                    path.pixel = walker.place;  // as where it was shaded
+                    path.pixel = walker.place;  // minstd is seeded by the place, as in the shading kernel
                 }
             }
         }

@@ -11,7 +11,7 @@ using Walker = pt::cuda::Walker<OwnWalk>;
 
 namespace pt::cuda {
 
-// Puts the walks that have begun into the list. Every lane of the warp must call it.
+// Appends walks that have begun to a list of walkers. Every lane of the warp must call it.
 __device__ inline void put_walkers(const WalkerList& list, const OwnWalk& walk, std::uint32_t slot,
                                    std::uint32_t place) {
     const std::uint32_t position = append_by_warp(&list.counts->waiting, walk.is_on());
@@ -25,7 +25,7 @@ class WalkersToTake {
 public:
     __device__ explicit WalkersToTake(const WalkerList& list) : list_(list), waiting_(list.counts->waiting) {}
 
-    // Whether some may be left. The same in all lanes of a warp.
+    // Whether walkers may be left in the list; the same in all lanes of a warp.
     __device__ bool some_left() const { return some_left_; }
     // Takes a walker for every lane that `wants` one, as far as there are some; says whether the lane has got one.
     // Every lane of the warp must call it.

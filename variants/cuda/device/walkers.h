@@ -11,7 +11,7 @@
 
 namespace pt::cuda {
 
-// A path on a walk. What else there is of it lies in its slot.
+// A path on a subsurface walk. The rest of the path's state lies in its slot.
 template <class Walk>
 struct Walker {
     std::uint32_t slot;
@@ -26,7 +26,7 @@ constexpr std::size_t walker_bytes(bool may_be_guided) {
 
 // A list of walkers with room for every path of the queue. Null: kernels take walks where they shade.
 struct WalkerList {
-    void* walkers = nullptr;  // Walker<WalkOf<..>>
+    void* walkers = nullptr;  // elements of type Walker<WalkOf<..>>
     ListCounts* counts = nullptr;
 };
 
@@ -37,8 +37,8 @@ struct WalkPathsParameters {
     SceneView<Real> scene;
     FilmView film;
     WalkerList list;
-    PathStore in;              // where the walkers' paths lie
-    PathStore out;             // with out_count: where paths go that have left their body
+    PathStore in;              // store in which the walkers' paths lie
+    PathStore out;             // with out_count: store for paths that have left their body
     std::uint32_t* out_count;  // a counter for each part of the queue; null: paths stay in their slots
     std::uint32_t parts;
     SegmentNumber segment;

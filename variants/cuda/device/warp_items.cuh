@@ -1,7 +1,7 @@
-// A warp that works off samples of strips of 32 pixels and stays full: a lane whose path ended takes one that waits in
-// shared memory, and once there are too few, all lanes put theirs there and begin the next 32 paths together, so that
-// camera rays are made, traced and shaded by full warps, side by side. No atomic operation. What megakernel_regen and
-// persistent share.
+// A warp that works off samples of strips of 32 pixels and stays full: a lane whose path has ended takes a path that
+// waits in shared memory, and once too few wait, all lanes put theirs there and begin the next 32 paths together, so
+// that camera rays are made, traced and shaded by full warps, side by side, without atomic operations. Shared by the
+// integrators megakernel_regen and persistent.
 #pragma once
 
 #include "variants/cuda/device/branches.cuh"
@@ -10,7 +10,7 @@
 // What a warp begins together: a sample of each of 32 pixels. A strip may reach beyond the last pixel; such pixels have
 // no path.
 struct Round {
-    pt::PixelPlace first;  // among the device's own pixels
+    pt::PixelPlace first;  // first pixel of the strip, among the device's own
     std::uint32_t sample;
 
     // The pixel of the calling lane. The division by the width is made once a strip instead of once a path.
@@ -25,28 +25,28 @@ struct Round {
     }
 };
 
-// Bytes of shared memory for waiting paths, of the 48 KiB that a block has without asking for more: what a traversal's
-// stacks and a kernel's sums take is left out.
+// Most bytes of shared memory for waiting paths: what a traversal's stacks and a kernel's sums leave of the 48 KiB that
+// a block has without asking for more.
 #ifdef PT_STACK_BYTES
 inline constexpr std::size_t most_waiting_bytes = 47 * 1024 - PT_STACK_BYTES - scene_bytes_shared;
 #else
 inline constexpr std::size_t most_waiting_bytes = 47 * 1024 - scene_bytes_shared;
 #endif
 
-// Traces what `rounds` gives: rounds.take(Round&, counters) says what comes next, or false once there is no more. Every
-// lane of the warp must call it, with the same rounds. `ended`: as in megakernel. The loop ends at its condition: nvcc
-// 13.0's ptxas miscompiles the form that breaks out from the middle.
+// Traces the paths that `rounds` gives: rounds.take(Round&, counters) sets the next round, or returns false once there
+// is none. Every lane of the warp must call it, with the same rounds. `ended`: counters of paths by their number of
+// segments, or null. The loop ends at its condition: nvcc 13.0's ptxas miscompiles a break out of the middle.
 template <class Rounds>
 __device__ inline void trace_items(const SceneViews& scene, const FilmView& film, Rounds& rounds, std::uint32_t pixels,
                                    const HitCache& cache, ThreadCounters& counters, std::uint64_t* ended) {
     constexpr std::uint32_t warps = (kernel_config.block + warp_size - 1) / warp_size;
-    // Paths wait only if their memory fits a block and they do not split: branches stay with their lane. Else warps
-    // begin paths only once all of theirs have ended.
+    // Paths wait in shared memory only if it has room for them, and not if they split: branches stay with their lane.
+    // Otherwise a warp begins paths only once all of its paths have ended.
     constexpr bool may_wait =
         !pt::has<Configuration>(pt::Feature::splitting) && warps * sizeof(WaitingPaths) <= most_waiting_bytes;
     __shared__ WaitingPaths waiting_of_warp[may_wait ? warps : 1];
     WaitingPaths& waiting = waiting_of_warp[may_wait ? threadIdx.x / warp_size : 0];
-    std::uint32_t waiting_count = 0;  // the same in all lanes, as `held` is
+    std::uint32_t waiting_count = 0;  // number of waiting paths; the same in all lanes, as `held` is
     unsigned held = 0;                // the lanes that hold a path, alive or ended
     bool alive = false;
     pt::WalkOf<Configuration> walk;
@@ -67,7 +67,7 @@ __device__ inline void trace_items(const SceneViews& scene, const FilmView& film
             const std::uint32_t wanted = __popc(~living);
             Round round;
             if (wanted > waiting_count && rounds.take(round, counters)) {
-                // There is room: fewer than 32 paths wait and live.
+                // Shared memory has room: fewer than 32 paths of the warp wait or live.
                 if (may_wait && alive) {
                     waiting.put(waiting_count + __popc(living & before), path, walk);
                 }

@@ -1,5 +1,5 @@
-// How the warps of a block hand things to each other in shared memory without a barrier: words that are released and
-// acquired, and a lock that a warp takes as a whole.
+// Communication of a block's warps in shared memory without a barrier: words with release and acquire order, and a lock
+// that a warp takes as a whole.
 #pragma once
 
 #include "variants/cuda/device/device.cuh"
@@ -31,9 +31,9 @@ __device__ inline void store_release(T& word, T value) {
 #endif
 }
 
-// Every lane must call both. What any lane has read or written before it releases happens before what any lane of the
-// warp that acquires next reads or writes: lanes are ordered by __syncwarp, lane 0 of both warps by fences around the
-// atomic operations. The other lanes wait at the __syncwarp, so that a warp never waits for its own.
+// A lock that a warp takes as a whole: every lane must call both functions. What any lane has read or written before a
+// release happens before what any lane of the next warp to acquire reads or writes: lanes are ordered by __syncwarp,
+// lane 0 of both warps by fences around the atomic operations. Only lane 0 spins, so a warp never waits for itself.
 __device__ inline void acquire(std::uint32_t& locked) {
     if (lane() == 0) {
         while (atomicCAS(&locked, 0u, 1u) != 0u) {

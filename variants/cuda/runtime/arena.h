@@ -1,4 +1,4 @@
-// The device memory of one cell: a single allocation, handed out in pieces. Who needs memory asks twice, first an arena
+// The device memory of one cell: a single allocation, handed out in pieces. Users of memory ask twice, first an arena
 // that only measures, then one that has as much as was measured, so nothing is allocated while a render runs.
 #pragma once
 

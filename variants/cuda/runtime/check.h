@@ -23,7 +23,7 @@ public:
 
 inline void check(cudaError_t code, const char* expression, const char* file, int line) {
     if (code != cudaSuccess) {
-        (void)cudaGetLastError();  // else it would be blamed on the next call
+        (void)cudaGetLastError();  // clears the error, which the next call would report otherwise
         throw Error(std::string(file) + ":" + std::to_string(line) + ": " + expression + ": " +
                     cudaGetErrorString(code));
     }
@@ -35,10 +35,10 @@ inline void check(cudaError_t code, const char* expression, const char* file, in
 
 namespace pt::cuda {
 
-// What cudaStreamQuery or cudaEventQuery found: whether the work is done.
+// Whether the work is done, by the result of cudaStreamQuery or cudaEventQuery.
 inline bool is_ready(cudaError_t found) {
     if (found == cudaErrorNotReady) {
-        (void)cudaGetLastError();  // no error, but kept as one
+        (void)cudaGetLastError();  // not ready is no error, but CUDA keeps it as one
         return false;
     }
     PT_CUDA_CHECK(found);

@@ -1,5 +1,5 @@
-// What the compiler says of a program's kernels: registers, spills, shared memory. From compilation alone, so for GPUs
-// too that nobody here has.
+// The compiler's report on a program's kernels: registers, spills, shared memory. It needs compilation alone, and so
+// covers GPUs that the machine does not have.
 #pragma once
 
 #include <string>
@@ -11,9 +11,9 @@ namespace pt::cuda {
 
 struct KernelReport {
     std::string name;
-    int registers = 0;                                                 // a thread
-    int stack_bytes = 0, spill_store_bytes = 0, spill_load_bytes = 0;  // a thread
-    int shared_bytes = 0;                                              // a block
+    int registers = 0;                                                 // registers per thread
+    int stack_bytes = 0, spill_store_bytes = 0, spill_load_bytes = 0;  // stack and spills per thread
+    int shared_bytes = 0;                                              // shared memory per block
 };
 
 struct CompilerReport {
@@ -23,10 +23,10 @@ struct CompilerReport {
     std::vector<std::string> options;
 };
 
-// Compiles, without the cache. Throws as compile_module does.
+// Compiles a module without the cache and reports on its kernels. Throws as compile_module does.
 CompilerReport compiler_report(const ModuleRequest& request);
 
-// Reads ptxas's own words (--ptxas-options=-v).
+// Parses the log of ptxas (--ptxas-options=-v).
 std::vector<KernelReport> parse_ptxas_log(const std::string& log);
 
 }  // namespace pt::cuda

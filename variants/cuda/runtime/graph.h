@@ -12,7 +12,7 @@ namespace pt::cuda {
 // Segments that a round of a loop takes: an even number, so that buffers that a segment swaps are back in place.
 inline constexpr std::uint32_t segments_per_round = 2;
 
-// The counters of the paths alive, on the device: `parts` of them, `stride` words apart; with every segment they lie
+// Counters of live paths in device memory: `parts` of them, `stride` words apart; those of the next segment lie
 // `segment_stride` words further on.
 struct LiveCounts {
     const std::uint32_t* counts = nullptr;
@@ -21,8 +21,8 @@ struct LiveCounts {
     std::uint32_t segment_stride = 0;
 };
 
-// A CUDA graph of what is put on a stream. Its kernels read the first sample from device memory, and its last one moves
-// it on.
+// A CUDA graph captured from a stream. The graph's kernels read the first sample from device memory, and the last one
+// advances it.
 class Graph {
 public:
     explicit Graph(cudaStream_t stream) : stream_(stream) {}
@@ -36,12 +36,12 @@ public:
     // again until the body's last kernel, which `enqueue_body` is to put there, sets the condition to 0.
     void capture_loop(const std::function<void(cudaGraphConditionalHandle condition)>& enqueue_body);
     void launch() const;
-    // Number of nodes; those in the body of a loop count once.
+    // Number of nodes of the graph; nodes in the body of a loop count once.
     std::size_t nodes() const { return nodes_; }
 
 private:
     void begin(cudaGraph_t target, const cudaGraphNode_t* after);
-    // Ends the stretch being recorded into `target`.
+    // Ends the capture into `target`.
     void end(cudaGraph_t target);
 
     cudaStream_t stream_;

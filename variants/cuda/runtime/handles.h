@@ -1,4 +1,4 @@
-// What the CUDA runtime hands out, owned; and memory of the device set to nought.
+// Owning handles of CUDA streams, events and pinned memory, and clearing of device memory.
 #pragma once
 
 #include <cstdint>

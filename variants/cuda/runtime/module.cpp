@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Standard headers that kernels and GLM ask for, by the ones that NVRTC can compile.
+// Standard headers that kernels and GLM include, replaced by headers that NVRTC can compile.
 constexpr std::pair<const char*, const char*> shims[] = {
     {"cmath", "#include <cuda/std/cmath>\n"},
     {"cstdint", "#include <cuda/std/cstdint>\n"},
@@ -37,7 +37,7 @@ constexpr std::pair<const char*, const char*> shims[] = {
     {"climits", "#include <cuda/std/climits>\n"},
 };
 
-// With a byte that no text has behind it, so that the borders between texts count.
+// Hashes a text and, behind it, a byte that no text contains, so that the borders between texts count.
 std::uint64_t hash_text(std::string_view text, std::uint64_t start = fnv1a_start) {
     return fnv1a_step(fnv1a(text, start), 0xff);
 }
@@ -89,11 +89,11 @@ bool write_whole(const fs::path& path, std::string_view text) {
     return true;
 }
 
-// NVRTC resolves GLM's relative includes only from files. A file that is there already is trusted only if it has the
-// right text: an unpacking may have been cut short, or someone may have edited it. Throws std::runtime_error.
+// Unpacks the sources, for NVRTC resolves GLM's relative includes only from files. A file that is there already is
+// trusted only if it has the right text: it may be incomplete, or edited. Throws std::runtime_error.
 fs::path unpacked_sources() {
     const fs::path folder = cache_folder() / fmt::format("include-{:016x}", sources_hash());
-    static fs::path unpacked;  // the folder changes where XDG_CACHE_HOME does
+    static fs::path unpacked;  // the folder depends on XDG_CACHE_HOME
     if (unpacked == folder) {
         return folder;
     }
@@ -149,8 +149,8 @@ std::string traversal_text(const ModuleRequest& request) {
         request.traversal, request.traversal_stack, own);
 }
 
-// Includes in order, and the names by which device code knows the variant's choices. First what no choice changes, up
-// to the pragma that ends a precompiled header.
+// The text of a program for NVRTC: includes in order, and the names by which device code knows the variant's choices.
+// What no choice changes comes first, up to the pragma that ends a precompiled header.
 std::string program_text(const ModuleRequest& request) {
     std::string text =
         "#include \"kernels/shade.h\"\n"

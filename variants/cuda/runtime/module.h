@@ -13,22 +13,22 @@ namespace pt::cuda {
 
 // What a module is compiled for. Everything that can change the code is in here, and so in the cache's key.
 struct ModuleRequest {
-    std::string name;                   // for messages: what it is
+    std::string name;                   // what the module is, for messages
     std::vector<std::string> includes;  // embedded sources, in order, e.g. "variants/integrator/megakernel.cuh"
     std::string real = "float";
     std::string layout = "aos";
     std::string sort_key = "material";
     std::string accelerator = "brute_force";
-    // The choices of traversal and traversal_stack by which the accelerator's steps are taken; empty: its own loop and
+    // Choices of the axes `traversal` and `traversal_stack` that take the accelerator's steps; empty: its own loop and
     // stack.
     std::string traversal = "";
     std::string traversal_stack = "";
-    std::string scene = "in_global";  // where its arrays lie: variants/cuda/device/scene_*.cuh
-    std::string pixels = "all";       // which of them it renders: variants/cuda/device/pixels_*.cuh
+    std::string scene = "in_global";  // where the scene's arrays lie: variants/cuda/device/scene_*.cuh
+    std::string pixels = "all";       // which pixels are rendered: variants/cuda/device/pixels_*.cuh
     KernelConfig config = {};
-    std::vector<KernelConstant> constants = {};  // of the integrator: tuned::NAME
-    std::vector<KernelSignature> kernels = {};   // what is launched
-    std::vector<std::string> options = {};       // of the arithmetic
+    std::vector<KernelConstant> constants = {};  // constants of the integrator: tuned::NAME
+    std::vector<KernelSignature> kernels = {};   // kernels that the host launches
+    std::vector<std::string> options = {};       // compiler options of the arithmetic
     std::string prelude = "";                    // source text in front of everything else
     std::string architecture;                    // "sm_90"
 };
@@ -36,14 +36,14 @@ struct ModuleRequest {
 struct ModuleImage {
     std::string cubin;
     std::string key;                   // hash of sources, options, architecture
-    std::vector<std::string> options;  // for the compiler, and what the text begins with: config and constants
+    std::vector<std::string> options;  // compiler options, then the config and constants of the program's text
     double compile_seconds = 0;
     bool from_cache = false;
 };
 
-// While it lives, what this process compiles takes the headers that all programs share from a file that NVRTC has
-// translated once (CUDA 12.8 and newer): a fifth of a program's time. For processes that compile several; one at a
-// time.
+// While an instance lives, programs that this process compiles take their common headers from a file that NVRTC has
+// translated once (CUDA 12.8 and newer): a fifth of a program's time. For processes that compile several programs; one
+// instance at a time.
 class PrecompiledHeaders {
 public:
     PrecompiledHeaders();
@@ -52,8 +52,8 @@ public:
     PrecompiledHeaders& operator=(const PrecompiledHeaders&) = delete;
 };
 
-// Compiles or takes from the cache; a cache that cannot be written is done without. Throws CompileError with NVRTC's
-// log if the source does not compile, std::runtime_error if it would have to compile and NVRTC is missing.
+// Compiles a module or takes it from the cache; a cache that cannot be written is done without. Throws CompileError
+// with NVRTC's log if the source does not compile, std::runtime_error if a compilation is needed and NVRTC is missing.
 ModuleImage build_module(const ModuleRequest& request);
 // Compiles a module without looking into the cache or writing it.
 ModuleImage compile_module(const ModuleRequest& request);
@@ -79,12 +79,12 @@ std::string kernel_source_hash();
 // The folder of compiled kernels: $XDG_CACHE_HOME/ptbench, or ~/.cache/ptbench.
 std::string kernel_cache_folder();
 
-// Resources that the compiler gave a kernel.
+// Resources that the compiler gave a kernel, per thread or per block.
 struct KernelFacts {
-    int registers = 0;             // a thread
-    std::size_t local_bytes = 0;   // a thread: spills and arrays
-    std::size_t shared_bytes = 0;  // a block
-    int max_threads = 0;           // a block
+    int registers = 0;             // registers per thread
+    std::size_t local_bytes = 0;   // local memory per thread: spills and arrays
+    std::size_t shared_bytes = 0;  // shared memory per block
+    int max_threads = 0;           // most threads of a block
 };
 
 class Module {
@@ -103,8 +103,8 @@ public:
     int blocks_per_multiprocessor(const char* name, unsigned threads) const;
     const ModuleImage& image() const { return image_; }
 
-    // The kernel that has these parameters: the members of the struct are passed by value. Throws Error naming the
-    // kernel.
+    // Launches the kernel that has these parameters: the members of the struct are passed by value. Throws Error naming
+    // the kernel.
     template <class Parameters>
     void launch(unsigned blocks, unsigned threads, cudaStream_t stream, const Parameters& parameters) const {
         static_assert(std::is_trivially_copyable_v<Parameters>);

@@ -87,8 +87,8 @@ void check_nccl(NcclResult result, const char* call) {
     }
 }
 
-// The communicators by number of devices, one a device. What is left is not destroyed: the driver may be gone when the
-// process ends.
+// NCCL communicators by number of devices, one per device. Those left over are not destroyed: the driver may be gone
+// when the process ends.
 std::map<std::size_t, std::vector<NcclCommunicator*>>& connections() {
     static auto& made = *new std::map<std::size_t, std::vector<NcclCommunicator*>>;
     return made;
@@ -125,7 +125,7 @@ void connect_devices(const std::vector<Addend>& addends, std::int64_t* sum, std:
         check_nccl(nccl().make_all(fresh.data(), static_cast<int>(fresh.size()), numbers.data()), "ncclCommInitAll");
         all = std::move(fresh);
     }
-    // One thread may enqueue the parts of all devices only within a group.
+    // One thread may enqueue the parts of all devices only within an NCCL group.
     check_nccl(nccl().group_start(), "ncclGroupStart");
     NcclResult failed = nccl_success;
     for (std::size_t i = 0; i < addends.size() && failed == nccl_success; ++i) {
@@ -143,7 +143,7 @@ void add_to_first(const Addend& addend, std::int64_t* sum, std::size_t count) {
 void disconnect_devices() {
     for (const auto& [devices, all] : connections()) {
         for (NcclCommunicator* const one : all) {
-            (void)nccl().abort(one);  // what is wrong has been said by what failed
+            (void)nccl().abort(one);  // errors are ignored: the call that failed has reported its own
         }
     }
     connections().clear();

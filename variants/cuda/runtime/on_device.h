@@ -11,7 +11,7 @@ inline int current_device() {
     return device;
 }
 
-// Makes a device current for its scope.
+// Makes a CUDA device current while the object lives.
 class OnDevice {
 public:
     explicit OnDevice(int device) : before_(current_device()) { PT_CUDA_CHECK(cudaSetDevice(device)); }

@@ -1,4 +1,4 @@
-// Stage times on the device: a pair of events round each stage of an instrumented render. Never part of a timed one.
+// Stage times on the device: a pair of CUDA events around each stage of an instrumented render, never of a timed one.
 #pragma once
 
 #include <string_view>
@@ -31,7 +31,7 @@ private:
     std::vector<Span> spans_;
 };
 
-// Times the work enqueued in its scope, if the render is instrumented.
+// Times the work of a stage enqueued while the object lives, if the render is instrumented.
 class Stage {
 public:
     Stage(StageEvents* events, std::string_view stage, cudaStream_t stream) : events_(events), stream_(stream) {
