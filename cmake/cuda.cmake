@@ -46,7 +46,7 @@ set(PTBENCH_CCCL_VERSION "${cub_major}.${cub_minor}.${cub_patch}")
 
 # What NVRTC compiles: kernels/, the device side of choices, what both sides include, and the GLM headers behind
 # glm/vec3.hpp.
-file(GLOB embedded_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/kernels/*.h ${PROJECT_SOURCE_DIR}/kernels/shapes/*.h ${PROJECT_SOURCE_DIR}/kernels/materials/*.h ${PROJECT_SOURCE_DIR}/variants/*/*.cuh
+file(GLOB embedded_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/kernels/*.h ${PROJECT_SOURCE_DIR}/kernels/*/*.h ${PROJECT_SOURCE_DIR}/variants/*/*.cuh
      ${PROJECT_SOURCE_DIR}/variants/accelerator/*.h ${PROJECT_SOURCE_DIR}/variants/bvh/*.h ${PROJECT_SOURCE_DIR}/variants/cuda/device/*)
 # No kernel that NVRTC compiles has these, so a change to them must not empty the kernels' cache.
 list(FILTER embedded_headers EXCLUDE REGEX "/layout/payload_iterator\\.cuh$|/axis\\.h$")
@@ -71,20 +71,10 @@ add_custom_command(OUTPUT ${embedded_file}
   DEPENDS ${embedded_headers} ${PROJECT_SOURCE_DIR}/cmake/embed_sources.cmake VERBATIM)
 set(cuda_sources ${embedded_file})
 
-# A choice with kernels of its own is one file, NAME.cuh, whose last part is the host's: behind PT_HOST stand what launches
-# the kernels and the registration. NAME.cuda.cpp registers a choice on CUDA that has none.
+# NAME.cuda.cpp registers a choice on CUDA that has no kernels.
 file(GLOB cuda_host_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/cuda/*.cpp ${PROJECT_SOURCE_DIR}/variants/cuda/runtime/*.cpp
      ${PROJECT_SOURCE_DIR}/variants/*/*.cuda.cpp)
-function(ptbench_write_host_unit output header) # `header`: by its name from the repository's root, or an absolute one
-  file(CONFIGURE OUTPUT ${output} CONTENT "#define PT_HOST\n#include \"${header}\"\n#undef PT_HOST\n")
-endfunction()
-set(host_units "")
-foreach(header ${choices_with_kernels})
-  file(RELATIVE_PATH name ${PROJECT_SOURCE_DIR} ${header})
-  string(MAKE_C_IDENTIFIER ${name} unit)
-  list(APPEND host_units ${PROJECT_BINARY_DIR}/generated/${unit}.cpp)
-  ptbench_write_host_unit(${PROJECT_BINARY_DIR}/generated/${unit}.cpp ${name})
-endforeach()
+ptbench_write_host_units(host_units ${choices_with_kernels})
 list(APPEND cuda_host_sources ${host_units})
 list(APPEND cuda_sources ${cuda_host_sources})
 

@@ -64,8 +64,10 @@ foreach(header ${accelerator_headers})
     get_filename_component(name ${header} NAME_WE)
     string(APPEND accelerator_includes "#include \"variants/accelerator/${name}.h\"\n")
     string(APPEND accelerators " ACCELERATOR(${name})")
+    list(APPEND traversal_headers ${header})
   endif()
 endforeach()
+ptbench_write_host_units(accelerator_units ${traversal_headers})
 file(CONFIGURE OUTPUT ${generated}/accelerator_list.h CONTENT
 "#pragma once\n${accelerator_includes}#define PT_ACCELERATORS(ACCELERATOR)${accelerators}\n")
 
@@ -178,24 +180,25 @@ ${choices_not_built}};
 ")
 
 # An object library: from an archive the linker would drop the registrations that nobody names.
-add_library(ptbench_variants OBJECT ${variant_sources} ${integrator_sources})
+add_library(ptbench_variants OBJECT ${variant_sources} ${accelerator_units} ${integrator_sources})
 target_link_libraries(ptbench_variants PUBLIC ptbench_options)
 if(PTBENCH_EMBREE_INCLUDE AND PTBENCH_EMBREE_LIBRARY)
   target_include_directories(ptbench_variants SYSTEM PRIVATE ${PTBENCH_EMBREE_INCLUDE})
   target_link_libraries(ptbench_variants PUBLIC ${PTBENCH_EMBREE_LIBRARY})
 endif()
 ptbench_precompile_headers(ptbench_variants)
-# In groups: most of what a unit with a registration costs to compile is the registry's header. Each file has a
-# namespace of its own. What renders on the CPU stays single: its machine code is that of its file alone.
+# In groups: most of the compile time of a unit with a registration goes to the registry's header. Each file has a
+# namespace of its own. Files whose code renders on the CPU stay single, so that their machine code depends on nothing
+# else: the integrators, compactions and sorts.
 if(PTBENCH_GROUP_SOURCES)
   set_target_properties(ptbench_variants PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
-  set(registering_axes arithmetic devices direct_light first_bounce launch light_sampling light_selection partition precision robustness russian_roulette sampler sort_key specialisation subsurface_sampling traversal traversal_stack)
-  list(JOIN registering_axes "|" registering_axes)
+  set_source_files_properties(${accelerator_units} PROPERTIES UNITY_GROUP traversals)
   foreach(source ${variant_sources})
-    if(source MATCHES "/variants/((${registering_axes})/[a-z0-9_]+|[a-z_]+/none)\\.cpp$")
-      set_source_files_properties(${source} PROPERTIES UNITY_GROUP choices)
-    elseif(source MATCHES "/variants/(builder|bvh|accelerator|levels)/")
+    get_filename_component(folder ${source} DIRECTORY)
+    if(source MATCHES "/variants/(builder|bvh|accelerator|levels)/")
       set_source_files_properties(${source} PROPERTIES UNITY_GROUP accelerators)
+    elseif(EXISTS ${folder}/axis.h AND (source MATCHES "/none\\.cpp$" OR NOT folder MATCHES "/(compaction|sorting)$"))
+      set_source_files_properties(${source} PROPERTIES UNITY_GROUP choices)
     endif()
   endforeach()
 endif()

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "kernels/material_list.h"
+#include "kernels/sampler_list.h"
 #include "kernels/shape_list.h"
 
 #include <cstdint>
@@ -28,11 +29,11 @@ using FeatureSet = std::uint64_t;
 
 // First bit of each group of features in a FeatureSet. A group's bits stand together, with room for more of its kind.
 namespace feature_bit {
-inline constexpr FeatureSet camera = FeatureSet{1} << 0;      // 4 feature bits for the camera
-inline constexpr FeatureSet shape = FeatureSet{1} << 4;       // 16 feature bits for shapes
-inline constexpr FeatureSet material = FeatureSet{1} << 20;   // 17 feature bits for materials
-inline constexpr FeatureSet light = FeatureSet{1} << 37;      // 11 feature bits for lights
-inline constexpr FeatureSet sampling = FeatureSet{1} << 48;   // 10 feature bits for sampling
+inline constexpr FeatureSet camera = FeatureSet{1} << 0;      // 2 feature bits for the camera
+inline constexpr FeatureSet shape = FeatureSet{1} << 2;       // 16 feature bits for shapes
+inline constexpr FeatureSet material = FeatureSet{1} << 18;   // 17 feature bits for materials
+inline constexpr FeatureSet light = FeatureSet{1} << 35;      // 11 feature bits for lights
+inline constexpr FeatureSet sampling = FeatureSet{1} << 46;   // 12 feature bits for sampling
 inline constexpr FeatureSet traversal = FeatureSet{1} << 58;  // 6 feature bits for traversal
 }  // namespace feature_bit
 
@@ -80,19 +81,16 @@ enum class Feature : FeatureSet {
     // An environment that is sampled as lights are (kernels/environment_map.h): an image, or one constant radiance.
     environment_map = feature_bit::light << 10,
     russian_roulette = feature_bit::sampling << 0,
-    // Samplers other than pcg4d. A kernel with none of these features has pcg4d, a kernel with a single one has that
-    // one, and a kernel with several chooses at run time among all (RandomSeed::sampler).
-    philox = feature_bit::sampling << 1,
-    sobol_owen = feature_bit::sampling << 2,
-    minstd = feature_bit::sampling << 3,
-    sobol_rotated = feature_bit::sampling << 4,
-    pmj02 = feature_bit::sampling << 5,
-    halton = feature_bit::sampling << 6,
+// Samplers other than pcg4d. A kernel with none of these features has pcg4d, a kernel with a single one has that
+// one, and a kernel with several chooses at run time among all (RandomSeed::sampler).
+#define PT_FEATURE(name) name = feature_bit::sampling << (4u + static_cast<std::uint32_t>(SamplerKind::name)),
+    PT_SAMPLERS(PT_FEATURE)
+#undef PT_FEATURE
     // Subsurface random walks guided towards the surface (kernels/guided_walk.h), for materials that ask for them.
-    guided_walk = feature_bit::sampling << 7,
+    guided_walk = feature_bit::sampling << 1,
     // Russian roulette, and splitting, by a path's expected contribution (kernels/adjoint.h, kernels/path_tree.h).
-    adjoint_roulette = feature_bit::sampling << 8,
-    splitting = feature_bit::sampling << 9,
+    adjoint_roulette = feature_bit::sampling << 2,
+    splitting = feature_bit::sampling << 3,
     // Features that only make a kernel faster: the film is the same with and without them, and no scene needs them.
     enclosure = feature_bit::traversal << 0,
     // Features that use other formulas and so round otherwise: intersection in double within single precision
@@ -144,8 +142,9 @@ inline constexpr FeatureSet all_features =
            Feature::lens, Feature::final_bounce, Feature::next_event, Feature::multiple_importance, Feature::one_sample,
            Feature::russian_roulette, Feature::adjoint_roulette);
 inline constexpr FeatureSet shortcuts = set_of(Feature::enclosure);
-inline constexpr FeatureSet samplers = set_of(Feature::philox, Feature::sobol_owen, Feature::minstd,
-                                              Feature::sobol_rotated, Feature::pmj02, Feature::halton);
+#define PT_FEATURE(name) | static_cast<FeatureSet>(Feature::name)
+inline constexpr FeatureSet samplers = no_features PT_SAMPLERS(PT_FEATURE);
+#undef PT_FEATURE
 // Features among which a kernel chooses at run time. Only a kernel that is asked for some of them has any: no other
 // kernel, not even a generic one, pays for them.
 inline constexpr FeatureSet samplings = samplers | static_cast<FeatureSet>(Feature::guided_walk);

@@ -4,14 +4,26 @@
 // within one seed no two keys share their four words.
 #pragma once
 
-#include "kernels/halton.h"
-#include "kernels/minstd.h"
-#include "kernels/philox.h"
-#include "kernels/pmj02.h"
-#include "kernels/sobol_owen.h"
-#include "kernels/sobol_rotated.h"
+#include "kernels/pick_header.h"
+#include "kernels/sampler_list.h"
+
+#define PT_STEM(name) name,
+#define PT_SAMPLER_FILE(n) PT_FILE_AT(n, samplers, PT_SAMPLERS(PT_STEM) PT_NO_MORE)
+
+#include PT_SAMPLER_FILE(0)
+#include PT_SAMPLER_FILE(1)
+#include PT_SAMPLER_FILE(2)
+#include PT_SAMPLER_FILE(3)
+#include PT_SAMPLER_FILE(4)
+#include PT_SAMPLER_FILE(5)
+#include PT_SAMPLER_FILE(6)
+#include PT_SAMPLER_FILE(7)
+
+#undef PT_STEM
 
 namespace pt {
+
+static_assert(sampler_count <= 8, "kernels/rng.h includes, and kernels/config.h has bits for, 8 samplers");
 
 // Four whitening words derived from the user's seed, and the sampler of a kernel that has several.
 struct RandomSeed {
@@ -53,24 +65,12 @@ PT_HD inline FeatureSet sampler_of(const RandomSeed& seed) {
 template <class Config>
 PT_HD inline RandomWords random_words(const RandomSeed& seed, const RandomKey& key) {
     const FeatureSet sampler = sampler_of<Config>(seed);
-    if (has<Config>(Feature::philox) && contains(sampler, Feature::philox)) {
-        return philox4x32_10({key.pixel, key.sample, key.bounce, key.block}, seed.words.x, seed.words.y);
+#define PT_DRAW(name)                                                     \
+    if (has<Config>(Feature::name) && contains(sampler, Feature::name)) { \
+        return name##_words(seed.words, key);                             \
     }
-    if (has<Config>(Feature::sobol_owen) && contains(sampler, Feature::sobol_owen)) {
-        return sobol_owen_words(seed.words, key);
-    }
-    if (has<Config>(Feature::sobol_rotated) && contains(sampler, Feature::sobol_rotated)) {
-        return sobol_rotated_words(seed.words, key);
-    }
-    if (has<Config>(Feature::pmj02) && contains(sampler, Feature::pmj02)) {
-        return pmj02_words(seed.words, key);
-    }
-    if (has<Config>(Feature::halton) && contains(sampler, Feature::halton)) {
-        return halton_words(seed.words, key);
-    }
-    if (has<Config>(Feature::minstd) && contains(sampler, Feature::minstd)) {
-        return minstd_words(seed.words, key);
-    }
+    PT_SAMPLERS(PT_DRAW)
+#undef PT_DRAW
     return pcg4d_words(seed.words, key);
 }
 

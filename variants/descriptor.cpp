@@ -101,13 +101,10 @@ constexpr NamedFeature named_features[] = {
     {Feature::splitting, "splitting"},
     {Feature::enclosure, "enclosure"},
     {Feature::matrix, "matrix"},
-    {Feature::philox, "philox"},
-    {Feature::sobol_owen, "sobol_owen"},
-    {Feature::minstd, "minstd"},
-    {Feature::sobol_rotated, "sobol_rotated"},
-    {Feature::pmj02, "pmj02"},
-    {Feature::halton, "halton"},
-    {Feature::double_intersection, "double_intersection"},
+#define PT_NAMED(name) {Feature::name, #name},
+    PT_SAMPLERS(PT_NAMED)
+#undef PT_NAMED
+        {Feature::double_intersection, "double_intersection"},
     {Feature::naive, "naive"},
     {Feature::near_sphere, "near_sphere"},
     {Feature::textures, "textures"},

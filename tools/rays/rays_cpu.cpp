@@ -76,9 +76,7 @@ public:
     const MeshView& view() const { return instance_.geometry; }
 
 private:
-    void add(const Triangle<float>& t, std::uint32_t primitive) {
-        leaves_.push_back(LeafTriangle::of(t, primitive));
-    }
+    void add(const Triangle<float>& t, std::uint32_t primitive) { leaves_.push_back(LeafTriangle::of(t, primitive)); }
 
     AcceleratorHook hook_;
     EncodedTree encoded_;

@@ -1,4 +1,4 @@
-// The Halton sampler: one sequence for all dimensions of a path, a prime a dimension (kernels/halton.h).
+// The Halton sampler: one sequence for all dimensions of a path, a prime a dimension (kernels/samplers/halton.h).
 #include "variants/registry.h"
 
 namespace pt::sampler::halton {

@@ -1,5 +1,5 @@
 // The sampler minstd_by_position, the random numbers of cis565: a short generator seeded by sample, bounce and the
-// path's position in the queue (kernels/minstd.h). An exhibit: its streams overlap and are correlated, and a compaction
+// path's position in the queue (kernels/samplers/minstd.h). An exhibit: its streams overlap and are correlated, and a compaction
 // changes which path gets which numbers.
 #include "variants/registry.h"
 

@@ -1,5 +1,5 @@
 // The sampler sobol_owen: a pixel's samples fill the unit cube evenly, four dimensions at a time
-// (kernels/sobol_owen.h).
+// (kernels/samplers/sobol_owen.h).
 #include "variants/registry.h"
 
 namespace pt::sampler::sobol_owen {

@@ -1,5 +1,5 @@
 // The sampler sobol_rotated: Sobol' points shifted by an offset a pixel. Against sobol_owen it tells what Owen's
-// scrambling is worth (kernels/sobol_rotated.h).
+// scrambling is worth (kernels/samplers/sobol_rotated.h).
 #include "variants/registry.h"
 
 namespace pt::sampler::sobol_rotated {

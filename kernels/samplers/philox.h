@@ -19,4 +19,8 @@ PT_HD inline RandomWords philox4x32_10(RandomWords counter, std::uint32_t key_0,
     return counter;
 }
 
+PT_HD inline RandomWords philox_words(const RandomWords& seed, const RandomKey& key) {
+    return philox4x32_10({key.pixel, key.sample, key.bounce, key.block}, seed.x, seed.y);
+}
+
 }  // namespace pt

@@ -1,9 +1,9 @@
 // Sobol' points that each pixel shifts, each coordinate by an offset of its own, modulo 1: Cranley and Patterson,
 // "Randomization of Number Theoretic Methods for Multiple Integration", SIAM J. Numer. Anal. 13(6), 1976.
-// Except for the scrambling this is kernels/sobol_owen.h: blocks of four dimensions, in shuffled orders.
+// Except for the scrambling this is kernels/samplers/sobol_owen.h: blocks of four dimensions, in shuffled orders.
 #pragma once
 
-#include "kernels/sobol_owen.h"
+#include "kernels/samplers/sobol_owen.h"
 
 namespace pt {
 

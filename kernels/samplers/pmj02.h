@@ -2,10 +2,10 @@
 // random within it. Christensen, Kensler and Kilpatrick, "Progressive Multi-Jittered Sample Sequences", CGF 37(4),
 // 2018, search for such points; the first two coordinates of Sobol' under Owen's scrambling are such a sequence for
 // every seed, without a table. A block is two such pairs, shuffled independently; the first pair is that of
-// kernels/sobol_owen.h.
+// kernels/samplers/sobol_owen.h.
 #pragma once
 
-#include "kernels/sobol_owen.h"
+#include "kernels/samplers/sobol_owen.h"
 
 namespace pt {
 

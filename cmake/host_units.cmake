@@ -1,0 +1,18 @@
+# A choice with kernels of its own, or with a traversal that kernels compile in, is one file, whose last part is the
+# host's: behind PT_HOST stand what launches the kernels and the registration. A unit of its own compiles that part;
+# NVRTC does not see it (cmake/embed_sources.cmake).
+function(ptbench_write_host_unit output header) # `header`: its name from the repository's root, or an absolute one
+  file(CONFIGURE OUTPUT ${output} CONTENT "#define PT_HOST\n#include \"${header}\"\n#undef PT_HOST\n")
+endfunction()
+
+# Writes a unit for each of the headers, and sets `units` to their files.
+function(ptbench_write_host_units units) # the rest: the headers, absolute
+  set(written "")
+  foreach(header ${ARGN})
+    file(RELATIVE_PATH name ${PROJECT_SOURCE_DIR} ${header})
+    string(MAKE_C_IDENTIFIER ${name} unit)
+    ptbench_write_host_unit(${PROJECT_BINARY_DIR}/generated/${unit}.cpp ${name})
+    list(APPEND written ${PROJECT_BINARY_DIR}/generated/${unit}.cpp)
+  endforeach()
+  set(${units} ${written} PARENT_SCOPE)
+endfunction()
