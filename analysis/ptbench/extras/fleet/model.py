@@ -32,7 +32,7 @@ _CACHES = ("l1", "l2")
 
 @dataclass(frozen=True)
 class KernelTime:
-    """One kernel's time in a render, in any unit, and what part of each ceiling it reached."""
+    """The time of one kernel in a render, in any unit, and the fraction of each ceiling that the kernel reached."""
 
     name: str
     time: float
@@ -41,7 +41,7 @@ class KernelTime:
 
 @dataclass(frozen=True)
 class Rule:
-    """A way to predict: a name, what it says, and a kernel's ratio of times."""
+    """A rule of prediction: its name, its statement, and the function that gives a kernel's time ratio."""
 
     name: str
     said: str
@@ -49,7 +49,7 @@ class Rule:
 
 
 def _core(kernel: KernelTime, one: Gpu, other: Gpu) -> float:
-    """Time that goes by instructions, over what it was: the nearest pipe's, once rates are the other GPU's."""
+    """Ratio of the instruction-bound time: that of the pipe nearest its ceiling at the other GPU's rates."""
     core = {name: share for name, share in kernel.shares.items() if name != MEMORY}
     nearest = max(core.values())
     if nearest == 0:
@@ -66,7 +66,7 @@ def _split(exposed: float, kernel: KernelTime, one: Gpu, other: Gpu) -> float:
 
 
 def _parts(kernel: KernelTime) -> tuple[float, float]:
-    """Shares that are reached of memory's ceiling and of the nearest other one."""
+    """The fractions reached of the memory ceiling and of the nearest other ceiling."""
     return min(1.0, kernel.shares[MEMORY]), max(share for name, share in kernel.shares.items() if name != MEMORY)
 
 
@@ -75,7 +75,8 @@ def _shares_of_time(kernel: KernelTime, one: Gpu, other: Gpu) -> float:
 
 
 def _exposed(memory: float, beside: float, kernel: KernelTime, one: Gpu, other: Gpu) -> float:
-    """`beside`: the part of the time in which something else works as well."""
+    """Ratio by the exposed-memory rule; `beside` is the fraction of the time in which a pipe or cache is busy as well.
+    """
     if memory == 1 or beside >= 1:
         return _split(float(memory == 1), kernel, one, other)
     return _split(memory * (1 - beside) / (1 - memory * beside), kernel, one, other)
@@ -106,7 +107,7 @@ def _memory(_: KernelTime, one: Gpu, other: Gpu) -> float:
 SHARES = Rule("shares of time", "memory's part of the time scales with bandwidth", _shares_of_time)
 EXPOSED = Rule("exposed memory", "the same, less what pipes do meanwhile", _exposed_memory)
 PIPES = Rule("pipes alone", "the same, caches not being pipes", _pipes_alone)
-# The one that predictions are made by: chosen on counters of an H200, and then tested on those of an H100.
+# The rule that predictions use: chosen on counters of an H200 and then tested on those of an H100.
 USED = PIPES
 RULES = (
     PIPES,
@@ -119,14 +120,14 @@ RULES = (
 
 
 def predicted(kernels: Sequence[KernelTime], device_share: float, one: Gpu, other: Gpu, rule: Rule = USED) -> float:
-    """Time on `other` over time on `one`; `device_share` of the render on `one` is the device's."""
+    """Predicted time on `other` over time on `one`; `device_share` is the kernels' fraction of the render on `one`."""
     total = sum(kernel.time for kernel in kernels)
     device = sum(kernel.time * rule.ratio(kernel, one, other) for kernel in kernels) / total
     return device_share * device + (1 - device_share)
 
 
 def bound_of(kernels: Sequence[KernelTime]) -> tuple[str, dict[str, float]]:
-    """The ceiling that the variant is nearest to, and its part of each: means of its kernels' by their time."""
+    """The ceiling nearest to which a variant runs, and the fraction it reaches of each, averaged over kernel time."""
     total = sum(kernel.time for kernel in kernels)
     names = dict.fromkeys(name for kernel in kernels for name in kernel.shares)
     shares = {name: sum(kernel.time * kernel.shares.get(name, 0.0) for kernel in kernels) / total for name in names}

@@ -1,7 +1,7 @@
-"""Crops at equal render time beside the reference, and their signed error: what the curves look like.
+"""Image crops of variants at equal render time beside the reference, with their signed error.
 
-The images lie in a folder beside the result file, and a cell names its own. One crop is shown of all:
-where they miss the reference most.
+The images lie in a folder beside the result file and are named by the cells. All variants show the same crop: where
+they miss the reference most.
 """
 
 import math
@@ -26,36 +26,36 @@ from ptbench.io.convergence import Picture
 from ptbench.io.images import TONE_MAPPING, displayed, exposure_of, flip, read_pfm
 from ptbench.studies.notes import Note
 
-_CROP = 96  # pixels, where the image is larger
-_PICTURE, _BETWEEN = 1.6, 0.14  # inches
+_CROP = 96  # side of the crop in pixels, where the image is larger
+_PICTURE, _BETWEEN = 1.6, 0.14  # inches: side of a picture and gap between pictures
 _COLUMNS = 5
-_LINES = 4  # of a name over a picture
+_LINES = 4  # most lines of a variant's name above its picture
 _LABEL = 8.0
 _LONGEST_EQUAL = 1.25
 
 
 @dataclass(frozen=True)
 class Shot:
-    """One variant's image at equal time; `error` is its mean signed error over the channels."""
+    """The image of one variant at equal time; `error` is its signed error, averaged over channels."""
 
     label: str
     facts: str
     picture: np.ndarray
-    error: np.ndarray | None  # None: the reference
+    error: np.ndarray | None  # signed error image; None: the shot is the reference
 
 
 @dataclass(frozen=True)
 class Sheet:
-    """The pictures of one place, at equal time."""
+    """The pictures of one scene and setting, at equal time."""
 
     title: str
     shots: tuple[Shot, ...]
-    limit: float  # of the signed error's colours
+    limit: float  # largest error on the colour scale
 
 
 @dataclass(frozen=True)
 class Data:
-    """What the page shows."""
+    """The contents of the figure of crops at equal time."""
 
     title: str
     caption: str
@@ -64,7 +64,7 @@ class Data:
 
 
 def collect(result: Result, study: Study) -> Data:
-    """A sheet a place; raises NotDrawable."""
+    """Collects a sheet of crops per scene and setting; raises NotDrawable."""
     found = groups_of(result, study, 10**6)
     folder = result.path.parent
     notes, sheets, flips, reasons = list(found.notes), [], {}, []
@@ -128,7 +128,7 @@ def _sheet(
     time: float,
     chosen: Sequence[tuple[Picture, float]],
 ) -> tuple[Sheet, str, str]:
-    """The sheet, the settings of FLIP, and why it is not there."""
+    """The sheet of crops, FLIP's settings, and why FLIP values are missing, if so."""
     reference = read_pfm(folder / members[0].cell.convergence.reference_picture)
     exposure = exposure_of(reference)
     images, facts, settings, failure = [], [], "", ""
