@@ -110,7 +110,8 @@ def _title(study: Study) -> str:
 
 
 def _at_equal_time(members: Sequence[Assessment]) -> tuple[float, list[tuple[Picture, float]]]:
-    """The time that all have an image at; each one's last image within it, or its first, and that image's own time."""
+    """The latest time at which all cells have an image, and each one's last image by then, or its first, with its time.
+    """
     timed = [_timed(one, ms) for one, ms in zip(members, render_times(members)[0], strict=True)]
     time = min(max(times.values()) for times in timed)
     chosen = []
@@ -159,13 +160,13 @@ def _sheet(
     for one, image, text, error in zip(members, images, facts, errors, strict=True):
         shots.append(Shot(group.names[one.cell.name], text, displayed(image, exposure)[window], error[window]))
     shown = np.abs([error[window] for error in errors])
-    # Where most pixels are right, it is the others that need the colours.
+    # The colour scale ignores exact pixels; in an image that is mostly exact the others would have no contrast.
     limit = float(np.percentile(shown[shown > 0], 98)) if shown.any() else 1.0
     return Sheet(f"{group.title}, after {numbers.figures(time, 3)} ms", tuple(shots), limit), settings, failure
 
 
 def _timed(one: Assessment, ms: np.ndarray) -> dict[Picture, float]:
-    """Render wall time by picture; `ms` is that of every checkpoint."""
+    """Render wall time by picture, from the times `ms` of all checkpoints."""
     times = dict(zip(one.curve.spp.astype(int), ms, strict=True))
     timed = {picture: float(times[picture.spp]) for picture in one.cell.convergence.pictures if picture.spp in times}
     if not timed:
@@ -175,7 +176,7 @@ def _timed(one: Assessment, ms: np.ndarray) -> dict[Picture, float]:
 
 
 def _window(errors: Sequence[np.ndarray]) -> tuple[slice, slice]:
-    """The crop in which the images, each by its own measure, miss the reference most; all of a small image."""
+    """The crop with the largest error of all images, each relative to its own mean; the whole of a small image."""
     height, width = errors[0].shape
     squares = sum(error**2 / max(float(np.mean(error**2)), 1e-300) for error in errors)
     rows, columns = min(_CROP, height), min(_CROP, width)

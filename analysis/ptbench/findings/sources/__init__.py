@@ -1,1 +1,2 @@
-"""What a page may have as a source, a kind of file each: whatever lies here is found (findings/source.py)."""
+"""The kinds of sources that a page may use, one module per kind of file; modules are discovered (findings/source.py).
+"""
