@@ -1,11 +1,11 @@
-"""What machine code a build of ptbench makes of its CUDA kernels, to hold two builds against each other.
+"""Hashes the machine code that a build of ptbench makes of its CUDA kernels, to compare two builds.
 
     python3 tools/machine_code.py build/ptbench --out after.json [--scene cornell_open,..] [--arch sm_90]
     python3 tools/machine_code.py --compare before.json after.json
 
-The first compiles, scene by scene, what `ptbench verify --quick` would run (every choice of every axis once) into an
-empty cache, without a GPU, and writes the SHA-256 of each program's machine code. The second exits with 1 and says
-how many programs of a scene are in one file alone, where there are any: the code of a kernel then changed.
+The first call compiles, scene by scene, what `ptbench verify --quick` would run (every choice of every axis once) into
+an empty cache, without a GPU, and writes the SHA-256 of each program's machine code. The second exits with 1 if
+programs of a scene are in only one file, and tells how many: the code of a kernel then changed.
 """
 
 import argparse
@@ -20,7 +20,7 @@ from pathlib import Path
 
 
 def programs_of(binary: Path, scene: str, architecture: str) -> list[str]:
-    """SHA-256 of the machine code of each program that the scene's variants need, sorted."""
+    """SHA-256 of the machine code of each program that a scene's variants need, sorted."""
     with tempfile.TemporaryDirectory() as cache:
         call = [binary, "verify", "--quick", "--compile", "--arch", architecture, "--scene", scene, "--quiet"]
         subprocess.run(call, check=True, env={**os.environ, "XDG_CACHE_HOME": cache}, stdout=sys.stderr)
@@ -28,7 +28,7 @@ def programs_of(binary: Path, scene: str, architecture: str) -> list[str]:
 
 
 def compare(before: dict, after: dict) -> list[str]:
-    """A line for each scene whose programs differ."""
+    """A line for each scene whose programs differ between two files of hashes."""
     lines = []
     for scene in sorted(before["scenes"].keys() | after["scenes"].keys()):
         one, other = (Counter(side["scenes"].get(scene, [])) for side in (before, after))

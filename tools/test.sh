@@ -1,5 +1,5 @@
 # shellcheck shell=bash disable=SC2154 # what ./run and its other parts set
-# Part of ./run: `./run test` runs every test program and check, and counts.
+# Part of ./run: `./run test` runs every test program and check, and counts the results.
 
 passed=0
 failed=0
@@ -19,7 +19,7 @@ ending() { # ending EXIT_CODE
     fi
 }
 
-# Runs a test program that writes a JUnit report, and leaves its exit code and seconds beside that.
+# Runs a test program that writes a JUnit report, and stores its exit code and seconds beside the report.
 start_cases() { # start_cases REPORT COMMAND..
     local report=$1 status=0 started=$SECONDS
     shift
@@ -30,7 +30,7 @@ start_cases() { # start_cases REPORT COMMAND..
     printf '%d %d\n' "$status" $((SECONDS - started)) >"${report%.xml}.ended"
 }
 
-# Counts the cases of a program that start_cases ran. A bad end without a failed case counts as one.
+# Counts the cases of a program that start_cases ran; a bad exit without a failed case counts as one failure.
 count_cases() { # count_cases NAME REPORT
     local name=$1 report=$2 log=${2%.xml}.log status seconds counts last
     read -r status seconds <"${report%.xml}.ended"
@@ -58,7 +58,7 @@ run_cases() { # run_cases NAME REPORT COMMAND..
     count_cases "$1" "$2"
 }
 
-# One of ./run test's programs, or pytest; says its name when it has ended.
+# Runs one test program, or pytest, for `./run test`; prints its name when it has ended.
 run_one_of_all() { # run_one_of_all NAME
     local report=$reports/$1.xml
     if [[ $1 == pytest ]]; then
@@ -69,7 +69,7 @@ run_one_of_all() { # run_one_of_all NAME
     printf '%s\n' "$1"
 }
 
-# Names, a line each, those first that take longest: a program that takes minutes and begins last runs alone.
+# Sorts test programs, the slowest first, as one that takes minutes and begins last would run alone.
 slowest_first() {
     local slowest=(compile_test pytest verify_shipped_test inspect_test variants_test covering_test levels_test nvcc_test
         mesh_test new_choice_test next_event_test suite_test)
@@ -79,7 +79,7 @@ slowest_first() {
     printf '%s\n' "${names[@]}" | grep -vxF -f <(printf '%s\n' "${slowest[@]}") || true
 }
 
-# As many at once as there are processors: most have one thread.
+# Runs as many test programs at once as there are processors, since most have a single thread.
 run_all_cases() {
     local programs name
     mapfile -t programs < <(find "$build_dir/tests" -maxdepth 1 -name '*_test' -type f -executable -printf '%f\n' | sort)
@@ -113,8 +113,7 @@ check_cpp_format() { # check_cpp_format CLANG_FORMAT; names the files that `./ru
     cpp_files | xargs -0r "$1" --dry-run --Werror 2>&1 | sed -nE 's/^([^:]+):[0-9]+:[0-9]+: error: .*/\1/p' | sort -u
 }
 
-# Continuous integration ends a run at 5400 s. On a slow machine with nothing compiled before, what is left out for that
-# is told.
+# Continuous integration ends a run at 5400 s, so steps that would end later are skipped with a message.
 latest_begin=
 too_late="the time of this run is over: ./run sanitize"
 
@@ -122,7 +121,7 @@ is_late() { # is_late SECONDS; whether a step that takes so long would end too l
     [[ -n $latest_begin ]] && ((EPOCHSECONDS + $1 > latest_begin))
 }
 
-# What needs builds of its own with clang: continuous integration does it in its 90 minutes, by hand it is asked for.
+# Runs checks that need clang builds: always in continuous integration (90 minutes), else only with --sanitize.
 run_extra_checks() { # run_extra_checks [--sanitize]
     local reason
     if [[ ${CI:-} != true && ${1:-} != --sanitize ]]; then
@@ -149,7 +148,7 @@ run_extra_checks() { # run_extra_checks [--sanitize]
     sanitize_tests
 }
 
-# Ends the tests: what failed, and the counts.
+# Prints the failed tests and the counts, and ends.
 summary() {
     ((${#failures[@]} == 0)) || printf 'failed: %s\n' "${failures[@]}"
     printf '%d passed, %d failed' "$passed" "$failed"
@@ -160,7 +159,7 @@ summary() {
 
 run_test() {
     [[ $# -eq 0 || $* == --sanitize ]] || die 2 "'test' takes --sanitize or nothing, got '$*'"
-    # Threads that wait must not spin: test programs may share the cores. Benchmarks keep OpenMP's default.
+    # Waiting OpenMP threads must not spin, as test programs share the cores. Benchmarks keep OpenMP's default.
     export OMP_WAIT_POLICY=passive
     local reports=$build_dir/test-reports clang_format
     [[ ${CI:-} != true ]] || latest_begin=$((EPOCHSECONDS - SECONDS + 4500))

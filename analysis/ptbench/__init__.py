@@ -29,8 +29,7 @@ def load(paths: Path | str | Iterable[Path | str]) -> Measured:
 
     Raises ptbench.errors.InputError, which says in one line what is wrong in which file.
     """
-    # numpy and other heavy packages are imported late, so that a wrong command line is refused without waiting for
-    # them.
+    # numpy and other heavy packages are imported late, so that a wrong command line is refused at once.
     from ptbench import measured
 
     return measured.load(paths)

@@ -22,8 +22,7 @@ class Command:
     name: str
     help: str
     add_arguments: Callable[[argparse.ArgumentParser], None]
-    # The function in the folder's module `command` that runs the command and returns the exit code; empty: the
-    # command's name.
+    # Function in the folder's module `command` that runs the command and returns the exit code; empty: its name.
     function: str = ""
     # Checks parsed options together and returns what is wrong with their combination; empty: nothing.
     fault: Callable[[argparse.Namespace], str] = _nothing_wrong

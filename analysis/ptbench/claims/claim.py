@@ -63,8 +63,7 @@ class Experiment:
     rays: tuple[str, ...]
     result: str  # file name of the experiment's result
     also: tuple[str, ...]  # results of other suites, looked up where the experiment's own suite was not run
-    # Two folders of results/, the first compared against the second; empty: each machine is judged alone.
-    machines: tuple[str, ...]
+    machines: tuple[str, ...]  # two folders of results/ to compare, first over second; empty: each machine by itself
     backend: str
     seconds: int
     statistic: str

@@ -69,8 +69,7 @@ def evidence_of(claim: Claim, results: Path) -> list[Evidence]:
 
 
 def _files(experiment: Experiment, machine: Path) -> list[Path]:
-    """The result file of a claim's own experiment on a machine, or else those of other suites that may have its cells.
-    """
+    """The result file of a claim's own experiment on a machine, or else those of other suites that may have it."""
     own = machine / "claims" / f"{experiment.result}.json"
     if _is_there(own):
         return [own]

@@ -117,8 +117,7 @@ def _legend(axes: Axes, rows: Sequence[Judged], *, published: bool = False) -> N
 
 
 def draw_all(told: Sequence[tuple[Claim, Verdict, str]]) -> Figure | None:
-    """Draws one row per claim and device: the published number beside the measured ones; None: no ratio was measured.
-    """
+    """Draws one row per claim and device: the published number beside the measured ones; None without a ratio."""
     rows = [(claim, device, _numbers(verdict)) for claim, verdict, device in told]
     rows = [row for row in rows if row[2] and all(one.found.estimate.value > 0 for one in row[2])]
     if not rows:

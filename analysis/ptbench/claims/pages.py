@@ -104,8 +104,7 @@ def pages_of(ledger: Ledger, told: Sequence[Told]) -> dict[str, str]:
 
 
 def _counts(told: Sequence[Told]) -> dict[str, int]:
-    """The number of verdicts by word, one per claim and device; claims not run are counted apart from untestable ones.
-    """
+    """The number of verdicts by word, one per claim and device; claims not run are counted apart from untestable."""
     words = [one.word for one in told]
     counts = {word: words.count(word) for plain in VERDICTS for word in (plain, f"{plain} (no test)")}
     counts |= {word: words.count(word) for word in words if word not in counts}

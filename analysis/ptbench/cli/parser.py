@@ -1,5 +1,4 @@
-"""An argparse parser whose error messages are one line, as everywhere in ptbench, and suggest the nearest known word.
-"""
+"""An argparse parser whose error messages are one line, as all of ptbench's, and suggest the nearest known word."""
 
 import argparse
 from collections.abc import Iterable
@@ -36,8 +35,7 @@ class Parser(argparse.ArgumentParser):
             name = argument.partition("=")[0]
             if argument == "--" or (self._subparsers is not None and not argument.startswith("-")):
                 return
-            # As in argparse, a lone dash or a word with a space is no option, and the beginning of an option's name
-            # stands for it.
+            # As in argparse, a lone dash or a word with a space is no option, and options may be abbreviated.
             if not argument.startswith("-") or argument == "-" or " " in argument or _is_number(argument):
                 continue
             if not any(option == name or (name.startswith("--") and option.startswith(name)) for option in known):

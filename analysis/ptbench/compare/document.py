@@ -18,8 +18,7 @@ SCHEMA_VERSION = "1"
 
 
 def as_json(compared: Compared) -> dict:
-    """A comparison as JSON: files by index in "files", times in ms per sample per pixel, ratios other over reference.
-    """
+    """A comparison as JSON: files by index, times in ms per sample per pixel, ratios other over reference."""
     index = {id(result): number for number, result in enumerate(compared.results)}
     return {
         "schema": "ptbench.compare",
@@ -31,8 +30,7 @@ def as_json(compared: Compared) -> dict:
             "runs": [_repeat(repeat) for repeat in compared.repeats],
             "floors": [_floor(floor) for floor in compared.floors],
         },
-        # "places", "spp" and "at" of a ranking list files in this order.
-        "ranked_files": [MARKS.index(mark) for mark in compared.ranked],
+        "ranked_files": [MARKS.index(mark) for mark in compared.ranked],  # "places", "spp", "at" have this file order
         "rankings": [_ranking(group) for group in compared.rankings],
     }
 

@@ -17,8 +17,7 @@ MOST_ROWS = 60  # rows in one forest plot; more rows are split over pages
 
 
 def save_forest(compared: Compared, index: int, folder: Path) -> list[Path]:
-    """Saves a comparison as forest_MARK.png and .svg, or as forest_MARK_1, ... where it has too many rows for one page.
-    """
+    """Saves a comparison as forest_MARK.png and .svg, or as forest_MARK_1, ... if it needs several pages."""
     comparison = compared.comparisons[index]
     mark = compared.marks_of(comparison)[1]
     parts = collect(compared, comparison)

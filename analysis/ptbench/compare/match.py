@@ -126,8 +126,7 @@ def _assumed(result: Result, axes: Sequence[str]) -> str:
 
 
 def choice_of(cell: Cell, axis: str) -> str | None:
-    """A cell's choice on an axis, or the implied one where its file is older than the axis; None: the file cannot say.
-    """
+    """A cell's choice on an axis, or the implied one where its file is older than the axis; None: unknown."""
     return cell.axes.get(axis, before(axis))
 
 
@@ -284,8 +283,7 @@ class _Cells:
         return [fields for fields in alike if all(fields[name] != mine[name] for name in names)]
 
     def nearest(self, mine: dict[str, object]) -> tuple[str, str] | None:
-        """(kind, reason) of the cells that differ in the first field set of _TELLABLE; None: all cells differ in more.
-        """
+        """(kind, reason) of the cells that differ in the first field set of _TELLABLE; None if all differ in more."""
         for names in _TELLABLE:
             if all(name in mine for name in names) and (found := self.but_for(names, mine)):
                 return _kind(names), "; ".join(_difference(name, mine, found) for name in names)

@@ -33,8 +33,7 @@ class Change:
 
 @dataclass(frozen=True)
 class Ranking:
-    """The variants of one scene and setting that every file measured: `cells[variant][file]`, in the reference's order.
-    """
+    """Variants of one scene and setting that every file measured: `cells[variant][file]`, in the reference's order."""
 
     scene: str
     resolution: str

@@ -45,8 +45,7 @@ _COLUMNS = (
     "",
     "Verdict",
 )
-# Identity of a batch: mesh, hash of its triangles, accelerator, builder, ray class, kernel.
-Key = tuple[str, str, str, str, str, str]
+Key = tuple[str, str, str, str, str, str]  # a batch's mesh, triangle hash, accelerator, builder, ray class, kernel
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,7 @@
 """Verdicts on the pairs of two result files: a ratio each, geometric means, and what the machines' capacities explain.
 
-The rules are those of every table (ptbench.stats.estimates), with two differences. A difference within a known noise
-floor counts as none. And between two machines the cycles do not veto a verdict, as the clock is part of what is
-compared.
+The rules are those of every table (ptbench.stats.estimates), except that a difference within a known noise floor counts
+as none, and that cycles do not veto a verdict between machines, as the clock is part of the comparison.
 """
 
 from collections.abc import Sequence
@@ -57,8 +56,7 @@ class Capacity:
 
 @dataclass(frozen=True)
 class Normalised:
-    """A geometric mean of ratios, scaled by how much more the other machine has of a resource; 1: as fast for its size.
-    """
+    """A geometric mean of ratios, scaled by how much more the other machine has of a resource; 1: fast for its size."""
 
     by: str
     factor: float | None

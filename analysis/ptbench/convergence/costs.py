@@ -14,8 +14,7 @@ _BIASED = "biased"
 
 
 def cost_ratio(statistic: str, assessed: Mapping[str, Assessment], cell: Cell, base: Cell) -> Estimate | None:
-    """The cost of a cell over a baseline by the named statistic; below 1 is better; None where there is no such number.
-    """
+    """The cost of a cell over a baseline by the named statistic; below 1 is better; None where it is undefined."""
     if statistic == TIME:
         return ratio_estimate(cell.ms_per_spp, base.ms_per_spp)
     if cell.name not in assessed or base.name not in assessed or cell.claim == _BIASED:

@@ -109,8 +109,7 @@ def _changes(base: Cell, cell: Cell) -> dict[str, str]:
 
 
 def names_in(group: Sequence[Assessment], baseline: Assessment | None) -> dict[str, str]:
-    """What a figure calls each cell: its differences from the baseline, or just its choice where one setting differs.
-    """
+    """What a figure calls each cell: its differences from the baseline, or its choice where one setting differs."""
     cells = [assessment.cell for assessment in group]
     if baseline is None:
         return {cell.name: cell.variant for cell in cells}
@@ -244,9 +243,8 @@ def target_of(group: Sequence[Assessment]) -> float | None:
 def time_to(assessment: Assessment, error: float) -> Estimate | None:
     """Milliseconds until a render in one piece has the RMS error `error`; infinite where it never has.
 
-    The fitted curve gives the samples to the error; they are multiplied by the time per sample of the same render
-    without checkpoints. None where there is no fit or no such render, or where the fixed cost of a launch, which is not
-    measured, would be a large part of the time.
+    The samples to the error, by the fit, are multiplied by the time per sample of the same render without checkpoints.
+    None where there is no fit or no such render, or where the unmeasured cost of a launch would be a large part of it.
     """
     if assessment.fit is None or not _is_timed_alone(assessment):
         return None
@@ -262,8 +260,7 @@ def time_to(assessment: Assessment, error: float) -> Estimate | None:
 
 
 def _samples_to(assessment: Assessment, error: float, drawn: np.ndarray) -> tuple[float, np.ndarray]:
-    """Samples per pixel until the error is `error`, for the fit and each bootstrap draw; at least the first checkpoint.
-    """
+    """Samples per pixel until the error is `error`, for the fit and each bootstrap draw; at least one checkpoint's."""
     curve, fit = assessment.curve, assessment.fit
     if curve.independent and assessment.has_noise:
         has_plateau = assessment.verdict.word == PLATEAU
@@ -284,8 +281,7 @@ def _samples_to(assessment: Assessment, error: float, drawn: np.ndarray) -> tupl
 def render_times(group: Sequence[Assessment]) -> tuple[list[np.ndarray], str]:
     """Milliseconds to every checkpoint of each cell, and a phrase that tells how the times were obtained.
 
-    Times come from renders without checkpoints, as in `time_to`, if every cell has one, else from those with
-    checkpoints.
+    Times are those of renders without checkpoints (`time_to`) if every cell has one, else of those with checkpoints.
     """
     if all(_is_timed_alone(one) for one in group):
         times = [one.curve.spp * float(np.median(one.ms_alone)) for one in group]

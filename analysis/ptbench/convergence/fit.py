@@ -189,8 +189,7 @@ def _slope(curve: Curve, part: slice) -> Slope:
 def reference_error(reference: Reference, pixels: int) -> float:
     """Standard error of the offset that the reference's noise adds to each dual error (mean of e1 e2 over pixels).
 
-    The value in the result file is used where there is one; else all pixels are assumed equally noisy, and the channels
-    of a pixel fully correlated.
+    The file's value is used if present; else pixels are assumed equally noisy, and a pixel's channels fully correlated.
     """
     if reference.is_exact:
         return 0.0

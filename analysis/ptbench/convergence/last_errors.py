@@ -55,8 +55,7 @@ class LastErrors:
 
 
 def last_errors(group: Sequence[Assessment]) -> dict[str, LastErrors]:
-    """Errors at the last checkpoint of cells with two seeds or more; timed without checkpoints if all have such times.
-    """
+    """Errors at the last checkpoint of cells with two seeds or more; timed without checkpoints if all can be."""
     found = {one.cell.name: errors for one in group if (errors := _errors_of(one)) is not None}
     alone = {one.cell.name: one for one in group if one.ms_alone is not None}
     if all(name in alone and len(alone[name].ms_alone) == len(one.seeds) for name, one in found.items()):

@@ -1,8 +1,7 @@
 """Renders with Mitsuba 3 in a process of its own, if need be by another Python: it imports nothing but the wheel.
 
-A job in JSON is read from standard input, {"variant", "xml", "spp", "images": [[seed, file.pfm], ..]}; a line of JSON
-is written to standard output, {"version", "variant", "seconds"}. Without "xml" nothing is rendered. Exit code 4:
-Mitsuba cannot be imported.
+Reads a job in JSON from standard input, {"variant", "xml", "spp", "images": [[seed, file.pfm], ..]}, and writes JSON to
+standard output, {"version", "variant", "seconds"}. Without "xml" nothing is rendered. Exit code 4: no Mitsuba.
 """
 
 import json
@@ -31,8 +30,7 @@ def main() -> int:
     job = json.load(sys.stdin)
     variant = _variant(mitsuba, job["variant"])
     mitsuba.set_variant(variant)
-    # Mitsuba logs warnings to standard output, where the answer is written.
-    mitsuba.set_log_level(mitsuba.LogLevel.Error)
+    mitsuba.set_log_level(mitsuba.LogLevel.Error)  # Mitsuba logs warnings to standard output, which has the answer
     begun = time.perf_counter()
     if "xml" in job:
         scene = mitsuba.load_file(job["xml"])

@@ -1,9 +1,8 @@
 """Cross-checks of one scene with different seeds, pooled: whether the image's mean differs.
 
-Each cross-check gives an unbiased estimate of the difference, and they are averaged with weights 1 / error^2. The
-weights are estimates, too, which makes the average noisier than it looks: Meier's factor (Biometrics 9, 1953) corrects
-that. The degrees of freedom of its error follow Welch and Satterthwaite (Biometrics 2, 1946), where each cross-check
-has those of its smaller side.
+The unbiased differences of the cross-checks are averaged with weights 1 / error^2. As the weights are estimates, too,
+the average is noisier than it looks, which Meier's factor (Biometrics 9, 1953) corrects. Its error's degrees of freedom
+follow Welch and Satterthwaite (Biometrics 2, 1946), with each cross-check's those of its smaller side.
 """
 
 from dataclasses import dataclass
@@ -18,8 +17,7 @@ from ptbench.stats import special
 
 @dataclass(frozen=True)
 class Pooled:
-    """The difference between the two renderers' image means by channel, relative to the mean, pooled over cross-checks.
-    """
+    """The difference of the two renderers' image means by channel, relative to the mean, pooled over cross-checks."""
 
     bias: tuple[float, ...]
     errors: tuple[float, ...]

@@ -18,10 +18,8 @@ WHEEL = "mitsuba==3.9.1"  # version of Mitsuba that pyproject.toml requires, too
 # Defaults that make ptbench's render of a cross-check fast: the least noisy estimator, which a scene without diffuse
 # surfaces refuses, and trees for scenes with meshes. No such choice changes the expected image.
 _DIRECT_LIGHT = "direct_light=nee_mis"
-# Counts of bad samples in a render's summary, any of which fails a cross-check.
-_FAULTS = ("nonfinite", "negative", "saturated")
-# Folders of shipped scenes, beside those listed by name.
-_FOLDERS = ("environments", "materials", "textures", "scaling", "meshes")
+_FAULTS = ("nonfinite", "negative", "saturated")  # counts of bad samples in a render's summary; none is accepted
+_FOLDERS = ("environments", "materials", "textures", "scaling", "meshes")  # shipped scenes that `list` does not name
 _TREES = {"cuda": ("accelerator=cwbvh", "builder=hploc", "levels=two_level")}
 _TREES_ELSEWHERE = ("accelerator=bvh8", "levels=two_level")
 

@@ -223,9 +223,8 @@ def _pixel_test(here: np.ndarray, there: np.ndarray, allowed: float, limit: floa
 def _variance_around(noise: np.ndarray) -> np.ndarray:
     """For each pixel and channel the mean noise variance of the other pixels in its block.
 
-    A few seeds estimate the variance of a single pixel badly, so the block's mean is used. The pixel itself is left
-    out: where its variance is underestimated by chance, the products of its image pairs are too large, and a weight
-    that depended on them would bias the test towards a difference.
+    Few seeds estimate a single pixel's variance badly, so the block's mean is used. The pixel itself is left out: where
+    its variance is too small by chance, its pairs' products are too large, and a dependent weight would bias the test.
     """
     of_blocks = block_means(noise[None])[0].repeat(SIDE, axis=0).repeat(SIDE, axis=1)
     return (of_blocks * SIDE**2 - noise) / (SIDE**2 - 1)

@@ -90,8 +90,7 @@ Block = Paragraph | Bullets | Facts | Table | Folded | Image | Pictures | Downlo
 
 @dataclass(frozen=True)
 class Section:
-    """A section with its title. `anchor` is unique in the page: letters, digits, hyphens; empty: nothing links to it.
-    """
+    """A section with its title. `anchor` is unique in the page: letters, digits, hyphens; empty: no links."""
 
     title: str
     anchor: str = ""

@@ -107,8 +107,7 @@ def _label(text: str) -> str:
 def _sections(sections: Iterable[Section], level: int, written: Written) -> Iterator[str]:
     for section in sections:
         if section.anchor:
-            # Markdown renderers derive anchors from headings in different ways and titles repeat, so explicit anchors
-            # are written.
+            # Explicit anchors are written, as Markdown renderers derive theirs from headings in different ways.
             yield from (f'<a id="{section.anchor}"></a>', "")
         yield from (f"{'#' * level} {written(section.title)}", "")
         for block in section.blocks:

@@ -40,8 +40,7 @@ def setting(
     *,
     told: bool = True,
 ) -> str:
-    """The setting part of a caption: what was run on which machine; without a study variants are named only if `told`.
-    """
+    """The setting part of a caption: what was run on which machine; without a study variants are named if `told`."""
     resolutions = ", ".join(dict.fromkeys(cell.resolution_text.replace("x", "×") for cell in cells))
     scenes = list(dict.fromkeys(cell.scene for cell in cells))
     backends = ", ".join(dict.fromkeys(cell.backend for cell in cells))

@@ -1,5 +1,4 @@
-"""Parallel efficiency of several GPUs over samples per pixel: one line per number of GPUs, with and without reduction.
-"""
+"""Parallel efficiency of several GPUs over samples per pixel: a line per number of GPUs, with and without reduction."""
 
 from collections.abc import Sequence
 

@@ -1,5 +1,4 @@
-"""Ratios as a forest plot: a dot with its interval per row on a common axis, grouped by scene, geometric means first.
-"""
+"""Ratios as a forest plot: a dot with interval per row on a common axis, grouped by scene, geometric means first."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

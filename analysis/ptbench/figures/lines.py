@@ -29,8 +29,7 @@ _RATIO_HEIGHT, _LOG_RATIO_HEIGHT = 1.35, 2.0  # inches: height of the panel of r
 _RATIO_TICKS = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1, 1.1, 1.2, 1.3, 1.5, 2, 3, 4, 5, 7, 10)
 # Ticks of a logarithmic axis by the largest ratio of its ends; beyond the last ratio ticks are powers of ten.
 _LOG_STEPS = ((3, (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8)), (6, (1, 2, 3, 5, 7)), (20, (1, 2, 3, 5)), (200, (1, 2, 5)))
-# Inches beyond which a line's name is wrapped, and the limit for one long word.
-_LEGEND_WIDTH, _WIDEST_LEGEND = 1.9, 2.6
+_LEGEND_WIDTH, _WIDEST_LEGEND = 1.9, 2.6  # inches beyond which a line's name is wrapped, and limit for one long word
 
 
 @dataclass(frozen=True)
@@ -226,16 +225,14 @@ def looks_of_baseline(panel: Panel, looks: dict[str, style.Look]) -> style.Look:
 
 
 def _scale_x(axes: Axes, panel: Panel, abscissa: Abscissa, plot_width: float) -> str:
-    """Sets ticks at measured values and, if asked or logarithmically spaced, a log scale; returns the scale in words.
-    """
+    """Sets ticks at measured values and, if asked or they are so spaced, a log scale; returns the scale in words."""
     xs = panel.xs
     first, last = xs[0], xs[-1]
     scale = ""
     if len(xs) == 1:
         axes.set_xlim(first - 1, first + 1)
     elif first == 0 and abscissa.log and len(xs) > 2:
-        # Zero cannot be on a logarithmic axis: it is linear up to the smallest positive value, which lies two octaves
-        # right of 0.
+        # The axis is linear from 0 to the smallest positive value, which lies two octaves to the right of 0.
         smallest = xs[1]
         axes.set_xscale("symlog", base=2, linthresh=smallest, linscale=1)
         axes.set_xlim(-0.15 * smallest, last * (last / smallest) ** 0.05)

@@ -84,8 +84,7 @@ def _name(study: Study) -> str:
 
 
 def _collect(study: Study, part: str) -> Callable[[Result, Study], object]:
-    """The function that collects a figure's data; an undeclared figure shows an axis's choices or a tunable's values.
-    """
+    """The function that collects a figure's data; an undeclared one shows an axis's choices or a tunable's values."""
     name = _name(study)
     if part or (name, part) in study_figures():
         return study_figures()[name, part].collect

@@ -126,8 +126,7 @@ def _scale_y(axes: Axes, values: Sequence[float], linear: bool) -> None:
 
 
 def ticks_between(low: float, high: float) -> list[float]:
-    """Round ticks of a logarithmic axis: 1, 2, 5 of each decade; powers of ten on a long axis, tenths on a short one.
-    """
+    """Round ticks of a logarithmic axis: 1, 2, 5 of each decade; powers of ten on a long axis, tenths on a short."""
     decades = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
     if high / low < 4:
         step = 0.1 if high - low < 1 else 0.25 if high - low < 2 else 0.5

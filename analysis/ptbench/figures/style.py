@@ -62,8 +62,7 @@ _SETTINGS = {
 
 @contextmanager
 def applied() -> Iterator[None]:
-    """Applies ptbench's settings on top of matplotlib's defaults, so that a user's matplotlibrc cannot change a figure.
-    """
+    """Applies ptbench's settings to matplotlib's defaults, so that a user's matplotlibrc cannot change a figure."""
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
         matplotlib.rcParams.update(_SETTINGS)
@@ -80,8 +79,7 @@ class Look:
 
 
 def look(index: int) -> Look:
-    """The look of the index-th series: 7 colours, 12 markers and 5 line styles, so that the first 12 looks all differ.
-    """
+    """The look of the index-th series: 7 colours, 12 markers and 5 line styles, so that the first 12 looks differ."""
     return Look(COLOURS[index % len(COLOURS)], MARKERS[index % len(MARKERS)], LINES[index % len(LINES)])
 
 

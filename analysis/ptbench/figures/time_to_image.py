@@ -90,7 +90,7 @@ def crossings(of_scene: Sequence[Way]) -> list[Crossing]:
     found: list[Crossing] = []
     first = min(of_scene, key=lambda way: way.before_ms)
     while overtaking := [one for way in of_scene if (one := _overtakes(first, way)) is not None]:
-        # Of two builders that overtake at once, the one with the faster samples stays ahead.
+        # When two builders overtake at once, the one with the faster samples stays ahead.
         found.append(min(overtaking, key=lambda one: (one.spp, one.later.sample.value)))
         first = found[-1].later
     return found

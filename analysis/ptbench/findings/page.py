@@ -1,15 +1,15 @@
-"""Renders one page from its template.
+"""Renders one page of findings from its template.
 
 A template begins with a JSON object between two lines of `---`:
 
     {"title": "...", "sources": {"compaction": {"file": "nvidia-h200/compaction.json", "where": "arithmetic=exact",
      "kernels_behind": 250}}, "constants": {"aim": "0.05"}}
 
-Every source is a variable of the page (findings/sources), and so is every constant: a number that nobody measured, an
-aim or a version, which a page may not hold in any other way. A folder is one of `ptbench rays`; a source with
-"against": [files of other GPUs], "inspect": [files] and "models": [GPUs that nobody has] is a fleet; a source with
-"optional": true that is not there is None. `kernels_behind` is how many commits to kernels/ and
-variants/ there may be since the result's (findings/commits.py); more, and the page must be looked at again.
+Every source is a variable of the page (findings/sources), and so is every constant: an unmeasured number, such as an
+aim or a version, which a page may not contain otherwise. A folder is a source of `ptbench rays`; a source with
+"against": [files of other GPUs], "inspect": [files] and "models": [unmeasured GPUs] is a fleet; a missing source with
+"optional": true is None. `kernels_behind` is the number of commits to kernels/ and variants/ allowed since the result's
+commit (findings/commits.py); beyond it the page must be reviewed.
 """
 
 import json

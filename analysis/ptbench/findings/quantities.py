@@ -151,8 +151,7 @@ class Ratios:
         return said
 
     def all_are_times(self, least: float, said: str = "") -> str:
-        """Returns `said` if every ratio's whole interval is at least `least` times as fast; else raises FindingError.
-        """
+        """Returns `said` if each ratio's whole interval is at least `least` times as fast; else raises FindingError."""
         for one in self.ratios:
             if not one.is_times(least):
                 raise FindingError(f"{one.of}: {one.times} times as fast, where the page says {least} of all ({said})")

@@ -32,8 +32,7 @@ class Source:
     _kinds: ClassVar[dict[str, type[Source]]] = {}
 
     def __init_subclass__(cls, form: str = "", **others: object) -> None:
-        """Registers a class for `form`, a schema's name or one of the constants above; without one it is just a base.
-        """
+        """Registers a class for `form`, a schema's name or one of the constants above; without one it is a base."""
         super().__init_subclass__(**others)
         if form and Source._kinds.setdefault(form, cls) is not cls:
             raise TypeError(f"two kinds of source for {form}: {Source._kinds[form].__name__} and {cls.__name__}")

@@ -16,8 +16,7 @@ _LARGEST_SIGNED = (1 << 63) - 1
 
 
 def flat(results: Sequence[Path], out: Path, table: str) -> int:
-    """Writes the rows of one table, and prints their number; raises InputError. Empty `table`: as `table_of` chooses.
-    """
+    """Writes the rows of one table, and prints their number; raises InputError. No `table`: as by `table_of`."""
     write = _writer(out)
     check_output_file(out)
     rows = table_of(load_files(find_sources(results).paths), table)

@@ -18,8 +18,7 @@ _OLDER = {
 
 
 def figure_of(compares: str, along: str, *, is_convergence: bool) -> str:
-    """The name of a study's figure; empty where nothing is compared. An axis may have its own figure along a parameter.
-    """
+    """The name of a study's figure; empty where nothing is compared. An axis may have a figure along a parameter."""
     if is_convergence:
         return CONVERGENCE
     if compares == LIVE_PATHS:

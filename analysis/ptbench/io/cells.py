@@ -62,15 +62,13 @@ class Sample:
     low_clock: bool = False
     contended: bool = False
     cpu_ms: float | None = None
-    # CPU time that other processes used during the render; rounding can make it negative.
-    foreign_cpu_ms: float | None = None
+    foreign_cpu_ms: float | None = None  # CPU time of other processes during the render; negative by rounding
     throttled_periods: int | None = None  # scheduling periods during the render in which a CPU quota was exhausted
     throttled_ms: float | None = None
     involuntary_switches: int | None = None
     checkpoints: tuple[Checkpoint, ...] = ()  # checkpoints of a convergence cell's sample
     film_hash: str = ""  # hash of the sample's film; empty in older files
-    # Counters such as "launches", where the file has them per sample.
-    work: dict[str, float] = field(default_factory=dict)
+    work: dict[str, float] = field(default_factory=dict)  # counters such as "launches", if the file has them per sample
     own_device_ms: tuple[float, ...] = ()  # render on several GPUs: time of each without the reduction
     slowest_device_ms: float | None = None  # time until the slowest GPU had rendered
     device_reduce_ms: float | None = None  # time of the film reduction after the slowest GPU
@@ -185,10 +183,8 @@ class Cell:
     instrumented: Instrumented | None
     samples: tuple[Sample, ...]
     errors: tuple[str, ...]
-    # All tunables of the variant's choices, with the values used.
-    tunables: dict[str, int] = field(default_factory=dict)
-    # Counters of the instrumented pass, for `spp` samples per pixel.
-    counters: dict[str, int] = field(default_factory=dict)
+    tunables: dict[str, int] = field(default_factory=dict)  # all tunables of the variant's choices, with their values
+    counters: dict[str, int] = field(default_factory=dict)  # instrumented pass's counters, for `spp` samples per pixel
     cuda: Cuda | None = None
     meshes: MeshFacts | None = None  # facts about meshes; None for a scene without any
     scene_file: str = ""  # path of a scene that is not shipped, on the host of the run
@@ -253,8 +249,7 @@ class Cell:
         """The number of contended samples whose time may be wrong; on a GPU the device's clock shows whether it is.
 
         Other processes can only delay the host, and then the render takes longer than the device worked. Where the
-        device waits for the host within the render, its clock runs on and cannot show that: all contended samples
-        count.
+        device waits for the host within the render, its clock cannot show that, and all contended samples count.
         """
         return sum(self.is_disturbed(sample) for sample in self.samples)
 
@@ -320,8 +315,7 @@ class Study:
 
 @dataclass(frozen=True)
 class Comparison:
-    """The comparison of a cell with its study's baseline that a run prints at its end; fields are named as in the file.
-    """
+    """The comparison of a cell with its study's baseline that a run prints at its end; names are the file's."""
 
     study: str
     cell: str
@@ -344,8 +338,7 @@ class NotApplicable:
     axes: dict[str, str]
     reason: str
     reason_code: str = ""  # code of the reason; empty in older files
-    # Tunables of the variant that differed from their choice's default.
-    tuned: dict[str, str] = field(default_factory=dict)
+    tuned: dict[str, str] = field(default_factory=dict)  # tunables that differed from their choice's default value
     reason_axis: str = ""  # axis of the inapplicable choice; empty in older files, and where no choice is to blame
 
     @property
@@ -375,11 +368,9 @@ class Result(OfARun):
     studies: tuple[Study, ...]
     cells: tuple[Cell, ...]
     not_applicable: tuple[NotApplicable, ...]
-    # Baseline choice by axis, on the file's backend; empty in older files.
-    baselines: dict[str, str] = field(default_factory=dict)
+    baselines: dict[str, str] = field(default_factory=dict)  # the backend's baseline by axis; empty in older files
     retaken: int = 0  # disturbed samples that were replaced by repeated ones
-    # Comparisons by study and cell; None: the file has none.
-    comparisons: dict[tuple[str, str], Comparison] | None = None
+    comparisons: dict[tuple[str, str], Comparison] | None = None  # comparisons by study and cell; None: not in the file
 
     @property
     def suite(self) -> str:

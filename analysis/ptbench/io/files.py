@@ -161,8 +161,7 @@ def check_output_file(target: Path, sources: Iterable[Path | str] = ()) -> None:
 def write_whole(target: Path, write: Callable[[Path], None]) -> Path:
     """Lets `write` fill a temporary file that becomes `target` only when complete.
 
-    If `target` is a link, the file that it points to is replaced and the link stays, as links redirect results
-    elsewhere.
+    If `target` is a link, the file that it points to is replaced and the link stays.
     """
     check_output_file(target)
     final = _behind_links(target)

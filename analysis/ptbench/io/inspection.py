@@ -59,8 +59,7 @@ class Inspected:
     others: tuple[KernelCounters, ...] = ()  # kernels of libraries that ran in the render
     architecture: str = ""
     rays_per_spp: float | None = None  # rays of the counted render, per sample of all pixels
-    # Measured throughput ceilings as in the file, in various units.
-    ceilings: dict[str, float] = field(default_factory=dict)
+    ceilings: dict[str, float] = field(default_factory=dict)  # measured throughput ceilings, in the file's units
 
 
 def load_inspected(path: Path) -> list[Inspected]:

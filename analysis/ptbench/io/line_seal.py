@@ -33,8 +33,7 @@ class LineSeal:
     def fault(self, line: bytes) -> str:
         """What is wrong with `line` as the next one of a journal, in words, or "".
 
-        After a changed line, the following lines are checked against that line's own checksum, so that one change is
-        reported once.
+        Lines after a changed one are checked against its own checksum, so that one change is reported once.
         """
         ending = _ENDING.search(line)
         if ending is None:

@@ -237,8 +237,7 @@ def _sample(row: Node) -> Sample:
 
 
 def _cpu_ms(row: Node) -> float | None:
-    """The process's CPU time of the render over all threads, in Google Benchmark's own key, if that is in milliseconds.
-    """
+    """The process's CPU time of the render over all threads, by Google Benchmark's own key, if in milliseconds."""
     return row.optional_number("cpu_time") if row.optional_text("time_unit") == "ms" else None
 
 

@@ -109,8 +109,7 @@ def _reason(verdict: Verdict) -> str:
 
 
 def _times(result: Result, study: Study, question: Question, rows: Sequence[Row]) -> str:
-    """The answer of a study of times, then its choices by outcome, best first, with the extremes' intervals and places.
-    """
+    """The answer of a study of times, then its choices by outcome, best first, with extremes' intervals and places."""
     outcomes: dict[tuple[str, ...], list[str]] = {}
     for choice in dict.fromkeys(question.choice_of(row.cell) for row in rows):
         words = {row.verdict.word for row in rows if question.choice_of(row.cell) == choice}

@@ -18,8 +18,7 @@ _NO_RESULTS = ("ptbench-crosscheck-", "ptbench-peers-", "ptbench-leaks-")
 
 @dataclass(frozen=True)
 class Sources:
-    """The files of a report; `titles` are their shortest distinct names, `passed_over` are files that are no results.
-    """
+    """The files of a report; `titles` are their shortest distinct names, `passed_over` files that are no results."""
 
     paths: tuple[Path, ...]
     titles: tuple[str, ...]

@@ -1,5 +1,4 @@
-"""The verdicts of a study in words: counts, and each choice's ratio over its baseline with the place of its extremes.
-"""
+"""The verdicts of a study in words: counts, and each choice's ratio over its baseline with its extremes' places."""
 
 from collections import Counter
 from collections.abc import Callable, Sequence

@@ -57,7 +57,7 @@ def _plural(n: int, what: str) -> str:
 
 
 def family_text(stability: Stability, layout: Layout, family: str) -> str:
-    """What passed, what naive failed, and how near to its bound each precision came."""
+    """A paragraph on a family of cases: passes, failures of naive formulas, how near each precision is to a bound."""
     rows = [row for row in stability.rows if row.case.family == family]
     cases = [case for case in stability.cases if case.family == family]
     run = dict.fromkeys(row.case for row in rows if row.status != NOT_APPLICABLE)

@@ -16,8 +16,7 @@ from ptbench.io.limits import limit
 RESAMPLES = limit("resamples")
 CONFIDENCE = limit("confidence")
 SEED = 1986  # random seed: the year of the rendering equation, any constant would do
-# Most samples for which counts of all resamples are cached: 4 MB, or 8 MB with more than 255 in a set.
-MOST_COUNTED = 400
+MOST_COUNTED = 400  # most samples for which counts of all resamples are cached: 4 MB, or 8 MB if over 255 in a set
 MOST_EXCHANGED = 16  # most samples for sorting resamples by exchanges, whose number grows with the square
 MINIMUM_SAMPLES = limit("fewest_samples")
 THRESHOLD = limit("least_difference")
@@ -242,8 +241,7 @@ def _limit_text(low: float, high: float, threshold: float) -> str:
 
 
 def interval_of_ratio(estimate: Estimate, *thresholds: float) -> str:
-    """An interval such as "[0.9938, 1.0102]", in digits that show the verdict at those thresholds; empty without one.
-    """
+    """An interval such as "[0.9938, 1.0102]", in digits that show the verdict at those thresholds; may be empty."""
     if estimate.low is None or estimate.high is None:
         return ""
     return decisive(estimate.low, estimate.high, *thresholds)[1]

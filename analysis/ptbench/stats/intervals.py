@@ -115,9 +115,8 @@ def resampled(count: int, random: np.random.Generator | None = None) -> np.ndarr
 def bootstrap_interval(value: float, drawn: np.ndarray, count: int, level: float = LEVEL) -> Estimate:
     """The percentile interval of bootstrap values `drawn` over `count` seeds, widened for few seeds.
 
-    A percentile interval of a mean of n values is narrower than the t-interval by sqrt((n - 1) / n) and by the ratio of
-    the normal's quantile to t's; Hesterberg's expanded percentiles (2015) compensate for both. Infinite values are
-    kept.
+    A percentile interval of a mean of n values is narrower than the t-interval by sqrt((n - 1) / n) and by the normal's
+    quantile over t's; Hesterberg's expanded percentiles (2015) correct both. Infinite values are kept.
     """
     if count < 2:
         return Estimate(value, None, None, count)

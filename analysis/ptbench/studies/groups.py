@@ -18,8 +18,7 @@ class Parts:
 
     split: tuple[str, ...]
     labels: dict[str, str]  # label of each cell, by cell name
-    # Labels in order, baselines first, then as in the file, so that each choice keeps one colour.
-    order: tuple[str, ...]
+    order: tuple[str, ...]  # labels, baselines first, then in the file's order, so that each choice keeps one colour
 
     def values(self, cell: Cell) -> tuple[str | None, ...]:
         """The values of a cell in the dimensions that tell groups apart."""

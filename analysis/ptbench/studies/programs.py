@@ -4,8 +4,7 @@ from collections.abc import Sequence
 from typing import Protocol
 
 UNKNOWN = "unknown"
-# Context keys of program hashes; the first that all files have decides.
-_HASHES = ("cuda_kernel_source_hash", "program_hash")
+_HASHES = ("cuda_kernel_source_hash", "program_hash")  # keys of program hashes; the first that all files have decides
 
 
 class Measured(Protocol):

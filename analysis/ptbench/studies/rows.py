@@ -86,8 +86,7 @@ def _judged(
 
 
 def _verdict_of(said: Comparison, ratio: Estimate, cell: Cell, baseline: Cell) -> Verdict:
-    """The run's verdict with its reason in words; withdrawn verdicts, of which the run could not know, are not applied.
-    """
+    """The run's verdict with its reason in words; withdrawals, of which the run could not know, are not applied."""
     by_time = verdict_of_ratio(ratio) if said.in_time == UNSURE else Verdict(said.in_time)
     verdict = confirmed(by_time, Verdict(said.in_cycles) if said.in_cycles else None)
     verdict = replace(verdict, note=_note(cell, baseline, is_clock_unknown=not said.in_cycles))
@@ -143,9 +142,8 @@ _QUALIFIES = {"sort_key": ("sorting", "none")}
 def baseline_of(cell: Cell, cells: Iterable[Cell], question: Question) -> Cell | None:
     """The baseline cell of `cell`, which differs only in what the question is about.
 
-    Equal samples per pixel are preferred but not required, as times are per sample. Tunables that both cells have must
-    be equal, or both at their choice's standard (which may differ); those that only the baseline has should be at
-    theirs.
+    Equal samples per pixel are preferred, not required: times are per sample. Tunables of both cells must be equal, or
+    both at their choice's standard (which may differ); those of the baseline alone should be at theirs.
     """
     moot = [name for name, idle in _QUALIFIES.items() if idle == (question.axis, question.baseline)]
 

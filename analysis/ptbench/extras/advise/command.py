@@ -44,8 +44,7 @@ class Call:
 
 
 def advise(call: Call) -> int:
-    """Runs `advise`; exit code 1: a measurement found the advice not within 5 % of the best, or too rarely so, else 0.
-    """
+    """Runs `advise`; exit code 1: a measurement found the advice not within 5 % of the best, or too rarely so."""
     program = Program(call.binary or call.root / "build" / "ptbench")
     results = call.results or call.root / "results"
     machine, backend, note = machine_of(results, program, call.gpu, cpu=call.cpu)

@@ -58,8 +58,7 @@ _OF_A_COMMIT = re.compile(r"_[0-9a-f]{7}\.json(\.gz)?$")
 
 
 def choice_text(choice: Choice, decision: Decision) -> str:
-    """A choice such as "integrator=persistent block=64", as `--axis` and `--tune` take it, without reference settings.
-    """
+    """A choice such as "integrator=persistent block=64", as `--axis` and `--tune` take it, less reference settings."""
     named = dict(choice)
     first = next(iter(decision.reference))
     shown = {first: named.get(first, decision.reference[first]), **named}
@@ -77,8 +76,7 @@ class Point:
     setting: str  # depth and image size of the measurement
     file: str
     rest: tuple  # settings that the choice and its reference have in common
-    # Choice that was measured as a stand-in for the reference, where the reference itself was not run.
-    by_way_of: str = ""
+    by_way_of: str = ""  # choice that was measured in place of the reference, where the reference was not run
 
     @property
     def log_ratio(self) -> float:
@@ -215,8 +213,7 @@ def _points(
 def _chained(
     group: Sequence[Cell], points: Sequence[Point], contents: Mapping[str, Content], file: str
 ) -> Iterator[Point]:
-    """Ratios for a group without the reference, through a choice that was compared with it in the same scene and depth.
-    """
+    """Ratios for a group without the reference, by a choice that was compared with it in the same scene and depth."""
     decision = DECISIONS[0]
     against: dict[Choice, list[float]] = {}
     for point in points:
@@ -251,8 +248,7 @@ def _may_be_asked(cell: Cell, decision: Decision) -> bool:
 
 
 def _rest(cell: Cell, decision: Decision) -> tuple:
-    """The settings that a choice and its reference share; tunables count only for decisions other than the scheduler.
-    """
+    """The settings that a choice and its reference share; tunables count except for the scheduler."""
     axes = tuple(sorted((axis, choice) for axis, choice in cell.axes.items() if axis not in decision.reference))
     tuned = () if decision.name == SCHEDULE else tuple(sorted(cell.tuned.items()))
     depth = cell.depth if cell.convergence is None else place_of(cell).depth

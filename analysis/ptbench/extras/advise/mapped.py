@@ -1,5 +1,4 @@
-"""Cells of crossover maps as measurements for the advice: a choice over its decision's reference, in a generated scene.
-"""
+"""Cells of crossover maps as measurements for advice: a choice over its decision's reference, in a generated scene."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -16,8 +15,7 @@ from ptbench.stats.estimates import Estimate
 
 
 def decision_of(choice: Mapping[str, str], over: Mapping[str, str], statistic: str) -> Decision | None:
-    """The decision whose reference equals a map's second choice in all that differs between the two; None if none fits.
-    """
+    """The decision whose reference equals a map's second choice in all that differs between the two; None: none."""
     differing = [axis for axis in {**choice, **over} if choice.get(axis) != over.get(axis)]
     for decision in DECISIONS:
         is_reference = set(differing) <= decision.reference.keys() and all(

@@ -3,7 +3,7 @@
 A cell's time is the median of its timed samples. Its stages are timed in the instrumented pass, another render with
 CUDA events and counters. So the account of a cell has, in milliseconds per sample per pixel,
 
-median of the timed samples = sum over stages + instrumented pass outside its stages + (timed - instrumented pass),
+    median of the timed samples = sum over stages + instrumented pass outside its stages + (timed - instrumented pass),
 
 which holds whatever the difference of the two passes, and the differences of two accounts add up to the difference of
 the medians. The last two terms belong to no stage. If the instrumentation affects all stages alike, a stage changed
@@ -18,8 +18,7 @@ from ptbench.io.cells import Cell
 from ptbench.io.limits import limit
 from ptbench.stats.estimates import Estimate, median_estimate
 
-# Relative tolerance within which stage times must add up to the wall time.
-ADD_UP_WITHIN = limit("stages_add_up_within")
+ADD_UP_WITHIN = limit("stages_add_up_within")  # relative tolerance for stage times to add up to the wall time
 # Stages that trace and shade, in whatever way an integrator divides the work; other stages maintain a queue or cache.
 TRACING = ("generate", "intersect", "shade", "first bounce", "bounce", "trace", "walk")
 WHOLE = "trace and shade"  # name of all tracing and shading stages together
@@ -28,8 +27,7 @@ PASSES = "timed less instrumented"
 
 
 def stage_order(names: Iterable[str]) -> list[str]:
-    """The distinct stage names: tracing first, in the order in which a path meets the stages, then the others by name.
-    """
+    """The distinct stage names: tracing first, in the order in which a path meets them, then the others by name."""
     known = (*TRACING, WHOLE)
     return sorted(dict.fromkeys(names), key=lambda name: (known.index(name) if name in known else len(known), name))
 
@@ -90,8 +88,7 @@ def account_of(cell: Cell) -> Account:
 
 @dataclass(frozen=True)
 class Step:
-    """One term of the difference of two cells; `low` and `high` are a stage's range, None for the terms outside stages.
-    """
+    """One term of the difference of two cells; `low` and `high` are a stage's range, None outside the stages."""
 
     name: str
     a: float | None  # time of cell A in the term; None: A has no such stage

@@ -133,8 +133,7 @@ def _pair(
 
 
 def _nothing_in_common(result: Result, names: tuple[str, str], choice: Choice) -> InputError:
-    """The error that no setting has both variants: an option that the file lacks, or variants without common settings.
-    """
+    """The error that no setting has both variants: an option that the file lacks, or variants that never met."""
     scenes = [list(dict.fromkeys(c.scene for c in result.cells if c.variant == name)) for name in names]
     common = [scene for scene in scenes[0] if scene in scenes[1]]
     if choice.scene and choice.scene not in common:

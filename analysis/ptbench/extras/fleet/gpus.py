@@ -31,8 +31,7 @@ class Gpu:
     per_clock: dict[str, float]
 
     def rate(self, pipe: str) -> float:
-        """Peak rate of a pipe or of "issue", 1e9 warp instructions per second; of a cache, all multiprocessors' clocks.
-        """
+        """Peak rate of a pipe or "issue", 1e9 warp instructions per second; of a cache, all multiprocessors' clocks."""
         return self.multiprocessors * self.clock_mhz * self.per_clock.get(pipe, 1.0) / 1e3
 
 

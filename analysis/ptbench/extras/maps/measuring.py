@@ -1,8 +1,7 @@
 """Measures the cells of a map with the program, and stores every run in one file.
 
-A run holds the times of both choices in one scene and setting. Cells that need the same run (times to an image with
-different numbers of samples) share it. The file is written after every run, so that an interrupted measurement can
-resume.
+A run holds the times of both choices in one scene and setting. Cells may share a run (times to an image with other
+numbers of samples). The file is written after every run, so that an interrupted measurement can resume.
 """
 
 import hashlib

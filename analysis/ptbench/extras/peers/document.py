@@ -106,8 +106,7 @@ class Scene:
         return next(own, None)
 
     def time_over(self, peer: Peer) -> Estimate | None:
-        """The peer's time per sample over that of the first ptbench variant with its estimator; None: not comparable.
-        """
+        """The peer's time per sample over the first ptbench variant's with its estimator; None: not comparable."""
         base = self.base_of(peer)
         return peer.measured.time_over(base.measured) if base is not None and peer.compares else None
 

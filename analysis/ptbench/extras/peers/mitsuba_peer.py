@@ -16,8 +16,7 @@ _MAX_DEPTH = re.compile(r"max_depth = (\d+)")
 
 
 def register_bsdf_sampling(mi, dr):
-    """Registers an integrator that finds lights by BSDF sampling only, as direct_light=off: no shadow rays, no weights.
-    """
+    """Registers an integrator without next-event estimation, like direct_light=off: no shadow rays, no weights."""
     # The function that dr.syntax generates looks names up in the module's globals.
     globals().update(mi=mi, dr=dr)
 
@@ -112,8 +111,7 @@ class Renderer:
         wall_ms = 1e3 * (time.perf_counter() - begun)
         if not self.compiles:
             return film, {"ms": wall_ms, "wall_ms": wall_ms, "compile_ms": 0.0, "kernels": 0}
-        # The kernel history covers every kernel, fills and reductions included; times in ms of the device or its
-        # threads.
+        # The kernel history has every kernel, fills and reductions included; times are device or thread ms.
         history = self.dr.kernel_history()
         compiled = sum(one.get("codegen_time", 0) + one.get("backend_time", 0) for one in history)
         kernels_ms = sum(one.get("execution_time", 0) for one in history)

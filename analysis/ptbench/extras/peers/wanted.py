@@ -10,8 +10,7 @@ MEGAKERNEL, EVALUATED = "megakernel", "evaluated"
 # Two estimators: next-event estimation combined with BSDF sampling by MIS, and BSDF sampling alone.
 LIGHTS, CHANCE = "nee_mis", "off"
 _OWN_ESTIMATOR = "direct_light="
-# Most objects with meshes to be intersected in turn, without a tree over them (renderer.h: most_objects_in_turn).
-_MOST_IN_TURN = 16
+_MOST_IN_TURN = 16  # most mesh objects to intersect without a tree over them (renderer.h: most_objects_in_turn)
 OF_MITSUBA = {"path": LIGHTS, "bsdf": CHANCE}
 
 

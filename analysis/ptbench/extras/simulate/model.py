@@ -1,13 +1,10 @@
 """Model of rendering one image on many GPUs: division of the work, noise, and the reduction of the film.
 
 A GPU's time is t0 + c x (samples x pixels) x noise, with t0 and c from renders of one GPU at several sizes. Partitions:
-
 - samples: every GPU renders all pixels, at most ceil(spp / P) samples of them; films are summed;
-
 - tiles: blocks of pixels dealt round-robin; bands: contiguous runs of as many blocks; films are put together;
-
 - dynamic: as in harness/render/device_shares.h, chunks of samples of all pixels go to whichever GPU is free, each half
-of an even share of the rest; a chunk is a launch and a message; films are summed.
+  of an even share of the rest; a chunk is a launch and a message; films are summed.
 
 A message of n bytes takes alpha + n / beta. Summing P films takes the shorter of a binomial tree, ceil(log2 P) (alpha +
 n / beta), and a reduce-scatter with gather, 2 ceil(log2 P) alpha + 2 (P - 1) / P n / beta; gathering parts takes

@@ -13,8 +13,7 @@ from ptbench.stats.estimates import Estimate
 
 
 class SimulationSource(Source, form=WORK):
-    """The simulation of the package's definition, from the results of a checkout; `file` is its map of rays per path.
-    """
+    """The simulation of the package's definition, from a checkout's results; `file` is its map of rays per path."""
 
     def __init__(self, results: Path, file: str) -> None:
         super().__init__(results, file)
@@ -67,8 +66,7 @@ class SimulationSource(Source, form=WORK):
         return self._number(100 * max(abs(point.error) for point in self._study.checks))
 
     def device_errors(self, least_spp: int) -> list[float]:
-        """Errors of simulated multi-GPU efficiencies in per cent, unsigned, for at least `least_spp` samples per pixel.
-        """
+        """Unsigned errors of simulated multi-GPU efficiencies, per cent, for at least `least_spp` samples per pixel."""
         return [100 * abs(point.error) for point in self._study.checks if int(point.name.split()[-2]) >= least_spp]
 
     @property

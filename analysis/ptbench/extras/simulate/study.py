@@ -45,13 +45,10 @@ class Study:
     side: int
     efficiencies: Mapping[tuple[str, int, int], Spread]
     reductions: Mapping[tuple[int, int], float]  # film reduction in ms by (side, ranks), over the far network
-    # Least spp at which dividing samples is as fast as dividing tiles, by (side, ranks).
-    even: Mapping[tuple[int, int], int | None]
-    # Slowest rank's time over the median by number of ranks, from noise alone; median of trials.
-    stragglers: Mapping[int, float]
+    even: Mapping[tuple[int, int], int | None]  # least spp at which samples are as fast as tiles, by (side, ranks)
+    stragglers: Mapping[int, float]  # slowest rank's time over the median by ranks, from noise alone; median of trials
     slow_one: Mapping[tuple[str, int], float]  # parallel efficiency with one slow GPU, by (partition, ranks)
-    # Load imbalance: largest share of work over the mean, by (partition, ranks).
-    imbalance: Mapping[tuple[str, int], float]
+    imbalance: Mapping[tuple[str, int], float]  # load imbalance: largest over mean share of work, by (partition, ranks)
     checks: tuple[Point, ...]  # simulated against measured efficiencies of several GPUs
 
     @property

@@ -28,8 +28,7 @@ from ptbench.io.cells import Result, Study
 from ptbench.stats.estimates import INTERVAL_TEXT, Estimate
 from ptbench.studies.notes import Note
 
-# Heights in inches of a bar's row, a heading, the gap between groups and the foot.
-_ROW, _HEAD, _GAP, _FOOT = 0.27, 0.34, 0.5, 0.6
+_ROW, _HEAD, _GAP, _FOOT = 0.27, 0.34, 0.5, 0.6  # heights in inches: bar's row, heading, gap of groups, foot
 _LOG_FROM = 8.0
 _EVERY = 10**6  # most cells in a group: bar charts need no splitting into pages
 

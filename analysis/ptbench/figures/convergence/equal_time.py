@@ -110,8 +110,7 @@ def _title(study: Study) -> str:
 
 
 def _at_equal_time(members: Sequence[Assessment]) -> tuple[float, list[tuple[Picture, float]]]:
-    """The latest time at which all cells have an image, and each one's last image by then, or its first, with its time.
-    """
+    """The latest time at which all cells have an image, and each one's last image by then, or its first."""
     timed = [_timed(one, ms) for one, ms in zip(members, render_times(members)[0], strict=True)]
     time = min(max(times.values()) for times in timed)
     chosen = []

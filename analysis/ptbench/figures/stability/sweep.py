@@ -1,5 +1,4 @@
-"""The figure of error against the swept parameter: a panel per case and quantity, a line per formula, allowed errors.
-"""
+"""The figure of error over the swept parameter: a panel per case and quantity, a line per formula, allowed errors."""
 
 import math
 from collections.abc import Iterable, Sequence

@@ -1,2 +1,1 @@
-"""The kinds of sources that a page may use, one module per kind of file; modules are discovered (findings/source.py).
-"""
+"""The kinds of sources that a page may use, one module per kind of file, discovered by findings/source.py."""

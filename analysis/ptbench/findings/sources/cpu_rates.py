@@ -1,5 +1,4 @@
-"""A file of tools/rays/rays_cpu.cpp as a source: rates of ray batches on one thread, ptbench's trees beside Embree's.
-"""
+"""A file of tools/rays/rays_cpu.cpp as a source: rates of ray batches on one thread, ptbench's beside Embree's."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -10,8 +9,7 @@ from ptbench.findings.commits import shown_commit
 from ptbench.findings.source import Source
 from ptbench.numbers import figures
 
-# Ptbench's own trees; other contenders are Embree, inside and outside of the harness.
-TREES = ("bvh2", "bvh4", "bvh8", "cwbvh")
+TREES = ("bvh2", "bvh4", "bvh8", "cwbvh")  # ptbench's trees; other contenders are Embree, in the harness and outside
 PEER = "embree_native"
 
 

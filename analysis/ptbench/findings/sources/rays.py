@@ -23,8 +23,7 @@ from ptbench.stats.estimates import Estimate, median_estimate, ratio_estimate, v
 from ptbench.studies.programs import devices_of, why_not_one
 from ptbench.studies.selection import parsed
 
-# Largest share of rays whose hits may differ between two programs, as triangle tests do at edges; more means another
-# scene.
+# Largest share of rays whose hits may differ between programs, as triangle tests do at edges.
 MOST_APART = 1e-6
 # Display names of the throughput ceilings.
 CEILINGS = {
@@ -43,8 +42,7 @@ class Traced:
 
     @property
     def counters_row(self) -> str:
-        """A table row of counters: lanes, instructions and bytes per ray, occupancy, ceilings, stalls, nearest ceiling.
-        """
+        """A table row of counters: lanes, instructions and bytes per ray, occupancy, ceilings, stalls, the nearest."""
         one = self.batch.counters
         if one is None:
             raise FindingError(f"{self.text}: no counters")

@@ -37,8 +37,7 @@ class StabilitySource(Source, form=STABILITY):
         return len({row.case.name for row in self._stability.rows if row.status != NOT_APPLICABLE})
 
     def cover_all(self, other: StabilitySource, said: str) -> str:
-        """Returns `said` if every case that either program has is in this file or the other; else raises FindingError.
-        """
+        """Returns `said` if every case that either program has is in either file; else raises FindingError."""
         both = (self._stability, other._stability)
         seen = {row.case.name for one in both for row in one.rows}
         missing = {case.name for one in both for case in one.cases} - seen

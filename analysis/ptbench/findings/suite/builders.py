@@ -92,8 +92,7 @@ class Crossed:
 
 
 def built(ways: Sequence[Way]) -> list[Built]:
-    """Every builder's times beside the baseline of its scene and accelerator; raises FindingError without a baseline.
-    """
+    """Every builder's times beside the baseline of its scene and accelerator; raises FindingError without one."""
     bases = {_place(way): way for way in ways if way.cell.axes["builder"] == BASELINE}
     if missing := [way.scene for way in ways if _place(way) not in bases]:
         raise FindingError(f"{missing[0]}: no tree of {BASELINE}")

@@ -57,8 +57,7 @@ class Errors(Cells):
         return Counter(one.verdict.word for one in assess(self.result).values())
 
     def efficiency(self, selection: str) -> Ratio:
-        """The efficiency of a cell against its scene's baseline in the study that the selection names; FASTER: above 1.
-        """
+        """The efficiency of a cell against its scene's baseline, in the study that the selection names; FASTER: > 1."""
         one = self.assessment(selection)
         study = self._chosen(selection)["study"]
         members = [other for other in assess(self.result).values() if study in other.cell.studies]
