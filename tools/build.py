@@ -18,7 +18,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-SECONDS_BETWEEN_LINES = 30  # interval of progress lines in a log
+SECONDS_BETWEEN_LINES = 30  # seconds between progress lines in a log
 STATUS = re.compile(r"\[(\d+)/(\d+)\] ")
 CHATTER = re.compile(r"\[\d+/\d+\] |ninja: no work|ninja: Entering|-- ")
 # g++ 12 sometimes fails to save a precompiled header, and succeeds when called again.

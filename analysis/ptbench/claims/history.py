@@ -20,7 +20,7 @@ class Measured:
     """When a result was measured, and the commit of the program that measured it."""
 
     commit: str
-    on: str  # date in ISO 8601
+    on: str  # date of the measurement in ISO 8601
     dirty: bool = False
 
 
@@ -29,7 +29,7 @@ class Order:
     """Whether the result or the prediction came first, with the commit and dates that show it."""
 
     grade: str
-    predicted: str = ""  # commit of the prediction
+    predicted: str = ""  # commit that last changed the prediction
     predicted_on: str = ""
     measured: str = ""
     measured_on: str = ""

@@ -30,7 +30,8 @@ def as_json(compared: Compared) -> dict:
             "runs": [_repeat(repeat) for repeat in compared.repeats],
             "floors": [_floor(floor) for floor in compared.floors],
         },
-        "ranked_files": [MARKS.index(mark) for mark in compared.ranked],  # "places", "spp", "at" have this file order
+        # "places", "spp" and "at" of a ranking list the files in the order of "ranked_files".
+        "ranked_files": [MARKS.index(mark) for mark in compared.ranked],
         "rankings": [_ranking(group) for group in compared.rankings],
     }
 

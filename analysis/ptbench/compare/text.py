@@ -253,7 +253,7 @@ def _either(one: int, two: int) -> str:
 
 def _remarks(row: Row) -> Iterable[str]:
     for remark in row.remarks:
-        # The interval and differing samples per pixel have columns of their own.
+        # Remarks leave out the interval and differing samples per pixel, which have columns of their own.
         head, found, tail = remark.partition("] reaches ")
         if found and head.startswith("interval ["):
             yield f"reaches {tail}"

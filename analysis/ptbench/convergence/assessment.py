@@ -66,7 +66,7 @@ class Verdict:
     reason: str = ""
     plateau: float | None = None  # root mean square error of the plateau, the bias B
     declared: bool = False  # the cell declares a bias that predicts the plateau
-    is_bound: bool = False  # `plateau` is only a lower bound of B, derived from the mean error
+    is_bound: bool = False  # `plateau` is only a lower bound of the bias B, derived from the mean error
 
     @property
     def text(self) -> str:
@@ -84,7 +84,7 @@ class Assessment:
     verdict: Verdict
     fit: Fit | None = None
     bias2_family: tuple[float, float] | None = None  # confidence interval of bias^2 that the verdict rests on
-    ms_per_spp: dict[str, Estimate] = field(default_factory=dict)  # time per sample per pixel, by clock
+    ms_per_spp: dict[str, Estimate] = field(default_factory=dict)  # ms per sample per pixel by clock, such as "wall_ms"
     doubts: tuple[str, ...] = ()
     alone: Cell | None = None  # companion cell: the same render without checkpoints
 

@@ -24,11 +24,11 @@ from ptbench.studies.questions import usual_baseline
 COMPANION = "_without_checkpoints"
 # Axes whose choices affect the error; a file may have axes that this package does not know.
 _DECIDE_ERROR = {name for name, axis in known_axes().items() if axis.decides_error}
-# An error e is out of reach near a plateau B: below this share of e^2, e^2 - B^2 is noise of the fit.
+# Least share of e^2 that an error e must keep above a plateau B (e^2 - B^2) to be reachable; less is noise of the fit.
 _NEAR_PLATEAU = 1e-3
-# Share of a plateau in the last squared error from which on a cell counts as having reached the plateau.
+# Share of the last squared error that a plateau must make up for the cell to count as having reached the plateau.
 _MOST_OF_PLATEAU = 0.5
-# Least ratio of the time to an error over a render's fixed cost for that time to be told.
+# A time to an error is told only if it is at least this many times the fixed cost of a render.
 _LEAST_LAUNCHES = 20
 
 EFFICIENCY_RULE = (

@@ -31,7 +31,7 @@ class MeanTest:
     here: tuple[float, ...]
     there: tuple[float, ...]
     bias: tuple[float, ...]
-    errors: tuple[float, ...]  # standard errors of `bias`
+    errors: tuple[float, ...]  # standard errors of the relative bias, by channel
     worst_p: float
     limit_p: float
     sees: float  # bias of the worst channel that the test would detect
@@ -99,7 +99,7 @@ class Comparison:
 
 @dataclass(frozen=True)
 class _Welch:
-    mean: np.ndarray  # larger of the two absolute means
+    mean: np.ndarray  # larger of the two renderers' absolute means
     difference: np.ndarray
     error: np.ndarray
     freedom: np.ndarray
@@ -125,7 +125,7 @@ def _welch(here: np.ndarray, there: np.ndarray) -> _Welch:
     variance = of_mean[0] + of_mean[1]
     shares = of_mean[0] ** 2 / (len(here) - 1) + of_mean[1] ** 2 / (len(there) - 1)
     freedom = np.full_like(variance, len(here) + len(there) - 2)
-    # The square of a tiny variance underflows double precision; such freedoms keep their default.
+    # The square of a tiny variance may underflow to 0; its degrees of freedom then keep their default.
     np.divide(variance**2, shares, out=freedom, where=shares > 0)
     mean = np.maximum(np.abs(means[0]), np.abs(means[1]))
     error = np.sqrt(variance + (ROUNDING * mean) ** 2)

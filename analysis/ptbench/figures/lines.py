@@ -64,7 +64,7 @@ class Abscissa:
     quantity: str
     unit: str
     ticks: dict[int, str]
-    log: bool = False  # always logarithmic, not only for such spacing; a zero is placed left of the logarithms
+    log: bool = False  # whether x is logarithmic whatever the spacing; a zero is placed left of the logarithms
 
     def tick(self, x: float) -> str:
         """The label of a tick at a value."""
@@ -82,7 +82,7 @@ class Data:
     order: tuple[str, ...]
     panels: tuple[Panel, ...]
     abscissa: Abscissa
-    log_times: bool = False  # times and ratios are always logarithmic, not only over a wide range
+    log_times: bool = False  # whether times and ratios are logarithmic even over a small range
 
 
 def panel_of(title: str, points: Sequence[tuple[int, Row]], parts: Parts, with_crossovers: bool = False) -> Panel:

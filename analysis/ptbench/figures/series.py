@@ -49,8 +49,8 @@ class Data:
     x_label: str
     y_label: str
     x_ticks: dict[float, str]
-    one: bool = False  # draw a line at y = 1
-    linear: bool = False  # the y axis is linear and begins at 0
+    one: bool = False  # whether to draw a line at y = 1
+    linear: bool = False  # whether the y axis is linear and begins at 0
 
 
 def draw(data: Data) -> Figure:

@@ -38,7 +38,7 @@ MARGIN = 0.2  # inches around everything on a page
 
 _SETTINGS = {
     "figure.dpi": 100,
-    "font.family": "DejaVu Sans",  # comes with matplotlib, so that figures are the same on every machine
+    "font.family": "DejaVu Sans",  # a font that comes with matplotlib, so that figures are the same on every machine
     "font.size": BASE_SIZE,
     "axes.labelsize": BASE_SIZE,
     "axes.titlesize": BASE_SIZE + 0.5,
@@ -54,9 +54,9 @@ _SETTINGS = {
     "lines.linewidth": 1.6,
     "lines.markersize": 6,
     "errorbar.capsize": 2.5,
-    "text.parse_math": False,  # a scene's name may contain $ signs, such as "a$b$c"
-    "svg.hashsalt": "ptbench",  # fixes the ids in an SVG, which are random without it
-    "svg.fonttype": "none",  # text remains text: a quarter of the size, and searchable
+    "text.parse_math": False,  # off, as a scene's name may contain $ signs, such as "a$b$c"
+    "svg.hashsalt": "ptbench",  # fixed, as ids in an SVG are otherwise random
+    "svg.fonttype": "none",  # text stays text in an SVG: a quarter of the size, and searchable
 }
 
 

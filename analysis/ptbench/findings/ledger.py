@@ -22,8 +22,8 @@ class Call:
 
     root: Path = Path()
     names: Sequence[str] = ()
-    results: Path | None = None  # folder of results; None: the checkout's own
-    binary: Path | None = None  # path of ptbench; None: the checkout's own
+    results: Path | None = None  # folder of benchmark results; None: the checkout's own
+    binary: Path | None = None  # path of the ptbench program; None: the checkout's own
     run: bool = False
     write: bool = False
     check: bool = False

@@ -28,7 +28,7 @@ class Line:
     """A row of the overview figure."""
 
     label: str
-    ratios: tuple[Ratio, Ratio]  # time ratios in the open and the closed box
+    ratios: tuple[Ratio, Ratio]  # ratios of time in the open box and in the closed box
     same_films: tuple[bool, bool]  # whether variant and baseline left the same film, in either box
 
 

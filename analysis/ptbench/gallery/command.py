@@ -58,7 +58,7 @@ class Row:
     title: str
     pictures: tuple[Picture, ...]
     resolution: tuple[int, int] | None  # size of each picture; None: the sheet's resolution
-    pixels: bool  # show pixels without interpolation, for a row about single pixels
+    pixels: bool  # whether to show pixels without interpolation, for a row about single pixels
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class Rendered:
     image: np.ndarray | None
     remarks: tuple[str, ...]
     failure: str = ""
-    scene_hash: str = ""  # hash of the rendered scene
+    scene_hash: str = ""  # hash of the scene that was rendered
 
 
 def load_spec(path: Path) -> tuple[str, tuple[Row, ...]]:

@@ -319,13 +319,13 @@ class Comparison:
 
     study: str
     cell: str
-    baseline: str  # name of the baseline cell; empty: there is none
+    baseline: str  # name of the comparison's baseline cell; empty: there is none
     ratio: float | None
     interval: tuple[float, float] | None
-    word: str  # verdict; empty: there is no ratio
+    word: str  # word of the verdict; empty: there is no ratio
     reason_code: str
     in_time: str
-    in_cycles: str  # verdict by clock cycles; empty: a clock is unknown
+    in_cycles: str  # word of the verdict by clock cycles; empty: a clock is unknown
 
 
 @dataclass(frozen=True)
@@ -337,7 +337,7 @@ class NotApplicable:
     variant: str
     axes: dict[str, str]
     reason: str
-    reason_code: str = ""  # code of the reason; empty in older files
+    reason_code: str = ""  # code of why the variant was left out; empty in older files
     tuned: dict[str, str] = field(default_factory=dict)  # tunables that differed from their choice's default value
     reason_axis: str = ""  # axis of the inapplicable choice; empty in older files, and where no choice is to blame
 

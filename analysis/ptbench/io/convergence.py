@@ -20,8 +20,8 @@ class Checkpoint:
     """A checkpoint: the state of one render after `spp` of its samples."""
 
     spp: int
-    times: dict[str, float]  # milliseconds by clock; wall_ms is always present
-    errors: dict[str, float | None]  # error by metric
+    times: dict[str, float]  # render time until the checkpoint, ms by clock; wall_ms is always present
+    errors: dict[str, float | None]  # error by metric, such as mse_dual
     mean_error: tuple[float, float, float] | None
     nonfinite: int = 0
     shared: bool = False
@@ -33,7 +33,7 @@ class Reference:
     """The reference of the errors: the mean of two independently rendered halves, or a closed form."""
 
     name: str
-    kind: str  # "rendered" or "closed_form"
+    kind: str  # kind of reference: "rendered" or "closed_form"
     scene: str
     variance: float  # variance of the mean of the halves, averaged over pixels and channels
     mean_square: float

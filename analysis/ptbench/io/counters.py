@@ -24,7 +24,7 @@ class Counters:
     thread_instructions_per_ray: float
     memory_bytes_per_ray: float
     of_ceiling: dict[str, float]
-    bound: str  # name of the nearest ceiling
+    bound: str  # name of the throughput ceiling that the kernel is nearest to
     l1_hit_rate: float | None = None
     l2_hit_rate: float | None = None
     memory_stalls: float | None = None

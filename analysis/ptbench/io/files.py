@@ -68,7 +68,7 @@ def read_whole(path: Path, largest: int = LARGEST_INPUT) -> bytes:
                 data += more
     except OSError as error:
         raise _unreadable(path, _reason(path, error), largest) from error
-    except ValueError as error:  # the name contains a null character
+    except ValueError as error:  # a file name with a null character raises ValueError
         raise _unreadable(path, "a name that no file can have", largest) from error
     if len(data) > largest:
         raise _unreadable(path, "more bytes than when it was opened, too large", largest)

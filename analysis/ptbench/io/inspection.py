@@ -172,8 +172,8 @@ class PriceOfARay:
     """The factors of the time per ray of kernel B over A; their product is `time`."""
 
     instructions: float
-    lanes: float  # ratio of 1 / active lanes
-    issue: float  # ratio of 1 / fraction of the issue ceiling
+    lanes: float  # ratio of 1 / active lanes, kernel B over A
+    issue: float  # ratio of 1 / fraction of the issue ceiling, kernel B over A
 
     @property
     def time(self) -> float:

@@ -68,7 +68,7 @@ class RayMesh:
     triangles: int
     hash: str
     rays: dict[str, int]  # rays per batch, by class
-    agree: dict[str, bool]  # whether all batches of a class have the same hits, which for some include brute force's
+    agree: dict[str, bool]  # by class, whether all batches have equal hits, and also brute force where that ran
     trees: tuple[Tree, ...]
 
 

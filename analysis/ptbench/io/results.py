@@ -290,7 +290,7 @@ def _cell(
         negative=node.optional_integer("negative") or 0,
         saturated=node.optional_integer("saturated") or 0,
         unfinished_walks=node.optional_integer("unfinished_walks") or 0,
-        # A cell that was interrupted before its counting pass has no such object, or an empty one.
+        # A cell that was interrupted before its counting pass has no object for that pass, or an empty one.
         instrumented=None if instrumented is None or instrumented.value == {} else _instrumented(instrumented),
         samples=tuple(samples[name]),
         errors=tuple(with_shown_names(message, order, usual) for _, message in errors[name]),

@@ -146,7 +146,7 @@ def validate(path: Path) -> list[str]:
 def _contradictions(root: Node) -> Iterator[str]:
     try:
         yield from map(str, contradictions(root))
-    except InputError as error:  # a row belongs to no known cell
+    except InputError as error:  # raised by a row that belongs to no known cell
         yield str(error).removeprefix(visible(f"{root.file}: "))
 
 

@@ -125,11 +125,11 @@ class Layout:
 class HeatCell:
     """The worst quantity of a row in one column."""
 
-    kind: str  # kind of cell: "value", "n/a", "broken" or "missing"
+    kind: str  # kind of a heat map's cell: "value", "n/a", "broken" or "missing"
     over_allowed: float = math.nan
     quantity: str = ""
     is_limit: bool = False
-    is_failure: bool = False  # a required check failed
+    is_failure: bool = False  # whether a check that must pass failed
 
 
 def heat_cell(rows: Sequence[Row]) -> HeatCell:

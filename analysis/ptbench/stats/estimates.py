@@ -52,9 +52,9 @@ class Verdict:
 
     word: str
     reason: str = ""
-    needs_samples: bool = False  # only more samples are missing for a firmer verdict
-    note: str = ""  # remark that a reader needs, whatever the verdict
-    withheld: str = ""  # verdict by the times alone, which the way they were measured forbids
+    needs_samples: bool = False  # whether more samples alone could settle the verdict
+    note: str = ""  # remark on the verdict that a reader needs
+    withheld: str = ""  # verdict by the times alone, withheld because of how they were measured
 
     @property
     def said(self) -> str:

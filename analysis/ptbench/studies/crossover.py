@@ -14,7 +14,7 @@ class Crossover:
     """The first x from which on the whole interval of the ratio is below 1; None: there is no such measured x."""
 
     x: int | None
-    is_first: bool = False  # x is the smallest measured value, so that an actual crossing was not observed
+    is_first: bool = False  # whether x is the smallest measured value, so that no actual crossing was observed
     doubts: tuple[str, ...] = ()
     missing: tuple[int, ...] = ()  # values above x that have no ratio
 

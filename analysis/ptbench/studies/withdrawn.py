@@ -26,13 +26,13 @@ class Withdrawal:
     backends: tuple[str, ...]
     spares: dict[str, tuple[str, ...]]  # choices of other axes with which the verdicts stand
     scenes: tuple[str, ...]  # scenes to which the withdrawal is limited; empty: all scenes
-    withdrawn: str  # kind of the withdrawn verdicts
-    gist: str  # reason in a few words
+    withdrawn: str  # kind of verdicts that are withdrawn
+    gist: str  # reason for the withdrawal in a few words
     reason: str
-    bound: dict[str, float]  # bound of the number by choice; may be empty
+    bound: dict[str, float]  # bound of the withdrawn number by choice; may be empty
     bound_is: str
-    source: str  # committed file with the bounds
-    stays: str  # verdicts that remain valid
+    source: str  # committed file that has the bounds
+    stays: str  # verdicts that stay valid despite the withdrawal
     until: str
 
     @property

@@ -104,7 +104,7 @@ def collect_command(folder: Path) -> int:
                 _say_missing(submission, array, group, _states(array))
                 continue
             out = submission.folder / f"{group.machine}.json"
-            if out in written:  # another build, or another GPU model within the same array
+            if out in written:  # the machine's name is taken by another build or GPU model of the array
                 out = out.with_name(f"{group.machine}.{next(iter(group.shards.values())).identity[:8]}.json")
             merge(submission, group, out)
             written.add(out)

@@ -34,8 +34,8 @@ class Call:
     resolution: tuple[int, int] | None = None
     spp: int = 4
     root: Path = Path()
-    results: Path | None = None  # folder of results; None: the checkout's own
-    binary: Path | None = None  # path of ptbench; None: the checkout's own
+    results: Path | None = None  # folder of benchmark results; None: the checkout's own
+    binary: Path | None = None  # path of the ptbench program; None: the checkout's own
     tried: int | None = None  # number of generated scenes to try the advice on, in place of a given scene
     seed: int = 1
     loaded: bool = False

@@ -31,9 +31,9 @@ class Decision:
 
     name: str
     reference: Mapping[str, str]
-    only: Mapping[str, str]  # axes that a cell must have set so to count for the decision; empty: all cells count
+    only: Mapping[str, str]  # choices that a cell must have to count for the decision; empty: all cells count
     statistic: str
-    of_meshes: bool = False  # the decision is about acceleration structures and needs triangles
+    of_meshes: bool = False  # whether the decision is about acceleration structures, so that it needs triangles
 
     @property
     def of_error(self) -> bool:

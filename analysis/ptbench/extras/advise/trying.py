@@ -50,8 +50,8 @@ class Asked:
     resolution: tuple[int, int]
     spp: int
     out: Path
-    loaded: bool = False  # accept load of other processes on the machine
-    resume: bool = False  # resume a file of the same try and keep its decided scenes
+    loaded: bool = False  # whether to measure despite load from other processes
+    resume: bool = False  # whether to resume a file of the same try and keep its decided scenes
 
 
 def drawn_scenes(count: int, seed: int) -> Iterator[tuple[dict, int]]:

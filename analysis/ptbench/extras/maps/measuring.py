@@ -74,7 +74,7 @@ class Sheet:
         if "ratio" in run:
             ratio = Estimate(**run["ratio"])
         else:
-            # Without builds the number of samples cancels out of the ratio.
+            # Where no build times are added, the number of samples cancels out of the ratio of times.
             samples = self.definition.samples(place)
             sides = (run.get(f"{side}_build_ms", 0) + samples * np.array(run[f"{side}_ms"]) for side in SIDES)
             ratio = ratio_estimate(*sides)

@@ -46,11 +46,11 @@ class Axis:
 class Bracket:
     """Two neighbouring cells in a row or column of the map whose verdicts differ."""
 
-    along: int  # axis that the bracket lies along, 0: x, 1: y
-    at: float  # value on the other axis
+    along: int  # axis of the map that the bracket lies along, 0: x, 1: y
+    at: float  # position of the bracket on the map's other axis
     low: float
     high: float
-    is_firm: bool  # the cells are decidedly on different sides of ratio 1; else one is undecided
+    is_firm: bool  # the bracket's ends are decidedly on different sides of ratio 1; else one is undecided
 
     @property
     def width(self) -> float:

@@ -19,7 +19,7 @@ class Wanted:
     """A renderer to be timed, by name; `leaves_out` tells what its times exclude."""
 
     name: str
-    kind: str  # ptbench, mitsuba or program
+    kind: str  # kind of renderer: ptbench, mitsuba or program
     estimator: str
     axes: tuple[str, ...] = ()  # choices of a ptbench variant, as axis=choice
     command: tuple[str, ...] = ()  # command line of a persistent renderer process

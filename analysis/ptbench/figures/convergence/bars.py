@@ -63,8 +63,8 @@ class Data:
     heading: str
     unit: str = ""
     line_at: float | None = None
-    from_line: bool = False  # logarithmic axis on which bars begin at `line_at`
-    zero_based: bool = True  # linear axis that begins at 0
+    from_line: bool = False  # whether the axis is logarithmic and bars begin at `line_at`
+    zero_based: bool = True  # whether the axis is linear and bars begin at 0
 
 
 def _data(found: Groups, groups: Sequence[Bars], title: str, caption: str, result: Result, **fields) -> Data:

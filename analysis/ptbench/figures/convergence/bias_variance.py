@@ -31,7 +31,7 @@ class Point:
     label: str
     sigma2: Estimate
     bias2: Estimate
-    found: bool  # a plateau was found; else only the upper limit `limit` of bias^2 is known
+    found: bool  # whether a plateau was found; else only an upper limit of bias^2 is known
     limit: float
 
 

@@ -50,7 +50,7 @@ class Sheet:
 
     title: str
     shots: tuple[Shot, ...]
-    limit: float  # largest error on the colour scale
+    limit: float  # largest signed error on the colour scale
 
 
 @dataclass(frozen=True)

@@ -40,7 +40,7 @@ class Line:
     low: np.ndarray  # lower end of the seeds' band
     high: np.ndarray
     plateau: float | None
-    plateau_is_bound: bool  # the plateau is only a lower bound, so it is told and not drawn
+    plateau_is_bound: bool  # whether `plateau` is only a lower bound, told in words but not drawn
     crossing_ms: float | None
 
     @property

@@ -14,7 +14,7 @@ from ptbench.stability.layout import number, short_power
 
 __all__ = ["collect", "draw"]
 
-_PLOT_WIDTH, _PLOT_HEIGHT, _LEFT, _GAP = 3.75, 2.25, 0.95, 0.85  # inches
+_PLOT_WIDTH, _PLOT_HEIGHT, _LEFT, _GAP = 3.75, 2.25, 0.95, 0.85  # layout of a page's panels in inches
 _BOUND_LINES = {"robust float": (0, (5, 2)), "robust double": (0, (1, 1.6))}
 
 
