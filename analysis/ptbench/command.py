@@ -24,7 +24,7 @@ class Command:
     add_arguments: Callable[[argparse.ArgumentParser], None]
     # Function in the folder's module `command` that runs the command and returns the exit code; empty: its name.
     function: str = ""
-    # Checks parsed options together and returns what is wrong with their combination; empty: nothing.
+    # Checks a command's parsed options together and returns what is wrong with their combination; empty: nothing.
     fault: Callable[[argparse.Namespace], str] = _nothing_wrong
 
 

@@ -256,7 +256,7 @@ std::string measure_mesh(const RayMesh& mesh, const Options& options) {
         std::vector<Hit> hits;
         const Rates rates = measure(contenders, set.rays, hits, options.repeat);
         check_by_brute_force(mesh, set.rays, hits);
-        std::string name = set.name;  // class name as spelt in the committed result
+        std::string name = set.name;  // class of rays as spelt in the committed result file
         std::replace(name.begin(), name.end(), '_', ' ');
         json += (set.name == classes.front() ? "" : ",\n") + class_json(name, contenders, rates, set.rays.size());
     }

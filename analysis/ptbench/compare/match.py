@@ -258,7 +258,7 @@ def _other_rays(cell: Cell, partner: Cell, level: float) -> str | None:
     return f"{rays.mean():.6g} rays a path against {theirs.mean():.6g}: not the same work"
 
 
-# Field sets in which an unpaired cell may differ from a near one that is named, most informative first.
+# Sets of fields by which an unpaired cell may differ from a near one that the report names, most informative first.
 _TELLABLE = (
     ("spp",), *((axis,) for axis in _HOW_IT_COMPUTES), ("tunables",), ("checkpoints",), ("backend",), ("depth",),
     ("resolution",), ("backend", "spp"), ("depth", "spp"), ("resolution", "spp"), ("resolution", "depth", "spp"),

@@ -27,7 +27,7 @@ class Change:
     behind: int
     at: int
     turned_at: int
-    ratio: Estimate  # time of variant `ahead` over variant `behind` in file `at`
+    ratio: Estimate  # ratio of times in file `at`, variant `ahead` over `behind`
     turned_ratio: Estimate
 
 

@@ -29,7 +29,7 @@ from ptbench.stats.estimates import (
 from ptbench.studies.disturbed import CONTENDED, THROTTLED, disturbance_of
 from ptbench.studies.rows import cycles_ratio, time_ratio
 
-WORDS = (SLOWER, UNSURE, SAME, FASTER)  # verdicts, the worst first
+WORDS = (SLOWER, UNSURE, SAME, FASTER)  # verdicts of a comparison, the worst first
 
 
 @dataclass(frozen=True)

@@ -64,7 +64,7 @@ class Verdict:
 
     word: str
     reason: str = ""
-    plateau: float | None = None  # root mean square error of the plateau, the bias B
+    plateau: float | None = None  # root mean square error at which the error stops falling, the bias B
     declared: bool = False  # the cell declares a bias that predicts the plateau
     is_bound: bool = False  # `plateau` is only a lower bound of the bias B, derived from the mean error
 

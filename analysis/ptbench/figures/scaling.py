@@ -65,7 +65,7 @@ SWEEPS = {
         lambda cell: cell.tunables.get("shading_fmas"),
     ),
 }
-# Figures along the depth that belong to two axes: what each choice costs or saves by depth.
+# Figures over the path depth for two axes, sorting and first-bounce cache: what each choice costs or saves by depth.
 _BY_DEPTH = {
     f"{axis}_by_depth": Sweep(
         title, "Path depth", "ray segments", "depth {}".format, lambda cell: cell.depth, overtaking=False

@@ -31,7 +31,7 @@ class Series:
 
 @dataclass(frozen=True)
 class Panel:
-    """The lines that share axes."""
+    """One panel's lines, which share axes."""
 
     title: str
     series: tuple[Series, ...]

@@ -231,7 +231,7 @@ def spread(targets: Sequence[float], sizes: Sequence[float], low: float, high: f
     for index in order:
         offsets.append(edge + sizes[index] / 2)
         edge += sizes[index]
-    pools: list[list[float]] = []  # pools of touching items as [sum of wanted stack bottoms, members]
+    pools: list[list[float]] = []  # stacks of touching items, each as [sum of wanted bottoms, number of items]
     for index, offset in zip(order, offsets, strict=True):
         pools.append([targets[index] - offset, 1])
         while len(pools) > 1 and pools[-2][0] / pools[-2][1] >= pools[-1][0] / pools[-1][1]:

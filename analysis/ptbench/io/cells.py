@@ -187,7 +187,7 @@ class Cell:
     counters: dict[str, int] = field(default_factory=dict)  # instrumented pass's counters, for `spp` samples per pixel
     cuda: Cuda | None = None
     meshes: MeshFacts | None = None  # facts about meshes; None for a scene without any
-    scene_file: str = ""  # path of a scene that is not shipped, on the host of the run
+    scene_file: str = ""  # path of a scene file that is not shipped with ptbench, on the host of the run
     convergence: Convergence | None = None
     tuned: dict[str, str] = field(default_factory=dict)  # tunables that differ from their choice's default
     variant_in_file: str = ""  # variant's name in its file; older files list every choice

@@ -25,7 +25,7 @@ class Node:
 
     def __init__(self, file: Path, value: object, place: str | Node = "$", key: str | int = ""):
         """Makes a node; `place` is its JSON path, or the node of the object or array that contains it at `key`."""
-        # The path is computed only when needed: there are millions of nodes, and few appear in messages.
+        # A JSON path is computed only when needed: there are millions of nodes, and few appear in messages.
         self.file, self.value, self._place, self._key = file, value, place, key
 
     @property

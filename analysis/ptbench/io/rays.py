@@ -67,7 +67,7 @@ class RayMesh:
     name: str
     triangles: int
     hash: str
-    rays: dict[str, int]  # rays per batch, by class
+    rays: dict[str, int]  # number of rays in a batch, by class of rays
     agree: dict[str, bool]  # by class, whether all batches have equal hits, and also brute force where that ran
     trees: tuple[Tree, ...]
 

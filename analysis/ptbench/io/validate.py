@@ -201,7 +201,7 @@ def _allowed(error: ValidationError) -> str:
         "minItems": lambda: f"{value} or more",
         "maxItems": lambda: f"at most {value}",
         "uniqueItems": lambda: "each once",
-        # The keyword `not` is used for keys that are excluded by other keys of the object.
+        # The schema keyword `not` is used for keys that are excluded by other keys of the object.
         "not": lambda: f"none with {' and '.join(value['required'])}" if "required" in value else "no such key here",
         "anyOf": lambda: " or ".join(_allowed(inner) for inner in error.context),
         "oneOf": lambda: " or ".join(_allowed(inner) for inner in error.context),

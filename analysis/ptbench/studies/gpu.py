@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from ptbench.io.cells import Cell, Kernel, Result
 from ptbench.numbers import span
 
-# Axes that affect how kernels compute, which are always told with the GPU.
+# Axes that affect how kernels compute; captions always tell these axes with the GPU.
 KERNEL_AXES = ("arithmetic", "precision")
 # Kernels that each stage launches; a library's own (for compaction or sorting) are not in result files.
 _STAGE_KERNELS = {

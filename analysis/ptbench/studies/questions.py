@@ -54,7 +54,7 @@ def question_of(result: Result, study: Study | None) -> Question | None:
         return None
     run = list(dict.fromkeys(cell.axes[axis] for cell in cells if axis in cell.axes))
     baseline = usual_baseline(result, axis)
-    # Files that do not name their baselines are older than studies without one.
+    # A file that does not name its baselines is older than studies without a baseline cell.
     if run and baseline not in run and (result.baselines or baseline is None):
         baseline = run[0]
     return Question(axis, baseline or "?")

@@ -26,7 +26,7 @@ class Withdrawal:
     backends: tuple[str, ...]
     spares: dict[str, tuple[str, ...]]  # choices of other axes with which the verdicts stand
     scenes: tuple[str, ...]  # scenes to which the withdrawal is limited; empty: all scenes
-    withdrawn: str  # kind of verdicts that are withdrawn
+    withdrawn: str  # which verdicts on the choice are withdrawn, in words
     gist: str  # reason for the withdrawal in a few words
     reason: str
     bound: dict[str, float]  # bound of the withdrawn number by choice; may be empty

@@ -51,7 +51,7 @@ class CpuRaysSource(Source, form="ptbench-rays-cpu-1"):
 
     @property
     def cpu(self) -> str:
-        """The processor's name."""
+        """The name of the processor on which the rays were traced."""
         return self._value["cpu"]
 
     @cached_property
