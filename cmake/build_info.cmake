@@ -1,11 +1,11 @@
-# Run at every build: what this binary was made from. Rewritten only when it changes.
+# Writes build_info.h, which records what the binary was built from. Runs at every build; rewrites only changes.
 execute_process(COMMAND git -C ${SOURCE_DIR} rev-parse HEAD OUTPUT_VARIABLE sha OUTPUT_STRIP_TRAILING_WHITESPACE
                 RESULT_VARIABLE failed ERROR_QUIET)
 if(failed)
   set(sha "unknown")
   set(dirty 1)
 else()
-  # Results and figures are outputs: writing them does not make the sources dirty.
+  # Results and figures are outputs, so changes to them do not make the sources dirty.
   execute_process(COMMAND git -C ${SOURCE_DIR} status --porcelain -- kernels variants harness stability scenes cmake CMakeLists.txt
                   OUTPUT_VARIABLE changes)
   if(changes)
@@ -14,7 +14,7 @@ else()
     set(dirty 0)
   endif()
 endif()
-# What an image depends on: a cached reference is one of these sources.
+# A hash of the sources that an image depends on, by which cached reference images are invalidated.
 file(GLOB_RECURSE image_sources ${SOURCE_DIR}/kernels/*.h ${SOURCE_DIR}/variants/integrator/* ${SOURCE_DIR}/variants/sampler/*
      ${SOURCE_DIR}/harness/scene/* ${SOURCE_DIR}/harness/mesh/*)
 list(SORT image_sources)

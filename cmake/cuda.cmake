@@ -1,9 +1,9 @@
-# The CUDA backend, where there is a toolkit: the static runtime (which finds the driver when it is first called, so the
-# binary starts without one), NVRTC by dlopen, the sources that it compiles, and the choices that nvcc compiles.
+# The CUDA backend, built where a toolkit is found: the static runtime (which loads the driver at its first call, so
+# that the program starts without), NVRTC by dlopen, the sources for NVRTC, and the choices that nvcc compiles.
 set(PTBENCH_CUDA OFF)
 option(PTBENCH_WITH_CUDA "Build the CUDA backend where a toolkit is found" ON)
 set(PTBENCH_CUDA_ARCHITECTURES "90-real" CACHE STRING "GPUs that Thrust and CUB are compiled for (path kernels are compiled at run time)")
-# The GPUs that ptbench supports, from Turing to Blackwell; compile_test compiles path kernels for each.
+# The GPU architectures that ptbench supports, from Turing to Blackwell; compile_test compiles path kernels for each.
 set(PTBENCH_SUPPORTED_ARCHITECTURES 75 80 86 89 90 100 120)
 if(PTBENCH_NVCC AND PTBENCH_WITH_CUDA)
   find_library(PTBENCH_CUDART cudart_static HINTS ${PTBENCH_CUDA_ROOT}/lib64 ${PTBENCH_CUDA_ROOT}/targets/x86_64-linux/lib)
@@ -15,12 +15,12 @@ if(PTBENCH_NVCC AND PTBENCH_WITH_CUDA)
   endif()
 endif()
 message(STATUS "CUDA backend: ${PTBENCH_CUDA}")
-# With clang++ beside nvcc a build fails after minutes; this says so at its start.
+# clang++ beside nvcc would fail only after minutes of building, so it is refused when configuring.
 if(PTBENCH_CUDA AND NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   message(FATAL_ERROR "The compiler is ${CMAKE_CXX_COMPILER_ID} (${CMAKE_CXX_COMPILER}); beside nvcc, allowed: g++ "
                       "(unset CXX), or -DPTBENCH_WITH_CUDA=OFF for the CPU backend alone")
 endif()
-# The choices whose kernels NVRTC compiles; a build without a toolkit knows their names.
+# Choices of variants whose kernels NVRTC compiles; a build without a toolkit needs only their names.
 file(GLOB choices_with_kernels CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/*/*.cuh)
 foreach(header ${choices_with_kernels})
   file(STRINGS ${header} host_part REGEX "^#if defined\\(PT_HOST\\)" LIMIT_COUNT 1)
@@ -48,7 +48,7 @@ set(PTBENCH_CCCL_VERSION "${cub_major}.${cub_minor}.${cub_patch}")
 # glm/vec3.hpp.
 file(GLOB embedded_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/kernels/*.h ${PROJECT_SOURCE_DIR}/kernels/*/*.h ${PROJECT_SOURCE_DIR}/variants/*/*.cuh
      ${PROJECT_SOURCE_DIR}/variants/accelerator/*.h ${PROJECT_SOURCE_DIR}/variants/bvh/*.h ${PROJECT_SOURCE_DIR}/variants/cuda/device/*)
-# No kernel that NVRTC compiles has these, so a change to them must not empty the kernels' cache.
+# Headers that no NVRTC kernel includes are excluded, so that changing them does not invalidate the kernel cache.
 list(FILTER embedded_headers EXCLUDE REGEX "/layout/payload_iterator\\.cuh$|/axis\\.h$")
 get_target_property(glm_include glm::glm INTERFACE_INCLUDE_DIRECTORIES)
 list(GET glm_include 0 glm_include)
@@ -78,21 +78,21 @@ ptbench_write_host_units(host_units ${choices_with_kernels})
 list(APPEND cuda_host_sources ${host_units})
 list(APPEND cuda_sources ${cuda_host_sources})
 
-# What nvcc compiles: Thrust, CUB, and the clock.
+# The sources that nvcc compiles: Thrust, CUB, and the clock.
 set(CMAKE_CUDA_COMPILER ${PTBENCH_NVCC})
 set(CMAKE_CUDA_ARCHITECTURES ${PTBENCH_CUDA_ARCHITECTURES})
 set(CMAKE_CUDA_RUNTIME_LIBRARY Static)
 enable_language(CUDA)
-# CMake before 3.26 does not know that this nvcc speaks C++20.
+# CMake before 3.26 does not know nvcc's option for C++20.
 set(CMAKE_CUDA20_STANDARD_COMPILE_OPTION "-std=c++20")
 set(CMAKE_CUDA20_EXTENSION_COMPILE_OPTION "-std=c++20")
 set(CMAKE_CUDA_FLAGS_RELEASE "-O3 -DNDEBUG")
 file(GLOB nvcc_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/*/*.cu ${PROJECT_SOURCE_DIR}/harness/cuda/*.cu
      ${PROJECT_SOURCE_DIR}/harness/rays/*.cu)
-# Hits have the bits of the host's.
+# Without fused multiply-adds GPU hits are bitwise equal to the host's.
 set_source_files_properties(${PROJECT_SOURCE_DIR}/harness/rays/gpu_batch.cu PROPERTIES COMPILE_OPTIONS --fmad=false)
-# Each unit would parse the library anew, and compile what several files instantiate (results/build_times.md): the files of
-# a library are one unit. Each file has a namespace of its own.
+# Sources that use Thrust are compiled as one unit, and those that use CUB as another, so that each library is parsed
+# and instantiated once (results/build_times.md). Each file has a namespace of its own.
 function(group_nvcc_sources library files)
   list(FILTER nvcc_sources INCLUDE REGEX "${files}")
   list(TRANSFORM nvcc_sources REPLACE "(.+)" "#include \"\\1\"\n" OUTPUT_VARIABLE includes)
@@ -116,16 +116,16 @@ target_compile_definitions(ptbench_nvcc_options INTERFACE GLM_FORCE_CUDA)
 add_library(ptbench_nvcc OBJECT ${nvcc_sources})
 target_link_libraries(ptbench_nvcc PRIVATE ptbench_nvcc_options)
 
-# Device code of every unit of nvcc for other GPUs than the build's own, which nothing links: what one of them refuses is
-# an error here, before a user meets it. The tests' build makes it for the oldest and the newest GPU
-# (`nvcc_oldest_and_newest`), `./run architectures` for every one (`nvcc_everywhere`).
+# Compiles the nvcc units for other GPUs than the build's own, without linking, to find errors before a user does. The
+# tests' build does so for the oldest and the newest GPU (`nvcc_oldest_and_newest`), `./run architectures` for all
+# (`nvcc_everywhere`).
 set(oldest_and_newest 75 120)
 set(everywhere ${PTBENCH_SUPPORTED_ARCHITECTURES})
 foreach(which oldest_and_newest everywhere)
   list(TRANSFORM ${which} APPEND -real)
   add_custom_target(nvcc_${which})
 endforeach()
-function(ptbench_compile_elsewhere target) # the rest: what it links
+function(ptbench_compile_elsewhere target) # further arguments: the libraries that it links
   get_target_property(sources ${target} SOURCES)
   foreach(which oldest_and_newest everywhere)
     add_library(${target}_${which} OBJECT EXCLUDE_FROM_ALL ${sources})

@@ -1,4 +1,4 @@
-# Libraries come from the distribution. `./run` installs them; without it, CMake says which one is missing.
+# Libraries come from the distribution: `./run` installs them; without it, CMake reports a missing one.
 find_package(OpenMP REQUIRED COMPONENTS CXX)
 find_package(fmt REQUIRED)
 find_package(nlohmann_json 3.10 REQUIRED)
@@ -15,7 +15,7 @@ if(NOT PTBENCH_TINYGLTF_INCLUDE)
   message(STATUS "tinygltf: not found: no reader for .glb meshes (libtinygltf-dev)")
 endif()
 
-# The archive, not the shared library: a package then needs nothing more where it runs.
+# pugixml is linked statically, so that a package needs no further library.
 find_path(PTBENCH_PUGIXML_INCLUDE pugixml.hpp)
 find_library(PTBENCH_PUGIXML_LIBRARY NAMES libpugixml.a)
 if(NOT PTBENCH_PUGIXML_INCLUDE OR NOT PTBENCH_PUGIXML_LIBRARY)
@@ -24,7 +24,7 @@ endif()
 
 option(PTBENCH_EMBREE "Use Embree 3 where it is found (off in packages: its library would be most of their bytes)" ON)
 if(PTBENCH_EMBREE)
-  # By hand: Debian's package configuration asks for TBB's headers, which nothing here needs.
+  # Embree is searched directly, as Debian's package configuration requires TBB's headers, which ptbench does not need.
   find_path(PTBENCH_EMBREE_INCLUDE embree3/rtcore.h)
   find_library(PTBENCH_EMBREE_LIBRARY embree3)
   if(NOT PTBENCH_EMBREE_INCLUDE OR NOT PTBENCH_EMBREE_LIBRARY)
@@ -46,7 +46,7 @@ if(PTBENCH_MPI)
   endif()
 endif()
 
-# Thrust: the CUDA toolkit's where there is one, the distribution's (libthrust-dev) where not.
+# Thrust is taken from the CUDA toolkit if there is one, else from the distribution (libthrust-dev).
 find_program(PTBENCH_NVCC nvcc HINTS $ENV{CUDA_HOME}/bin /usr/local/cuda/bin)
 if(PTBENCH_NVCC)
   get_filename_component(PTBENCH_NVCC_REAL ${PTBENCH_NVCC} REALPATH)

@@ -1,5 +1,5 @@
-# Writes a C++ file with the text of every source that NVRTC compiles. FILES: "name=path" pairs. The host's part of a
-# choice is left out, which is the last: an edit there leaves compiled kernels what they are.
+# Writes a C++ file with the text of every source that NVRTC compiles; FILES are "name=path" pairs. The host part at the
+# end of a choice's file is left out, so that editing it does not invalidate compiled kernels.
 set(entries "")
 foreach(pair ${FILES})
   string(FIND "${pair}" "=" equals)

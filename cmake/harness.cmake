@@ -9,9 +9,9 @@ else()
   list(APPEND harness_sources ${PROJECT_SOURCE_DIR}/harness/cuda/without_cuda.cpp)
 endif()
 
-# Compiled together, what their headers instantiate (JSON above all) is compiled once and not in every file: a group of
-# files costs little more than one. So a name in an anonymous namespace is one for the whole folder, and each file of
-# stability/cases/ has a namespace of its own.
+# Groups the sources of a folder into unity builds, so that templates of their headers (JSON above all) are instantiated
+# once: a group costs little more than one file. So a name in an anonymous namespace must be unique in its folder, and
+# each file of stability/cases/ has a namespace of its own.
 function(ptbench_group_sources target)
   if(NOT PTBENCH_GROUP_SOURCES)
     return()
@@ -27,10 +27,10 @@ function(ptbench_group_sources target)
     list(APPEND sources_of_${folder} ${source})
   endforeach()
   list(REMOVE_DUPLICATES folders)
-  # g++ takes the files of a group for headers, where a type of an anonymous namespace would be a mistake.
+  # In a unity build g++ takes the files for headers, and would warn about types of their anonymous namespaces.
   target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
   foreach(folder ${folders})
-    # Groups of equal size, so that no core waits for the last one.
+    # Groups of about equal size keep all cores busy to the end.
     list(LENGTH sources_of_${folder} count)
     math(EXPR groups "(${count} + 9) / 10")
     set(index 0)
@@ -42,10 +42,10 @@ function(ptbench_group_sources target)
   endforeach()
 endfunction()
 
-# At the build type's optimisation: what computes while a time is taken, and what makes the numbers of scenes, oracles and
-# statistics. (A sine of a constant is rounded by the compiler where it can be evaluated, else by the C library, and they
-# differ in the last bit.) The rest of harness/ reads, writes, counts, or waits for a device: there the compiler's time
-# counts more. So it does in other builds, whose numbers nobody publishes, for what writes scenes: it runs once a scene.
+# Sources compiled at the build type's optimisation: those that run while a time is taken, and those that compute
+# scenes, oracles and statistics. (The sine of a constant may be rounded by the compiler or by the C library, which
+# differ in the last bit.) The rest of harness/ reads, writes, counts, or waits for a device, so that compile time
+# matters more. In builds other than Release that includes what writes scenes, as their numbers are not published.
 if(PTBENCH_MPI AND MPI_CXX_FOUND)
   list(FILTER harness_sources EXCLUDE REGEX "/ranks/without_mpi\\.cpp$")
 else()
@@ -68,8 +68,8 @@ foreach(target ptbench_rendering ptbench_harness)
     target_link_libraries(${target} PUBLIC ptbench_cudart)
   endif()
   ptbench_group_sources(${target})
-  # What tells a fuzzer which inputs lead somewhere new. (-fsanitize=fuzzer-no-link would keep ptbench_rendering from the
-  # precompiled headers of the kernels, which no fuzzer follows.)
+  # Coverage instrumentation guides the fuzzer. (-fsanitize=fuzzer-no-link would keep ptbench_rendering from using the
+  # kernels' precompiled headers, which no fuzzer follows.)
   if(PTBENCH_FUZZ)
     target_compile_options(${target} PRIVATE -fsanitize-coverage=inline-8bit-counters,indirect-calls,trace-cmp,pc-table)
   endif()
@@ -84,14 +84,14 @@ file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/generated/cccl_version.h CONTENT
 "#pragma once
 #define PTBENCH_CCCL_VERSION \"${PTBENCH_CCCL_VERSION}\"
 ")
-# As the double_intersection kernels in variants.cmake.
+# replay.cpp is exempt from g++'s SLP vectoriser for the same reason as double_intersection kernels (variants.cmake).
 set_source_files_properties(${PROJECT_SOURCE_DIR}/harness/stability/replay.cpp PROPERTIES COMPILE_OPTIONS
                             "$<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>")
 if(PTBENCH_MPI AND MPI_CXX_FOUND)
   target_link_libraries(ptbench_harness PUBLIC MPI::MPI_CXX)
   set_source_files_properties(${PROJECT_SOURCE_DIR}/harness/ranks/mpi.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endif()
-# tinygltf is compiled in the first of these files, and asked for in no others.
+# tinygltf is compiled in the first of these files; only these files include it.
 set(glb_reader ${PROJECT_SOURCE_DIR}/harness/mesh/gltf_model.cpp ${PROJECT_SOURCE_DIR}/harness/mesh/read_glb.cpp
     ${PROJECT_SOURCE_DIR}/harness/interchange/import_gltf.cpp ${PROJECT_SOURCE_DIR}/harness/interchange/import_gltf_image.cpp
     ${PROJECT_SOURCE_DIR}/harness/interchange/import_gltf_material.cpp)
@@ -102,7 +102,7 @@ if(PTBENCH_TINYGLTF_INCLUDE)
     target_include_directories(${target} SYSTEM PRIVATE ${PTBENCH_TINYGLTF_INCLUDE})
   endforeach()
 endif()
-# And OpenEXR in this one.
+# OpenEXR's headers are used by this file only.
 set(exr_writer ${PROJECT_SOURCE_DIR}/harness/exr.cpp)
 if(OpenEXR_FOUND)
   set_source_files_properties(${exr_writer} PROPERTIES COMPILE_DEFINITIONS PTBENCH_HAS_OPENEXR
@@ -110,10 +110,10 @@ if(OpenEXR_FOUND)
   foreach(part OpenEXR::OpenEXR OpenEXR::OpenEXRConfig OpenEXR::Iex OpenEXR::IlmThread Imath::Imath Imath::ImathConfig)
     target_include_directories(ptbench_rendering SYSTEM PRIVATE $<TARGET_PROPERTY:${part},INTERFACE_INCLUDE_DIRECTORIES>)
   endforeach()
-  # To link only: its options would keep other files from the precompiled headers.
+  # OpenEXR is linked without its compile options, which would keep other files from using the precompiled headers.
   target_link_libraries(ptbench_rendering INTERFACE $<LINK_ONLY:OpenEXR::OpenEXR>)
 endif()
-# So is pugixml.
+# pugixml is used by this file only.
 set(xml_reader ${PROJECT_SOURCE_DIR}/harness/interchange/xml_document.cpp)
 if(PTBENCH_PUGIXML_INCLUDE AND PTBENCH_PUGIXML_LIBRARY)
   set_source_files_properties(${xml_reader} PROPERTIES COMPILE_DEFINITIONS PTBENCH_HAS_PUGIXML SKIP_UNITY_BUILD_INCLUSION ON)
@@ -129,14 +129,14 @@ if(harness_optimisation STREQUAL "" AND CMAKE_BUILD_TYPE STREQUAL "Release")
   set(harness_optimisation "-O1")
 endif()
 target_compile_options(ptbench_harness PRIVATE ${harness_optimisation})
-# It reads: what it computes is the same at every level.
+# The glTF reader computes the same at every optimisation level, so that the harness's level suffices.
 set_property(SOURCE ${glb_reader} APPEND PROPERTY COMPILE_OPTIONS ${harness_optimisation})
-# The commit is in machine.cpp: it alone is compiled anew at every commit.
+# machine.cpp contains the commit and is not grouped, so that a new commit recompiles only this file.
 set_source_files_properties(${PROJECT_SOURCE_DIR}/harness/machine/machine.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 ptbench_precompile_headers(ptbench_harness ${PTBENCH_PRECOMPILED_JSON})
 ptbench_reuse_precompiled_headers(ptbench_rendering ptbench_variants)
-# What every program links, in this order: of a function that several parts hold, the linker takes the first, which has to
-# be the kernels' own.
+# All programs link these parts in this order: the linker takes the first copy of a function that several parts contain,
+# which must be the kernels' own.
 set(PTBENCH_PARTS $<TARGET_NAME_IF_EXISTS:ptbench_nvcc> ptbench_variants ptbench_rendering ptbench_harness)
 
 list(JOIN PTBENCH_ROUNDING_OPTIONS " " recorded_flags)
@@ -166,8 +166,8 @@ if(PTBENCH_EMBREE_INCLUDE AND PTBENCH_EMBREE_LIBRARY)
 endif()
 set_target_properties(rays_cpu PROPERTIES LINKER_LANGUAGE CXX)
 
-# Rates of ray batches through OptiX alone, by hand: `cmake --build build --target rays_optix`. Its headers are
-# https://github.com/NVIDIA/optix-dev; -DPTBENCH_OPTIX_INCLUDE=DIR says where they are.
+# Target rays_optix measures rates of ray batches through OptiX alone, and is built only on request. It needs the
+# headers of https://github.com/NVIDIA/optix-dev, whose folder -DPTBENCH_OPTIX_INCLUDE=DIR names.
 find_path(PTBENCH_OPTIX_INCLUDE optix.h HINTS $ENV{OPTIX_ROOT}/include)
 if(PTBENCH_CUDA AND PTBENCH_OPTIX_INCLUDE)
   set(optix_device ${PROJECT_BINARY_DIR}/rays_optix.optixir)

@@ -1,5 +1,5 @@
-# The limits that C++ and Python both judge by, as a header: generated/limits_of_judgement.h from analysis/ptbench/io/limits.json,
-# which has an entry a line.
+# Generates generated/limits_of_judgement.h, the limits that C++ and Python share, from analysis/ptbench/io/limits.json,
+# which has one entry per line.
 set(limits_file ${PROJECT_SOURCE_DIR}/analysis/ptbench/io/limits.json)
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${limits_file})
 file(STRINGS ${limits_file} limit_lines REGEX "\"is\"")

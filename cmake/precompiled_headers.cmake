@@ -1,8 +1,8 @@
-# The headers of the standard library and of the packages that most of harness/, variants/ and tests/ includes, parsed
-# once: they are half of what a translation unit costs to compile. Thrust's bring those of the CUDA runtime. None of ours
-# is here: a change to one rebuilds only what includes it. Nor is CLI11: what it defines beside templates is compiled
-# anew in every file that has it, 7 seconds each. nlohmann/json.hpp instantiates its parser in every file that has it, half
-# a second each: only targets that ask for PTBENCH_PRECOMPILED_JSON have it.
+# Precompiled headers of the standard library and packages that most of harness/, variants/ and tests/ includes, as
+# parsing them takes half the time of a translation unit. Thrust's headers include the CUDA runtime's. ptbench's own
+# headers are left out, so that a change to one rebuilds only its users. CLI11 is left out because its non-template code
+# would be compiled in every file, 7 seconds each. nlohmann/json.hpp instantiates its parser in every file, half a
+# second each, so only targets that ask for PTBENCH_PRECOMPILED_JSON get it.
 option(PTBENCH_PRECOMPILE_HEADERS "Parse the packages' headers once (off: shows an #include that is missing)" ON)
 set(PTBENCH_PRECOMPILED_HEADERS <algorithm> <array> <cmath> <filesystem> <fstream> <functional> <limits> <map> <memory>
     <optional> <random> <set> <span> <sstream> <string> <variant> <vector> <fmt/format.h> <fmt/ranges.h> <glm/vec3.hpp>
@@ -15,7 +15,7 @@ function(ptbench_precompile_headers target)
   endif()
 endfunction()
 
-# For targets with the very options of the other.
+# Reuses another target's precompiled headers, which requires exactly equal compile options.
 function(ptbench_reuse_precompiled_headers target other)
   if(PTBENCH_PRECOMPILE_HEADERS)
     target_precompile_headers(${target} REUSE_FROM ${other})

@@ -1,5 +1,5 @@
-# variants/: one file a choice, found by its place. A .cpp registers itself; integrators and layouts are headers, because
-# an integrator is compiled once for every feature set and a layout is a type that several choices work on.
+# variants/ has one file per choice, found by its location. A .cpp registers itself; integrators and layouts are
+# headers, because an integrator is compiled for every feature set and a layout is a type that several choices use.
 file(GLOB variant_sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/*.cpp ${PROJECT_SOURCE_DIR}/variants/*/*.cpp)
 file(GLOB integrator_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/integrator/*.h)
 file(GLOB layout_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/layout/*.h)
@@ -10,8 +10,8 @@ set(feature_set_file ${PROJECT_SOURCE_DIR}/variants/specialisation/cpu_feature_s
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${feature_set_file})
 set(generated ${PROJECT_BINARY_DIR}/generated)
 
-# axis_list.h: the axes of these axis.h, in the order that each asks for.
-function(ptbench_write_axis_list output) # the rest: the headers
+# Writes axis_list.h, which lists the axes of the given headers axis.h, in the order that each header asks for.
+function(ptbench_write_axis_list output) # further arguments: the headers
   set(includes "")
   set(axes_by_order "")
   foreach(header ${ARGN})
@@ -33,7 +33,7 @@ function(ptbench_write_axis_list output) # the rest: the headers
 endfunction()
 ptbench_write_axis_list(${generated}/axis_list.h ${axis_headers})
 
-# layouts.h and device_layouts.h: every layout by the name of its file.
+# Writes layouts.h and device_layouts.h, which list every path layout by the name of its file.
 set(layout_includes "")
 set(device_layout_includes "")
 set(device_layouts "")
@@ -78,8 +78,8 @@ file(CONFIGURE OUTPUT ${generated}/device_layouts.h CONTENT
 file(CONFIGURE OUTPUT ${generated}/layouts.cpp CONTENT
 "#include \"variants/registry.h\"\nnamespace pt { namespace {\n${layout_registrations}} }\n")
 
-# One translation unit an integrator and feature set; the generic kernel has them all, once with pcg4d alone and once
-# with every sampler and guided walks.
+# Each integrator is one translation unit per feature set; the generic kernel with all features is compiled once with
+# pcg4d as the only sampler, and once with every sampler and guided walks.
 option(PTBENCH_CPU_FEATURE_SETS "Compile the CPU integrators for the sets of cpu_feature_sets.txt too (off: the generic kernels alone)" ON)
 set(feature_sets "all_features" "all_features | Feature::matrix" "all_features | samplings"
     "all_features | samplings | traversals" "all_features | samplings | traversals | path_trees"
@@ -97,7 +97,7 @@ foreach(line ${lines})
   list(APPEND feature_sets "no_features | Feature::${expression}")
 endforeach()
 set(integrator_sources ${generated}/layouts.cpp)
-# Other formulas as well, by precision (kernels/config.h: formulas).
+# Feature sets of kernels with other intersection formulas, by precision (kernels/config.h: formulas).
 set(formula_sets_float "all_features | Feature::naive" "all_features | Feature::double_intersection")
 set(formula_sets_double "all_features | Feature::naive")
 function(add_integrator_unit unit name features real)
@@ -109,7 +109,7 @@ const IntegratorRegistration registration(integrator::${name}::descriptor, featu
                                           &integrator::${name}::render<Config<${real}, features, RunTimeAccelerator>>);
 } }
 ")
-  # g++ 12 at -O2 drops the rounding of a vector that goes from double to float and back (its SLP vectoriser).
+  # The SLP vectoriser of g++ 12 at -O2 drops the rounding of a vector that is converted from double to float and back.
   if(features MATCHES "double_intersection")
     set_source_files_properties(${generated}/${unit}.cpp PROPERTIES COMPILE_OPTIONS
                                 "$<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>")
@@ -119,7 +119,7 @@ endfunction()
 foreach(header ${integrator_headers})
   get_filename_component(name ${header} NAME_WE)
   set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${header})
-  file(STRINGS ${header} sets REGEX "^    \\.[a-z_]+ = true,$") # of its KernelSets (variants/integrator/axis.h)
+  file(STRINGS ${header} sets REGEX "^    \\.[a-z_]+ = true,$") # its KernelSets (variants/integrator/axis.h)
   string(REGEX REPLACE "[^a-z_;]|true" "" sets "${sets}")
   set(index 0)
   foreach(features ${feature_sets})
@@ -150,8 +150,8 @@ if(PTBENCH_CUDA)
   list(APPEND integrator_sources ${cuda_sources})
 endif()
 
-# choices_not_built.h: without a toolkit a choice of CUDA's is still known by the name of its file, so that a suite may
-# name it, and so is one that needs Embree.
+# Writes choices_not_built.h with the choices that need CUDA or Embree where this build lacks these, so that suites may
+# name them.
 set(choices_not_built "")
 if(NOT PTBENCH_EMBREE_INCLUDE OR NOT PTBENCH_EMBREE_LIBRARY)
   list(FILTER variant_sources EXCLUDE REGEX "/variants/(accelerator|builder)/embree[^/]*$")

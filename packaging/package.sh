@@ -1,9 +1,9 @@
 # shellcheck shell=bash disable=SC2154 # what ./run and its other parts set
-# Part of ./run: `./run package`.
+# Part of ./run: `./run package` makes a folder and an archive that run without network.
 
 package_entries='ptbench|check|gpu_tests|README\.txt|LICENSE|lib|tests|scenes|claims|maps|analysis|results'
 
-# Programs that test the GPU side; they are there if the build has a CUDA backend. A file may make several, as
+# Programs that test the GPU side, which exist if the build has a CUDA backend. A source file may give several, such as
 # segments_test and segments_exact_test.
 gpu_tests() {
     local source name targets
@@ -15,7 +15,7 @@ gpu_tests() {
     done
 }
 
-# Copies a program without its symbols, and the shared libraries that it needs and that are not glibc's.
+# Copies a program without its symbols, and the shared libraries that it needs except for glibc's.
 pack_program() { # pack_program PROGRAM FOLDER LIB_FOLDER
     local name path package
     strip -o "$2/${1##*/}" "$1"
@@ -32,7 +32,7 @@ pack_program() { # pack_program PROGRAM FOLDER LIB_FOLDER
     done < <(ldd "$1" | sed -nE 's/^\s*(\S+) => (\S+).*/\1 \2/p')
 }
 
-# The newest glibc whose symbols are asked for.
+# The newest glibc version whose symbols the files need.
 glibc_needed() { # glibc_needed FILE..
     objdump -T -- "$@" | grep -oE 'GLIBC_[0-9.]+' | sort -uV | sed -n '$s/GLIBC_//p'
 }
@@ -54,7 +54,7 @@ run_package() {
     done
     [[ -n $out ]] || die 2 "--out needs a folder"
     out=$(realpath -sm -- "$(cd -- "$called_from" && realpath -sm -- "$out")")
-    # The folder is made anew, so nothing may be lost with the old one.
+    # The output folder is replaced, so it must contain nothing but an earlier package.
     foreign=$(find "$out" -maxdepth 1 -mindepth 1 -printf '%f\n' 2>/dev/null | grep -vxE "$package_entries" | head -n 1) || true
     [[ -n $foreign || ! -d $out/results ]] ||
         foreign=$(find "$out/results" -type f ! -name tuning.json -printf 'results/%P\n' | head -n 1)
@@ -62,7 +62,7 @@ run_package() {
         die 2 "$(shown "$out") holds $foreign, which is no part of a package: move it, or name another folder with --out"
     [[ ! -e $out || -d $out ]] || die 2 "$(shown "$out") is no folder: name another with --out"
 
-    # An existing build-portable serves if it is for these GPUs.
+    # An existing folder build-portable is reused if it was configured for the same GPUs.
     build_dir=$root/build-portable
     grep -qxF "PTBENCH_CUDA_ARCHITECTURES:STRING=$architectures" "$build_dir/CMakeCache.txt" 2>/dev/null ||
         build_dir=$root/build-package
@@ -82,7 +82,7 @@ run_package() {
         gpu_lines="  ./gpu_tests                                all tests of the GPU side; writes results/MACHINE/gpu_tests.json"$'\n'
     done
     cp -- LICENSE "$folder/"
-    # With what `ptbench autotune` found: a run on such a machine uses it.
+    # The package includes what `ptbench autotune` found, which a run on such a machine uses.
     mapfile -t tunings < <(find results -name tuning.json)
     tar -cf - --exclude=__pycache__ scenes claims maps analysis "${tunings[@]}" | tar -xf - -C "$folder"
 
@@ -105,11 +105,11 @@ run_package() {
 
     rm -rf -- "$out"
     mv -- "$folder" "$out"
-    # The GPU tests share most of their code, which lies further apart than gzip looks back.
+    # The GPU test programs share most of their code, at distances beyond gzip's window, so xz is preferred.
     local ending=tar.xz compress=(xz --threads=1 --lzma2=preset=1,dict=256MiB)
     command -v xz >/dev/null || ending=tar.gz compress=(gzip -9n)
     archive=$(dirname -- "$out")/ptbench-$sha.$ending
-    # Nothing of this machine or hour in it: the same package is the same archive.
+    # The archive contains nothing of this machine or time, so that equal packages give equal archives.
     tar -C "$out" --sort=name --owner=0 --group=0 --numeric-owner --mtime=@0 --transform "s,^\.,ptbench-$sha," -cf - . |
         "${compress[@]}" >"$archive.partial"
     mv -- "$archive.partial" "$archive"
@@ -135,7 +135,7 @@ fill_in() { # fill_in TEMPLATE FILE NAME VALUE..: each @NAME@ by its value
     printf '%s\n' "$text" >"$file"
 }
 
-# Every library but glibc's must come from lib/, with an empty environment: a package that starts only here is none.
+# Checks in an empty environment that every library but glibc's comes from lib/, so that the package runs elsewhere.
 check_package() { # check_package FOLDER
     local program name path lib
     lib=$(realpath -- "$1/lib")

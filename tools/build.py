@@ -1,9 +1,9 @@
-"""Builds targets of a CMake folder (Ninja) and says how far it is.
+"""Builds targets of a CMake build folder (Ninja) and shows the progress.
 
-On a terminal that is one line, rewritten; elsewhere a plain line every half minute. Warnings and errors follow on
-stderr; everything is in the folder's build.log.
+On a terminal the progress is one line that is rewritten; elsewhere a plain line every half minute. Warnings and errors
+follow on stderr, and everything is in the folder's build.log.
 
-It runs before the virtual environment is there: the standard library alone.
+The script runs before the virtual environment exists, so it uses only the standard library.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-SECONDS_BETWEEN_LINES = 30  # in a log
+SECONDS_BETWEEN_LINES = 30  # seconds between progress lines in a log
 STATUS = re.compile(r"\[(\d+)/(\d+)\] ")
 CHATTER = re.compile(r"\[\d+/\d+\] |ninja: no work|ninja: Entering|-- ")
-# g++ 12 fails now and then to save a precompiled header, and not the next time.
+# g++ 12 sometimes fails to save a precompiled header, and succeeds when called again.
 PASSING_FAILURE = "internal compiler error: in gt_pch_save"
 
 
@@ -32,15 +32,15 @@ def clock_text(seconds: float) -> str:
 
 
 def kind_of(output: str) -> tuple[str, str]:
-    """Steps of a kind take times of a kind: those of one folder that make one type of file."""
+    """The kind of a build step, by which durations are estimated: its output's folder and file type."""
     path = Path(output)
     return str(path.parent), path.suffix
 
 
 class TimeLeft:
-    """What is left of a build, from what its steps took: in this build, or in the folder's earlier ones.
+    """Estimates the time left of a build from its steps' durations, in this build or in the folder's earlier ones.
 
-    `outputs` are those of all steps that may have to run. Ninja says how many do, and its log which have.
+    `outputs` are those of all steps that may have to run. Ninja tells how many do, and its log which have run.
     """
 
     def __init__(self, folder: Path, outputs: list[str]):
@@ -59,7 +59,7 @@ class TimeLeft:
                 yield fields[3], (int(fields[0]), int(fields[1]))
 
     def seconds(self, elapsed: float, finished: int, total: int) -> float | None:
-        """Seconds that the build will still take; None while nothing is known."""
+        """Seconds until the build ends; None while nothing is known."""
         entries = dict(self._entries())
         took = {output: (end - start) / 1000 for output, (start, end) in entries.items()}
         done = {output for output, entry in entries.items() if self._before.get(output) != entry}
@@ -81,7 +81,7 @@ def average(values: list[float]) -> float:
 
 
 def outputs_of(folder: Path, targets: list[str]) -> list[str]:
-    """What the steps behind the targets make; nothing where Ninja is older than its tool `inputs` (1.11)."""
+    """Outputs of the steps that targets depend on; empty for Ninja before 1.11, which lacks the tool `inputs`."""
     command = ["cmake", "--build", str(folder), "--target", *targets, "--", "-t", "inputs"]
     done = subprocess.run(command, capture_output=True, text=True, check=False, stdin=subprocess.DEVNULL)
     made = (".o", ".gch", ".pch")
@@ -116,7 +116,7 @@ class Progress:
 
 
 def build(folder: Path, jobs: int, targets: list[str], log: Path) -> tuple[int, str]:
-    """Builds; returns the exit code, and what the build said beside its progress."""
+    """Builds targets; returns the exit code, and the build's output without its progress lines."""
     progress = Progress(TimeLeft(folder, outputs_of(folder, targets)))
     command = ["cmake", "--build", str(folder), "-j", str(jobs), "--target", *targets]
     environment = {**os.environ, "NINJA_STATUS": "[%f/%t] "}

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""What each step of a target's build costs: CPU seconds (user and system) of each command, run one at a time.
+"""The cost of each step of a target's build: CPU seconds (user and system) of each command, run one at a time.
 
-The sum over the cores is the least time of a build from a clean clone. Judged by CPU seconds, not by the clock, because
-other work on the machine changes them little. The commands are ninja's, in its order, so the build folder is complete
-afterwards. With --repeat, the least of several runs of each.
+The sum over the number of cores bounds the time of a build from a clean clone. CPU seconds are used because other work
+on the machine hardly changes them. The commands are Ninja's, in its order, so the build folder is complete afterwards.
+With --repeat, each command counts with its fastest of several runs.
 """
 
 import argparse
@@ -15,7 +15,7 @@ import sys
 from collections import defaultdict
 from pathlib import Path
 
-# The kinds of steps; the first whose pattern matches what a step writes counts.
+# Kinds of build steps; a step belongs to the first whose pattern matches its output.
 GROUPS = [
     ("precompiled headers", r"\.gch$"),
     ("nvcc", r"ptbench_nvcc\.dir/"),

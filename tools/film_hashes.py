@@ -1,11 +1,11 @@
-"""What films a build of ptbench leaves on a CPU, to hold two builds against each other.
+"""Hashes the films that a build of ptbench renders on a CPU, to compare two builds.
 
     python3 tools/film_hashes.py build/ptbench --out after.json [--scene cornell_open,scenes/meshes/teapot_room.json,..]
     python3 tools/film_hashes.py --compare before.json after.json
 
-The first renders every scene (without --scene all shipped ones, those of the stability suite included) small, by each
-way of rendering below that applies to it, and writes the films' hashes. The second exits with 1 and names each film
-that the two files do not share, where there is one: the same call in both builds must leave the same bits.
+The first call renders every scene small (without --scene all shipped ones, including the stability suite's) in each way
+listed below that applies to it, and writes the films' hashes. The second exits with 1 and names each film that the two
+files do not share: both builds must leave the same bits for the same call.
 """
 
 import argparse
@@ -17,7 +17,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 SIZE = ["--resolution", "24x24", "--spp", "3", "--untuned", "--backend", "cpu"]
-# Each integrator and kernel is asked of each estimator, since a change of either may leave the other as it was.
+# Every integrator and kernel is combined with every estimator, as a change may affect only some combinations.
 CONNECTED = [f"direct_light=nee_mis,light_sampling={choice}" for choice in ("solid_angle", "auto")]
 WAYS = [
     f"integrator={integrator},specialisation={kernel},{estimator}"
@@ -28,13 +28,13 @@ WAYS = [
 
 
 def shipped_scenes() -> list[str]:
-    """Every scene file of the checkout, by its place."""
+    """Paths of all scene files in the checkout, relative to its root."""
     files = sorted((ROOT / "scenes").rglob("*.json"))
     return [str(file.relative_to(ROOT)) for file in files if "suites" not in file.parts]
 
 
 def film_of(binary: Path, scene: str, way: str, image: Path) -> str | None:
-    """The film's hash; None: the way of rendering does not apply to the scene. Ends with what ptbench says else."""
+    """The film's hash; None if the way of rendering does not apply to the scene. Other failures end the script."""
     axes = [word for axis in way.split(",") for word in ("--axis", axis)]
     call = [binary, "render", "--scene", scene, "--out", image, *SIZE, *axes]
     done = subprocess.run(call, capture_output=True, text=True, check=False)
@@ -47,7 +47,7 @@ def film_of(binary: Path, scene: str, way: str, image: Path) -> str | None:
 
 
 def films_of(binary: Path, scenes: list[str], image: Path) -> dict[str, str]:
-    """The hash of each film, by scene and way of rendering."""
+    """The film hashes by scene and way of rendering."""
     films = {}
     for number, scene in enumerate(scenes, 1):
         print(f"{number} of {len(scenes)}: {scene}", file=sys.stderr)
@@ -59,7 +59,7 @@ def films_of(binary: Path, scenes: list[str], image: Path) -> dict[str, str]:
 
 
 def compare(before: dict, after: dict) -> list[str]:
-    """A line for each film that the two do not share."""
+    """A line for each film that differs between two files of hashes."""
     one, other = before["films"], after["films"]
     return [
         f"{name}: {one.get(name, 'no film')} before, {other.get(name, 'no film')} after"
@@ -69,7 +69,7 @@ def compare(before: dict, after: dict) -> list[str]:
 
 
 def main() -> int:
-    """Renders, or compares."""
+    """Renders scenes and writes the film hashes, or compares two files of hashes."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("binary", type=Path, nargs="?")
     parser.add_argument("--scene", default="")

@@ -1,4 +1,4 @@
-"""What machine code a build of ptbench makes of its CUDA kernels, to hold two builds against each other.
+"""Hashes the machine code that a build of ptbench makes of its CUDA kernels, to compare two builds.
 
     python3 tools/machine_code.py build/ptbench --out after.json [--scene all] [--arch sm_90] [--pairs]
     python3 tools/machine_code.py --compare before.json after.json

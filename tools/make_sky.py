@@ -1,7 +1,7 @@
-"""Writes scenes/environments/sky.hdr: a clear sky over a grey ground, and a hazy sun of one texel.
+"""Writes scenes/environments/sky.hdr: a clear sky over grey ground, with a hazy sun of one texel.
 
-A sun a hundred times as bright is met by so few of the paths that `ptbench verify` has by default that the mean of
-direct_light=off would seem known, and without it.
+With a sun a hundred times as bright, so few of `ptbench verify`'s default paths would hit it that the mean of
+direct_light=off would appear known, without the sun.
 """
 
 import math
@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 WIDTH, HEIGHT = 64, 32
-SUN = (8, 13)  # row and column of the texel: 48 degrees up, between -z and +x
+SUN = (8, 13)  # row and column of the sun's texel: 48 degrees up, between -z and +x
 Colour = tuple[float, float, float]
 
 

@@ -1,7 +1,7 @@
-"""Writes the images of scenes/textures: tiles.png, tiles with dark joints, the lower left one red and the upper right
-one blue, and studs.png, the normals of 4 x 4 domes on a plane.
+"""Writes the images of scenes/textures: tiles.png and the normal map studs.png.
 
-The bytes are the same everywhere: the data is stored, not deflated.
+tiles.png has tiles with dark joints, the lower left one red and the upper right one blue; studs.png has the normals of
+4 x 4 domes on a plane. The bytes are the same everywhere: the data is stored, not deflated.
 """
 
 import math
@@ -17,7 +17,7 @@ Colour = tuple[int, int, int]
 
 
 def _colour(column: int, row: int) -> Colour:
-    """The colour of a texel. `row`: from the bottom, as texture coordinates go."""
+    """The colour of a texel; `row` counts from the bottom, as texture coordinates do."""
     if column % TILE == 0 or row % TILE == 0:
         return (90, 80, 70)
     tile = (column // TILE, row // TILE)
@@ -30,7 +30,7 @@ def _colour(column: int, row: int) -> Colour:
 
 
 def _normal(column: int, row: int) -> Colour:
-    """Normal of a dome cut from a sphere, x right and y up; 128 is 0, as harness/scene/texture_image.h reads it."""
+    """The normal of a dome cut from a sphere, x right and y up; 128 encodes 0, as in harness/scene/texture_image.h."""
     x, y = (place % STUD + 0.5 - STUD / 2 for place in (column, row))
     if math.hypot(x, y) > STUD_RADIUS:
         return (128, 128, 255)
@@ -43,7 +43,7 @@ def _chunk(kind: bytes, data: bytes) -> bytes:
 
 
 def _stored(data: bytes) -> bytes:
-    """A zlib stream of one block that is not compressed (RFC 1950, RFC 1951)."""
+    """A zlib stream with one uncompressed block (RFC 1950, RFC 1951)."""
     return (
         b"\x78\x01\x01"
         + struct.pack("<HH", len(data), len(data) ^ 0xFFFF)

@@ -19,7 +19,7 @@ import time
 from pathlib import Path
 
 COMMON = ["--scene", "cornell_open", "--backend", "cuda", "--resolution", "800x800", "--depth", "8", "--untuned"]
-# The call that GPU 1 repeats without end: renders of a second or so.
+# Options of the call that GPU 1 repeats endlessly: renders of about a second.
 NEIGHBOURS = {
     "computing": ["--axis", "integrator=persistent", "--axis", "arithmetic=exact", "--spp", "16384"],
     "moving": [
@@ -27,12 +27,12 @@ NEIGHBOURS = {
         *("--axis", "launch=graph", "--axis", "arithmetic=exact", "--tune", "spp_in_flight=4", "--spp", "4096"),
     ],
 }
-LEAST_USE, LONGEST_START = 90, 20.0  # percent, seconds
-_ENDLESS = "10000"  # repetitions
+LEAST_USE, LONGEST_START = 90, 20.0  # least GPU utilisation in percent, longest start in seconds
+_ENDLESS = "10000"  # number of repetitions that never ends in practice
 
 
 def environment(gpu: int) -> dict[str, str]:
-    """This process's environment, with one GPU to be seen."""
+    """A copy of this process's environment in which only one GPU is visible."""
     shown = os.environ.get("CUDA_VISIBLE_DEVICES", "0,1").split(",")
     if len(shown) < 2:
         raise SystemExit(f"CUDA_VISIBLE_DEVICES: found {','.join(shown)}, allowed: two GPUs")
@@ -40,7 +40,7 @@ def environment(gpu: int) -> dict[str, str]:
 
 
 def use_of(gpu: int) -> int | None:
-    """How busy the driver says that a GPU is, percent; None where nvidia-smi does not say."""
+    """The GPU utilisation that the driver reports, in percent; None where nvidia-smi does not tell."""
     shown = os.environ.get("CUDA_VISIBLE_DEVICES", "0,1").split(",")[gpu]
     asked = ["nvidia-smi", f"--id={shown}", "--query-gpu=utilization.gpu", "--format=csv,noheader,nounits"]
     try:
@@ -50,7 +50,7 @@ def use_of(gpu: int) -> int | None:
 
 
 def wait_until_busy(neighbour: subprocess.Popen) -> None:
-    """Returns once GPU 1 works; raises SystemExit where the neighbour ended or never began."""
+    """Waits until GPU 1 is busy; raises SystemExit where the neighbour ended or never began."""
     start = time.monotonic()
     while neighbour.poll() is None:
         used = use_of(1)
@@ -66,14 +66,14 @@ def wait_until_busy(neighbour: subprocess.Popen) -> None:
 
 
 def timed(binary: Path, out: Path) -> None:
-    """One run of the suite on GPU 0."""
+    """Runs the suite `neighbours` once on GPU 0."""
     call = [str(binary), "run", "--suite", "neighbours", "--backend", "cuda", "--untuned", "--quiet", "--overwrite"]
     if (code := subprocess.run([*call, "--out", str(out)], env=environment(0), check=False).returncode) != 0:
         raise SystemExit(f"{out}: exit code {code}")
 
 
 def beside(binary: Path, work: str, out: Path) -> None:
-    """Runs the suite on GPU 0 while GPU 1 works."""
+    """Runs the suite `neighbours` on GPU 0 while GPU 1 renders."""
     image = out.with_suffix(".neighbour.pfm")
     call = [str(binary), "render", *COMMON, *NEIGHBOURS[work], "--repetitions", _ENDLESS, "--out", str(image)]
     with subprocess.Popen(call, env=environment(1), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as neighbour:
@@ -88,7 +88,7 @@ def beside(binary: Path, work: str, out: Path) -> None:
 
 
 def main() -> int:
-    """Exit code 0: all four results are there."""
+    """Measures all four settings; returns exit code 0 if all results were written."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--binary", type=Path, default=Path("build/ptbench"))
     parser.add_argument("--out", type=Path, required=True, help="folder for the results")

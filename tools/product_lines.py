@@ -1,9 +1,9 @@
-"""How many lines the product has, room by room, in commits that are named, to hold them against each other.
+"""Counts the lines of the product by top-level folder in the named commits, to compare them.
 
     python3 tools/product_lines.py COMMIT..
 
-Counted are the lines of code, comments and blank ones among them, of what is built, run or read by a program: C++,
-CUDA, Python, CMake and shell. Tests stand beside the sum, documents and results are not counted.
+Lines of code, comments and blank lines count, in everything that is built, run or read by a program: C++, CUDA, Python,
+CMake and shell. Tests are shown beside the sum; documents and results are not counted.
 """
 
 import argparse
@@ -16,7 +16,7 @@ ENDINGS = (".h", ".cpp", ".cu", ".cuh", ".py", ".cmake", ".txt", ".in", ".sh")
 
 
 def lines_of(commit: str) -> Counter:
-    """Lines by room. A file without an ending is a script."""
+    """The number of lines in a commit, by top-level folder; a file without an extension counts as a script."""
     call = ["git", "grep", "--count", "", commit, "--", *PRODUCT, *TESTS]
     found = subprocess.run(call, check=True, capture_output=True, text=True).stdout
     lines: Counter = Counter()

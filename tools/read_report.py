@@ -1,6 +1,6 @@
-"""Reads a JUnit report; GoogleTest and pytest both write one.
+"""Reads a JUnit report of GoogleTest or pytest.
 
-On stdout, one a line: how many passed, failed, skipped, then the names of what failed. On stderr: their messages.
+Prints the numbers of passed, failed and skipped tests and the failed ones' names, one a line; messages to stderr.
 """
 
 import sys

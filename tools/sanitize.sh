@@ -1,7 +1,7 @@
 # shellcheck shell=bash disable=SC2154 # what ./run and its other parts set
 # Part of ./run: `./run fuzz` and `./run sanitize`, the builds with clang.
 
-# Why there are no builds with clang here; nothing if there can be.
+# Prints why clang builds are impossible on this machine; nothing if they are possible.
 without_clang() {
     local tool
     for tool in clang++ ld.lld; do
@@ -14,7 +14,7 @@ without_clang() {
         printf 'clang++ cannot link OpenMP and the sanitizers (packages libomp-dev, libclang-rt-dev)'
 }
 
-# Configures and builds the preset `sanitize`. Fails, with the end of the log, where that fails.
+# Configures and builds the CMake preset `sanitize`; on failure shows the end of the log and fails.
 build_sanitized() { # build_sanitized TARGET..
     local log=$root/build-sanitize/build.log
     mkdir -p -- "${log%/*}"
@@ -25,8 +25,8 @@ build_sanitized() { # build_sanitized TARGET..
     return 1
 }
 
-# One reader, from the corpus in the repository; what it learns stays in the build's folder. What it finds is there too.
-# The same commit fuzzes from the same seed.
+# Fuzzes one reader from the corpus in the repository; new corpus entries and failing inputs stay in the build folder.
+# Each commit fuzzes from a seed of its own.
 fuzz_one() { # fuzz_one READER SECONDS
     local folder=$root/build-sanitize/found/$1 commit
     commit=$(git rev-parse --short=7 HEAD 2>/dev/null) || commit=1
@@ -36,7 +36,7 @@ fuzz_one() { # fuzz_one READER SECONDS
         "$folder/corpus" "tests/fuzz/corpus/$1" >"$folder/log" 2>&1 </dev/null
 }
 
-# All readers, as many at a time as there are processors; a line for each that fails and where its input lies.
+# Fuzzes all readers, as many at a time as there are processors; prints a line with the input for each that fails.
 fuzz_all() { # fuzz_all SECONDS
     local target targets=() name status=0
     for target in tests/fuzz/corpus/*/; do
@@ -75,8 +75,8 @@ run_one_sanitized() { # run_one_sanitized NAME PROGRAM
     printf '%s\n' "$1"
 }
 
-# The tests of the CPU side, as many at once as there are processors, those that take longest last.
-# tests/sanitize_excluded.txt says what is left out, and why. Where `latest_begin` is set, none begins after that second.
+# Runs the CPU side's sanitized tests, as many at once as there are processors, the longest last. Tests left out are in
+# tests/sanitize_excluded.txt, with reasons. If `latest_begin` is set, none begins after that second.
 sanitize_tests() {
     local tests name late
     tests=$(list_tests "$root/build-sanitize" "$reports/sanitized_flags" --excluded tests/sanitize_excluded.txt) ||

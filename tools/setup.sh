@@ -1,5 +1,5 @@
 # shellcheck shell=bash disable=SC2154 # what ./run and its other parts set
-# Part of ./run: what has to be on the machine, from the distribution and from PyPI.
+# Part of ./run: installs required packages from the distribution and from PyPI.
 
 requirements=$root/analysis/requirements.txt
 
@@ -20,7 +20,7 @@ find_nvcc() {
     return 0
 }
 
-# The folder of a CUDA toolkit's own Thrust; nothing where there is none.
+# The folder of the CUDA toolkit's own Thrust; nothing where there is none.
 find_cuda_thrust() {
     local cuda include
     while IFS= read -r cuda; do
@@ -34,7 +34,7 @@ find_cuda_thrust() {
     return 0
 }
 
-# A Python that is new enough (analysis/requirements.txt) and can make virtual environments.
+# A Python interpreter that is new enough (analysis/requirements.txt) and can make virtual environments.
 find_python() {
     local python check='import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 10))'
     for python in python3 /usr/bin/python3; do
@@ -61,7 +61,7 @@ missing_packages() {
     done
 }
 
-# The command before apt-get that makes one root, in the array `as_root`; fails where there is none.
+# Puts the command that lets apt-get run as root into the array `as_root`; fails where there is none.
 become_root() {
     as_root=(env DEBIAN_FRONTEND=noninteractive)
     [[ $(id -u) != 0 ]] || return 0
@@ -87,13 +87,13 @@ setup_packages() {
     become_root || die 2 "install with: apt-get install -y ${missing[*]}"
     say "installing ${missing[*]}"
     mkdir -p -- "$build_dir"
-    # A mirror that fails may still leave lists that are good enough: apt-get install is the judge.
+    # apt-get update may fail and still leave usable package lists, so only apt-get install decides.
     "${as_root[@]}" apt-get -q -o DPkg::Lock::Timeout=300 update >>"$log" 2>&1 </dev/null || true
     quietly 3 "apt-get install" "$log" \
         "${as_root[@]}" apt-get -q -o DPkg::Lock::Timeout=300 install -y --no-install-recommends "${missing[@]}"
 }
 
-# For tests that can be skipped. Fails where that fails: the caller says what is skipped.
+# Installs packages for tests that can be skipped. If that fails, the caller tells what is skipped.
 try_to_install() { # try_to_install PACKAGE..
     local as_root log=$build_dir/setup.log install
     [[ ${PTBENCH_PACKAGES:-} != skip ]] || return 1
@@ -101,12 +101,12 @@ try_to_install() { # try_to_install PACKAGE..
     say "installing $*"
     install=("${as_root[@]}" apt-get -q -o DPkg::Lock::Timeout=300 install -y --no-install-recommends "$@")
     "${install[@]}" >>"$log" 2>&1 </dev/null && return
-    # The lists may be older than what the mirrors have.
+    # The package lists may be older than the mirrors' contents.
     "${as_root[@]}" apt-get -q -o DPkg::Lock::Timeout=300 update >>"$log" 2>&1 </dev/null || true
     "${install[@]}" >>"$log" 2>&1 </dev/null
 }
 
-# What the program can do without. Asked for once in a build's folder: not every system has it.
+# Installs packages for optional features of the program, tried once per build folder, as not every system has them.
 setup_optional() { # setup_optional WITHOUT_IT PACKAGE..
     local without=$1 package stamp=$build_dir/without-$2
     shift
@@ -122,7 +122,7 @@ setup_optional() { # setup_optional WITHOUT_IT PACKAGE..
     done
 }
 
-# The report's tests look at its page in a browser. Not every system has one as a package: without it they are skipped.
+# Installs a browser for the tests of the report's page, which are skipped where the system has no such package.
 setup_browser() {
     command -v chromium >/dev/null || try_to_install chromium ||
         say "no chromium: tests that look at a page in a browser are skipped (install with: apt-get install -y chromium)"
@@ -133,7 +133,7 @@ setup_python() {
     install_package
 }
 
-# The stamp is written last, so a virtual environment that was interrupted half-made is made again.
+# The stamp is written last, so that an interrupted virtual environment is made again.
 install_requirements() {
     local python stamp=$venv/ptbench-requirements.sha256 log=$build_dir/setup.log wanted
     wanted=$(sha256sum <"$requirements")
@@ -149,7 +149,7 @@ install_requirements() {
     mv -- "$stamp.partial" "$stamp"
 }
 
-# The package as it lies here: `.venv/bin/python -m ptbench` works from any folder. No network is needed.
+# Installs ptbench's Python package in editable form, without network, so that `python -m ptbench` works anywhere.
 install_package() {
     local stamp=$venv/ptbench-package.sha256 log=$build_dir/setup.log wanted
     wanted=$({ printf '%s\n' "$root" && cat -- "$root/pyproject.toml"; } | sha256sum)

@@ -1,5 +1,5 @@
 # shellcheck shell=bash disable=SC2154 # what ./run and its other parts set
-# Part of ./run: `./run test` runs every test program and check, and counts.
+# Part of ./run: `./run test` runs every test program and check, and counts the results.
 
 passed=0
 failed=0
@@ -19,7 +19,7 @@ ending() { # ending EXIT_CODE
     fi
 }
 
-# Runs a test program that writes a JUnit report, and leaves its exit code and seconds beside that.
+# Runs a test program that writes a JUnit report, and stores its exit code and seconds beside the report.
 start_cases() { # start_cases REPORT COMMAND..
     local report=$1 status=0 started=$SECONDS
     shift
@@ -30,7 +30,7 @@ start_cases() { # start_cases REPORT COMMAND..
     printf '%d %d\n' "$status" $((SECONDS - started)) >"${report%.xml}.ended"
 }
 
-# Counts the cases of a program that start_cases ran. A bad end without a failed case counts as one.
+# Counts the cases of a program that start_cases ran; a bad exit without a failed case counts as one failure.
 count_cases() { # count_cases NAME REPORT
     local name=$1 report=$2 log=${2%.xml}.log status seconds counts last
     read -r status seconds <"${report%.xml}.ended"
@@ -58,13 +58,13 @@ run_cases() { # run_cases NAME REPORT COMMAND..
     count_cases "$1" "$2"
 }
 
-# The test files of a build, a line each: its name and its program, which finds what to run in FLAGS/NAME.flags.
+# Prints the test files of a build, a line each: name and program. The program finds what to run in FLAGS/NAME.flags.
 list_tests() { # list_tests BUILD_DIR FLAGS [OPTION..]
     mkdir -p -- "$2"
     python3 tools/test_programs.py "$1/tests" --flags "$2" "${@:3}"
 }
 
-# One test file, or pytest; says its name when it has ended.
+# Runs one test file, or pytest, for `./run test`; prints its name when it has ended.
 run_one_of_all() { # run_one_of_all NAME [PROGRAM]
     local report=$reports/$1.xml
     if [[ $1 == pytest ]]; then
@@ -75,7 +75,7 @@ run_one_of_all() { # run_one_of_all NAME [PROGRAM]
     printf '%s\n' "$1"
 }
 
-# Lines that begin with a name, those first that take longest: what takes minutes and begins last runs alone.
+# Sorts lines that begin with a test name, the slowest first, as one that takes minutes and begins last would run alone.
 slowest_first() {
     local slowest=(compile_test pytest verify_shipped_test inspect_test variants_test covering_test levels_test nvcc_test
         mesh_test new_choice_test next_event_test suite_test)
@@ -84,7 +84,7 @@ slowest_first() {
         { print ($1 in rank ? rank[$1] : count + 1), $0 }' | sort -ns -k 1,1 | cut -d " " -f 2-
 }
 
-# As many at once as there are processors: most have one thread.
+# Runs as many test programs at once as there are processors, since most have a single thread.
 run_all_cases() {
     local tests name
     tests=$(list_tests "$build_dir" "$reports/flags") || fail "the list of test programs"
@@ -116,8 +116,7 @@ check_cpp_format() { # check_cpp_format CLANG_FORMAT; names the files that `./ru
     cpp_files | xargs -0r "$1" --dry-run --Werror 2>&1 | sed -nE 's/^([^:]+):[0-9]+:[0-9]+: error: .*/\1/p' | sort -u
 }
 
-# Continuous integration ends a run at 5400 s. On a slow machine with nothing compiled before, what is left out for that
-# is told.
+# Continuous integration ends a run at 5400 s, so steps that would end later are skipped with a message.
 latest_begin=
 too_late="the time of this run is over: ./run sanitize"
 
@@ -125,7 +124,7 @@ is_late() { # is_late SECONDS; whether a step that takes so long would end too l
     [[ -n $latest_begin ]] && ((EPOCHSECONDS + $1 > latest_begin))
 }
 
-# What needs builds of its own with clang: continuous integration does it in its 90 minutes, by hand it is asked for.
+# Runs checks that need clang builds: always in continuous integration (90 minutes), else only with --sanitize.
 run_extra_checks() { # run_extra_checks [--sanitize]
     local reason
     if [[ ${CI:-} != true && ${1:-} != --sanitize ]]; then
@@ -152,7 +151,7 @@ run_extra_checks() { # run_extra_checks [--sanitize]
     sanitize_tests
 }
 
-# Ends the tests: what failed, and the counts.
+# Prints the failed tests and the counts, and ends.
 summary() {
     ((${#failures[@]} == 0)) || printf 'failed: %s\n' "${failures[@]}"
     printf '%d passed, %d failed' "$passed" "$failed"
@@ -163,7 +162,7 @@ summary() {
 
 run_test() {
     [[ $# -eq 0 || $* == --sanitize ]] || die 2 "'test' takes --sanitize or nothing, got '$*'"
-    # Threads that wait must not spin: test programs may share the cores. Benchmarks keep OpenMP's default.
+    # Waiting OpenMP threads must not spin, as test programs share the cores. Benchmarks keep OpenMP's default.
     export OMP_WAIT_POLICY=passive
     local reports=$build_dir/test-reports clang_format
     [[ ${CI:-} != true ]] || latest_begin=$((EPOCHSECONDS - SECONDS + 4500))

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from ptbench.measured import Measured
 
-__version__ = "1.0.0"  # the program's, CMakeLists.txt
+__version__ = "1.0.0"  # version of the Python package; equal to that of the ptbench program in CMakeLists.txt
 
 
 def load(paths: Path | str | Iterable[Path | str]) -> Measured:
@@ -29,7 +29,7 @@ def load(paths: Path | str | Iterable[Path | str]) -> Measured:
 
     Raises ptbench.errors.InputError, which says in one line what is wrong in which file.
     """
-    # numpy and the like are imported late: a wrong call on the command line should not wait for them.
+    # numpy and other heavy packages are imported late, so that a wrong command line is refused at once.
     from ptbench import measured
 
     return measured.load(paths)

@@ -1,4 +1,4 @@
-"""`python3 -m ptbench`: the command line of `ptbench.cli`."""
+"""`python3 -m ptbench`: runs the command line of `ptbench.cli`."""
 
 import sys
 

@@ -1,6 +1,6 @@
-"""How a command declares itself: `COMMANDS` in the `options.py` of its folder, which loads nothing that takes a moment.
+"""How a command declares itself: `COMMANDS` in the `options.py` of its folder, which imports nothing slow.
 
-`cli/main.py` collects them and runs the one that is called.
+`cli/main.py` collects the commands and runs the one that is called.
 """
 
 import argparse
@@ -17,22 +17,22 @@ def _nothing_wrong(options: argparse.Namespace) -> str:
 
 @dataclass(frozen=True)
 class Command:
-    """A word of the command line, what follows it and what it does."""
+    """A command of the command line: its name, its arguments and the function that runs it."""
 
     name: str
     help: str
     add_arguments: Callable[[argparse.ArgumentParser], None]
-    # What runs it and returns the exit code: a function of its folder's module `command`; empty: the one of its name.
+    # Function in the folder's module `command` that runs the command and returns the exit code; empty: its name.
     function: str = ""
-    # What options that are each allowed are wrong in together; empty: nothing.
+    # Checks a command's parsed options together and returns what is wrong with their combination; empty: nothing.
     fault: Callable[[argparse.Namespace], str] = _nothing_wrong
 
 
 def called(function: Callable[..., int], options: argparse.Namespace) -> int:
-    """The function's exit code, called with the options by the names of its parameters.
+    """Calls a command's function with the options by its parameters' names and returns its exit code.
 
-    A parameter `options` is all of them, `program` what complaints call the program, and a dataclass is made of the
-    options by the names of its fields.
+    A parameter named `options` gets all options and `program` the program's name for error messages; a parameter that
+    is a dataclass is built from the options named as its fields.
     """
 
     def given(parameter: Parameter) -> object:
@@ -45,7 +45,7 @@ def called(function: Callable[..., int], options: argparse.Namespace) -> int:
 
 
 def resolution(text: str) -> tuple[int, int]:
-    """A type of argparse's: WIDTHxHEIGHT, each from 1 to 99999 pixels."""
+    """An argparse type: WIDTHxHEIGHT, each from 1 to 99999 pixels."""
     match = re.fullmatch(r"([1-9]\d{0,4})x([1-9]\d{0,4})", text)
     if not match:
         raise argparse.ArgumentTypeError(f'found "{text}", allowed: WIDTHxHEIGHT such as 200x200')
@@ -53,21 +53,21 @@ def resolution(text: str) -> tuple[int, int]:
 
 
 def positive(text: str) -> int:
-    """A type of argparse's: an integer from 1 to 999999999."""
+    """An argparse type: an integer from 1 to 999999999."""
     if not re.fullmatch(r"[1-9]\d{0,8}", text):
         raise argparse.ArgumentTypeError(f'found "{text}", allowed: an integer of at least 1')
     return int(text)
 
 
 def add_root(parser: argparse.ArgumentParser) -> None:
-    """`--root`, of commands that read a checkout."""
+    """Adds `--root` to the parser of a command that reads a checkout."""
     parser.add_argument("--root", type=Path, default=Path(), metavar="DIR", help="the checkout (default: here)")
 
 
 def add_ledger(parser: argparse.ArgumentParser, what: str, pages: str) -> None:
-    """`--results`, `--binary`, `--write`, `--check` and `--root`, of commands that keep pages of what was measured.
+    """Adds `--results`, `--binary`, `--write`, `--check` and `--root` to a command that keeps pages of measurements.
 
-    `what` is written with --write, and `pages` is the folder of its pages.
+    `what` names the files that --write writes, and `pages` the folder of the pages.
     """
     parser.add_argument("--results", type=Path, metavar="DIR", help="look up there instead (default: the checkout's)")
     parser.add_argument("--binary", type=Path, metavar="PTBENCH", help="of --run (default: build/ptbench)")

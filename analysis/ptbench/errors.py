@@ -1,4 +1,4 @@
-"""The errors that end a command, each with its exit code."""
+"""The exceptions that end a command, each with its exit code."""
 
 from ptbench.terminal import visible
 
@@ -18,13 +18,13 @@ class MachineError(Exception):
 
 
 class NotDrawable(Exception):
-    """A study has nothing to draw; the message is the reason. The other studies are still drawn."""
+    """Raised where a study has nothing to draw; the message is the reason. Other studies are still drawn."""
 
 
 class FindingError(Exception):
-    """A sentence that its results contradict, a number that is not there, or results older than the page allows."""
+    """Raised for a sentence that its results contradict, a missing number, or results older than the page allows."""
 
 
 def bad_value(file: object, place: str, found: str, allowed: str) -> InputError:
-    """The one form of every complaint about an input: file, place, what was found, what is allowed."""
+    """The error for a bad input in its one form: file, place, what was found, what is allowed."""
     return InputError(f"{file}: {place}: found {found}, allowed: {allowed}")

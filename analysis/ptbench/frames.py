@@ -38,7 +38,7 @@ from ptbench.tidy.rows import Files, Rows
 
 
 def frame_of(table: Rows) -> pd.DataFrame:
-    """Rows as typed columns, in the order of `table.types`."""
+    """A data frame of the rows, with typed columns in the order of `table.types`."""
     return pd.DataFrame(
         {name: _column([row.get(name) for row in table.rows], kind) for name, kind in table.types.items()},
         columns=list(table.types),
@@ -46,7 +46,7 @@ def frame_of(table: Rows) -> pd.DataFrame:
 
 
 def _framed(table: Callable[[Files], Rows]) -> Callable[[Files], pd.DataFrame]:
-    """The function of rows as one that returns a data frame."""
+    """Wraps a function that returns rows as one that returns a data frame."""
 
     def framed(paths: Files) -> pd.DataFrame:
         return frame_of(table(paths))
@@ -69,7 +69,7 @@ rays = _framed(rows.rays)
 
 def _column(values: list, kind: str) -> pd.Series:
     if kind == columns.CATEGORY:
-        # Categories are in the order in which the values appear, as everything else orders them.
+        # Categories are ordered by first appearance, as everywhere in ptbench.
         return pd.Series(pd.Categorical(values, categories=list(dict.fromkeys(v for v in values if v is not None))))
     if kind == columns.NUMBER:
         return pd.Series(np.array([np.nan if value is None else value for value in values], dtype=float))

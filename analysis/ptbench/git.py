@@ -1,11 +1,11 @@
-"""What git says of a repository."""
+"""Runs git commands in a repository."""
 
 import subprocess
 from pathlib import Path
 
 
 def git(repository: Path, *arguments: str) -> str | None:
-    """What git prints, without the space round it; None where git fails or is not installed."""
+    """The output of a git command, stripped; None where git fails or is not installed."""
     try:
         answer = subprocess.run(["git", "-C", str(repository), *arguments], capture_output=True, text=True, check=False)
     except OSError:

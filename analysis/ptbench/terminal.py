@@ -1,4 +1,4 @@
-"""Text that is safe on a terminal: what file names and values bring along is shown, and never obeyed."""
+"""Makes text safe for a terminal: control characters from file names and values are escaped."""
 
 import os
 import re
@@ -7,8 +7,8 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 
-# Control characters, marks that turn the direction of text or begin a line, and halves of characters: Python reads a
-# byte 0xNN of a name that is no UTF-8 as the half U+DCNN.
+# Control characters, marks that change the direction of text or begin a line, and surrogates: Python decodes a byte
+# 0xNN of a file name that is not UTF-8 as the surrogate U+DCNN.
 _UNSAFE = re.compile("[\x00-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
 
 
@@ -24,24 +24,23 @@ def _escaped(code: int) -> str:
 
 
 def say(text: object) -> None:
-    """Prints one line, whatever a file's name has in it."""
+    """Prints one line with unsafe characters escaped."""
     print(visible(str(text)))
 
 
-# The exit code that a shell reports for a program that the signal ended.
+# Exit code that a shell reports for a program ended by SIGPIPE.
 READER_LEFT = 128 + signal.SIGPIPE
 
 
 class OutputError(Exception):
-    """Standard output is closed, or its disk is full: exit code 3."""
+    """Raised if standard output is closed, or its disk is full: exit code 3."""
 
 
 class _Visible:
-    """A stream of text in front of another one, which gets only what it can show.
+    """A text stream that escapes unsafe characters before another stream.
 
-    Whoever reads it may leave early, as `head` does: that ends the program with READER_LEFT and no complaint.
-    Otherwise what cannot be written raises OutputError, or is lost where `may_be_lost`. `stream` is None where it is
-    closed.
+    A reader may close the stream early, as `head` does: that ends the program with READER_LEFT and no message. Other
+    write errors raise OutputError, or are ignored if `may_be_lost`. `stream` is None where it is closed.
     """
 
     def __init__(self, stream, *, may_be_lost: bool = False):
@@ -68,7 +67,7 @@ class _Visible:
         try:
             yield
         except OSError as error:
-            # Output goes nowhere from here on: what is still in the stream must go somewhere when the interpreter ends.
+            # Further output is redirected to /dev/null, so that flushing the stream at exit cannot fail.
             os.dup2(os.open(os.devnull, os.O_WRONLY), self._stream.fileno())
             if self._may_be_lost:
                 return
@@ -82,7 +81,7 @@ class _Visible:
 
 @contextmanager
 def visible_output() -> Iterator[None]:
-    """A context in which all that is printed is escaped but for the ends of lines."""
+    """A context in which all printed text is escaped except for line ends."""
     with redirect_stdout(_Visible(sys.stdout)), redirect_stderr(_Visible(sys.stderr, may_be_lost=True)):
         yield
         sys.stdout.flush()

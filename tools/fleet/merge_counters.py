@@ -1,9 +1,9 @@
-"""Files of `ptbench inspect --counters` as one, with what ncu counted of libraries' kernels.
+"""Merges files of `ptbench inspect --counters` into one, and adds the counters of libraries' kernels by ncu.
 
     python3 tools/fleet/merge_counters.py DIR > inspect_schedulers.json
 
 DIR has inspect_NAME.json, and csv/NAME-N.csv for its N-th variant, as tools/fleet/ncu_all_kernels.sh leaves them. An
-entry gets `caches: kept` and, where other kernels ran, `other_kernels`, in the words of the kernels' own counters.
+entry gets `caches: kept` and, where other kernels ran, `other_kernels`, with counters as for ptbench's own kernels.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _SUMS = {
     "fp64": "sm__inst_executed_pipe_fp64.sum",
     "memory_bytes": "dram__bytes.sum",
 }
-# In percent, weighted by time; those of the caches, and stalls, where the program asked for them.
+# Counters in per cent, averaged with time as weight; those of caches and stalls only if the program requested them.
 _SHARES = {
     "achieved_occupancy": "sm__warps_active.avg.pct_of_peak_sustained_active",
     "l1": "l1tex__throughput.avg.pct_of_peak_sustained_elapsed",
@@ -40,7 +40,7 @@ _PER_RAY = ("warp_instructions", "thread_instructions", "fma", "alu", "xu", "lsu
 
 
 def kernels_of(lines: Iterable[str]) -> dict[str, dict[str, float]]:
-    """Sums by kernel over its launches, of `ncu --csv --page raw`; the names without arguments."""
+    """Counters summed over the launches of each kernel, from `ncu --csv --page raw`; kernel names without arguments."""
     table = csv.reader(line for line in lines if line.startswith('"'))
     names, units = next(table), next(table)
     column = {name: index for index, name in enumerate(names)}
@@ -64,7 +64,7 @@ def kernels_of(lines: Iterable[str]) -> dict[str, dict[str, float]]:
 
 
 def counters_of(sums: dict[str, float], rays: float, ceilings: dict[str, float]) -> dict:
-    """The counters of a kernel as `ptbench inspect` writes them."""
+    """A kernel's counters in the form in which `ptbench inspect` writes them."""
     seconds = sums["seconds"]
     reached = {
         "issue": sums["warp_instructions"] / ceilings["issue_g_warp_instructions_per_second"],
@@ -86,7 +86,7 @@ def counters_of(sums: dict[str, float], rays: float, ceilings: dict[str, float])
 
 
 def merged(folder: Path) -> list[dict]:
-    """The entries of all files, those of one after those of another."""
+    """The entries of all inspection files, merged with their tables of ncu."""
     read = [
         (folder / "csv" / f"{file.stem.removeprefix('inspect_')}-{number}.csv", entry)
         for file in sorted(folder.glob("inspect_*.json"))
@@ -98,7 +98,7 @@ def merged(folder: Path) -> list[dict]:
             name: counters_of(sums, entry["rays"], entry["ceilings"])
             for name, sums in kernels_of(table.read_text(encoding="utf-8").splitlines()).items()
         }
-        # A module that was in the program's cache comes without what the compiler says of its kernels.
+        # A module from the program's cache has no resource usage by the compiler, so another entry's is taken.
         kernels = entry["kernels"] or compiled[_module_of(entry)]
         own = [{key: value for key, value in kernel.items() if key != "counters"} for kernel in kernels]
         for kernel in own:

@@ -1,6 +1,6 @@
 #!/bin/bash
-# ncu for `ptbench inspect --counters` by way of PTBENCH_NCU: counts libraries' kernels as well, and leaves caches as
-# they are, as they are when a render is timed. NCU: the ncu to call; FLEET_CSV: its tables go to FLEET_CSV-N.csv.
+# A substitute for ncu, given to `ptbench inspect --counters` by PTBENCH_NCU: counts libraries' kernels as well, and
+# does not flush caches, as in timed renders. NCU is the real ncu; FLEET_CSV-N.csv gets the N-th table.
 #
 #   PTBENCH_NCU=tools/fleet/ncu_all_kernels.sh NCU=$(which ncu) FLEET_CSV=out/queues \
 #     build/ptbench inspect --counters --scene cornell_open --axis integrator=wavefront --out out/inspect_queues.json

@@ -31,12 +31,12 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-GRACE = 30.0  # seconds beyond twice what a call is said to take
+GRACE = 30.0  # seconds that a call may take beyond twice its expected time
 
 
 @dataclass(frozen=True)
 class Call:
-    """A call of the list that is to be run."""
+    """A call of the list, with its name, expected seconds and command."""
 
     name: str
     seconds: float
@@ -45,7 +45,7 @@ class Call:
 
 
 def calls_in(text: str, file: str) -> list[Call]:
-    """The list's calls, in its order; exits with 2 for a line that is none."""
+    """The calls in a list, in order; exits with 2 for a malformed line."""
     calls: list[Call] = []
     for number, line in enumerate(text.splitlines(), 1):
         if not line.strip() or line.lstrip().startswith("#"):
@@ -63,7 +63,7 @@ def calls_in(text: str, file: str) -> list[Call]:
 
 
 class Host:
-    """The host: its GPUs and cores, and what is left of the time."""
+    """A host with its GPUs and cores, and the time left for calls."""
 
     def __init__(self, gpus: int, out: Path, until: float) -> None:
         self._gpus, self._out, self._until = gpus, out, until
@@ -72,7 +72,7 @@ class Host:
         self.faults = 0
 
     def run_all(self, calls: list[Call]) -> None:
-        """First those that are alone, then the others, each by the first GPU that is free."""
+        """Runs the calls that need the whole host first, then each of the others on the first free GPU."""
         for call in (call for call in calls if call.is_alone):
             if call.seconds <= self._left():
                 self._run(call, None)
@@ -141,7 +141,7 @@ def _bad(line: str) -> None:
 
 
 def main() -> int:
-    """Returns the exit code."""
+    """Runs the calls that a list file names and returns the exit code."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("calls", type=Path, help="a line a call: NAME | SECONDS | COMMAND")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="for logs and, as $OUT, results")

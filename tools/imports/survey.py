@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Imports every scene of a folder of other people's course scenes, renders each, and counts what became of them.
+"""Imports and renders every scene in a folder of course scenes by other authors, and counts the outcomes.
 
-FOLDER/AUTHOR/..: scenes in the text or JSON format of CIS 565, and the mesh files that they name, in the places that
-they have in their repositories. Files of one content count once, and of an author with more than MOST files the first
-by name. Only counts are written: no names of people, no names of files, none of their texts.
+FOLDER/AUTHOR/.. has scenes in the text or JSON format of CIS 565 with the mesh files that they name, in the places that
+they have in their repositories. Files of equal content count once, and only the first MOST by name of each author. The
+output has only counts: no names of authors or files, and no text of theirs.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ from datetime import datetime
 from pathlib import Path
 
 SCHEMA = "ptbench-imports-1"
-MOST = 20  # files of one author
+MOST = 20  # most files counted per author
 RENDER_SECONDS = 120
-SIDE = 16  # pixels
+SIDE = 16  # width and height of a render in pixels
 
 IMPORTED, REFUSED, NO_RENDER, BROKEN = "imported and rendered", "refused", "imported, not rendered", "crashed"
 
-# What a scene asks for, told from its own words and not from what the importer says of it.
+# Features that a scene needs, by patterns in the scene's text, independent of what the importer reports.
 TEXT_NEEDS = {
-    # Material -1 is that of a mesh's own file.
+    # Material -1 stands for the material in a mesh's own file.
     "mesh": r"^\s*(mesh|obj|custom_obj|GLTF)\b|\.(obj|gltf|glb)\s*$|^\s*ma\w*rial\s+-1\b",
     "texture": r"^\s*(TEXTURE|NORMAL_?MAP|NORMAL|ENV|BUMP)[ \t]+(?!NULL\b|0\b|[-.\d])\S|^\s*TEXTURE[ \t]+[1-9]"
     r"|\.(png|jpe?g|hdr|exr)\s*$",
@@ -45,9 +45,9 @@ JSON_NEEDS = {
 
 MISSING_MESH = "mesh file that is not in the repository"
 
-# Reasons by pattern; the first that fits a problem names its reason.
+# Reasons for a failed import by pattern; a problem gets the first that matches.
 REASONS = (
-    # A pattern of the program by its number.
+    # "TEXTURE 3" selects a procedural pattern by its number.
     ("procedural shape or pattern", r"TEXTURE \d+\", allowed: an image"),
     ("texture, bump or environment map", r"no texture, bump or environment map|no image here"),
     ("image that is not in the repository", r"an image \.\w+ or \.\w+ that is there"),
@@ -77,7 +77,7 @@ REASONS = (
 
 @dataclass
 class Scene:
-    """A scene that was tried: its file, what it asks for and what became of it."""
+    """A scene of the survey: its file, the features it needs, and its outcome."""
 
     author: str
     path: Path
@@ -90,14 +90,14 @@ class Scene:
 
     @property
     def group(self) -> str:
-        """The group of a scene: what there must be for it to be read."""
+        """The group of a scene, by the features that an importer must support."""
         if not self.needs:
             return "plain"
         return "mesh" if self.needs == ["mesh"] else "texture or procedural"
 
     @property
     def lacks_a_mesh(self) -> bool:
-        """Whether a mesh is missing, which no importer can mend."""
+        """Whether the scene names a mesh file that is missing, so that no importer could read it."""
         return MISSING_MESH in self.reasons
 
     @property
@@ -107,14 +107,14 @@ class Scene:
 
 
 def needs_of(text: str, dialect: str) -> list[str]:
-    """The names of what it asks for beyond boxes, spheres and plain materials."""
+    """The features that a scene needs beyond boxes, spheres and plain materials."""
     needs = TEXT_NEEDS if dialect == "text" else JSON_NEEDS
     code = re.sub(r"//.*", "", text) if dialect == "text" else text
     return [name for name, pattern in needs.items() if re.search(pattern, code, re.MULTILINE)]
 
 
 def is_scene(text: str, dialect: str) -> bool:
-    """Whether the file is a scene of the course, and not some other text."""
+    """Whether a file is a scene of the course, rather than other text."""
     if dialect == "text":
         return bool(
             re.search(r"^\s*(MATERIAL|OBJECT)\s+\w", text, re.MULTILINE) and re.search(r"^\s*CAMERA", text, re.M)
@@ -123,7 +123,7 @@ def is_scene(text: str, dialect: str) -> bool:
 
 
 def scenes_in(folder: Path) -> tuple[list[Scene], Counter]:
-    """The scenes to try, and how many files were left out and why."""
+    """The scenes to try, and the number of files left out by reason."""
     seen: set[str] = set()
     left_out: Counter = Counter()
     scenes: list[Scene] = []
@@ -150,7 +150,7 @@ def scenes_in(folder: Path) -> tuple[list[Scene], Counter]:
 
 
 def run(command: list[str], seconds: int) -> tuple[int, str]:
-    """Runs a program; returns the exit code and what was said on both streams."""
+    """Runs a program; returns its exit code and the text of both output streams."""
     try:
         done = subprocess.run(command, capture_output=True, timeout=seconds, check=False)
     except subprocess.TimeoutExpired:
@@ -159,7 +159,7 @@ def run(command: list[str], seconds: int) -> tuple[int, str]:
 
 
 def reasons_of(said: str) -> set[str]:
-    """The names of all that is in a scene's way."""
+    """The names of all problems in the importer's output."""
     found = set()
     for line in said.splitlines():
         if "no scene is written" not in line and ": note: " not in line and ": warning: " not in line:
@@ -168,7 +168,7 @@ def reasons_of(said: str) -> set[str]:
 
 
 def try_scene(scene: Scene, binary: Path) -> None:
-    """Tries to import a scene, and fills in what became of it."""
+    """Imports and renders a scene, and records the outcome."""
     with tempfile.TemporaryDirectory(prefix="ptbench-survey-") as name:
         out = Path(name) / "scene.json"
         code, scene.said = run([str(binary), "import", str(scene.path), "--out", str(out)], RENDER_SECONDS)
@@ -191,14 +191,14 @@ def try_scene(scene: Scene, binary: Path) -> None:
 
 
 def share(scenes: list[Scene]) -> dict:
-    """How many of the scenes came through."""
+    """The numbers of scenes tried, imported and rendered, and imported without a warning."""
     good = sum(scene.outcome == IMPORTED for scene in scenes)
     exact = sum(scene.outcome == IMPORTED and scene.warnings == 0 for scene in scenes)
     return {"files": len(scenes), "imported_and_rendered": good, "without_a_warning": exact}
 
 
 def document(scenes: list[Scene], left_out: Counter, binary: Path) -> dict:
-    """The survey's document, with all counts."""
+    """The JSON document of the survey, with all counts."""
     groups = ("plain", "mesh", "texture or procedural")
     by = {
         dialect: [scene for scene in scenes if dialect in (scene.dialect, "all")] for dialect in ("all", "text", "json")
@@ -230,7 +230,7 @@ def document(scenes: list[Scene], left_out: Counter, binary: Path) -> dict:
 
 
 def main() -> int:
-    """The exit code."""
+    """Runs the survey and returns the exit code."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path)
     parser.add_argument("--binary", type=Path, default=Path("build/ptbench"))

@@ -1,12 +1,13 @@
-"""Fits the table of kernels/ggx_gain.h: 1 / E - 1, E the directional albedo of a white rough conductor (GGX, Smith's
-height-correlated masking, single scattering), by quadrature over the visible facets. Prints the table and the fit's
-largest error of 1 / E. Needs numpy: python3 tools/materials/fit_ggx_gain.py
+"""Fits the table of kernels/ggx_gain.h: 1 / E - 1, with the directional albedo E of a white rough conductor.
+
+The albedo (GGX, Smith's height-correlated masking, single scattering) is integrated over the visible facets. Prints the
+table and the fit's largest error of 1 / E. Needs numpy: python3 tools/materials/fit_ggx_gain.py
 """
 
 import numpy as np
 from numpy.polynomial import chebyshev
 
-ALONG, ACROSS, UPRIGHT = 8, 6, 6  # coefficients by sqrt(x), by alpha, and of alpha alone where x is 1
+ALONG, ACROSS, UPRIGHT = 8, 6, 6  # numbers of the fit's coefficients in sqrt(x), in alpha, and in alpha alone for x = 1
 
 
 def directional_albedo(x, alpha, points=160):
@@ -32,7 +33,7 @@ def directional_albedo(x, alpha, points=160):
 
 
 def columns(root, alpha):
-    """The functions that the fit adds up: alpha^k, and (1 - x) times products of Chebyshev polynomials."""
+    """Basis functions of the fit: alpha^k, and (1 - x) times products of Chebyshev polynomials."""
     of_root = chebyshev.chebvander(2 * root - 1, ALONG - 1)
     of_alpha = chebyshev.chebvander(2 * alpha - 1, ACROSS - 1)
     upright = [alpha ** (k + 1) for k in range(UPRIGHT)]
@@ -45,7 +46,7 @@ def main():
     root, alpha = (grid.ravel() for grid in np.meshgrid(np.append(nodes[0], 1.0), nodes[1], indexing="ij"))
     gain = np.array([1 / directional_albedo(r * r, a) - 1 for r, a in zip(root, alpha, strict=True)])
     matrix, weights = columns(root, alpha), 1 / (1 + gain)
-    for _ in range(30):  # Lawson's iteration, towards the least largest error
+    for _ in range(30):  # Lawson's iteration, which approaches the minimax fit
         table, *_rest = np.linalg.lstsq(matrix * weights[:, None], gain * weights, rcond=None)
         error = np.abs(matrix @ table - gain) / (1 + gain)
         weights = weights * np.sqrt(0.3 + error / error.max())

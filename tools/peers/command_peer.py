@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Makes a peer of `python3 -m ptbench peers` of any program that renders one picture a call, such as a course project.
+"""Makes any program that renders one picture per call, such as a course project, a peer of `python3 -m ptbench peers`.
 
-`command_peer.py [--ms REGEX] -- PROGRAM ARGUMENT..`: in the arguments {scene} {xml} {width} {height} {depth} {spp}
-{seed} {out} are filled in, and the program writes the picture to {out}, a PFM of linear radiance. REGEX finds in what
-it prints the milliseconds that its render took; without it the whole process is timed, start and scene included.
+`command_peer.py [--ms REGEX] -- PROGRAM ARGUMENT..` fills in the arguments {scene} {xml} {width} {height} {depth} {spp}
+{seed} {out}, and the program writes the picture to {out}, a PFM of linear radiance. REGEX matches the milliseconds of
+the render in the program's output; without it the whole process is timed, including start and loading.
 """
 
 import argparse
@@ -18,22 +18,22 @@ from pathlib import Path
 
 
 class Failed(Exception):
-    """The failure of a program that was asked for a picture."""
+    """Raised if the program fails to render a picture."""
 
 
 class Peer:
-    """The program, and the scene that it is asked to render."""
+    """The program as a peer, with the scene that it is to render."""
 
     def __init__(self, call):
         self.call = call
         self.place = {}
 
     def about(self, _):
-        """Which program this is."""
+        """The program's name and how it is timed, for the result file."""
         return {"program": Path(self.call.program[0]).name, "clock": self.call.ms or "the whole process"}
 
     def load(self, request):
-        """Takes the scene, which is not read before it is rendered."""
+        """Remembers the scene; the program reads it at each render."""
         width, height = request["resolution"]
         depth = "" if request["depth"] is None else request["depth"]
         self.place = {"scene": request["scene"], "xml": request["xml"], "width": width, "height": height}
@@ -41,7 +41,7 @@ class Peer:
         return {}
 
     def image(self, request):
-        """The picture of a seed."""
+        """Renders a seed's picture to the requested file."""
         with tempfile.TemporaryDirectory(prefix="command-peer-") as folder:
             out = Path(folder) / "picture.pfm"
             said = self._rendered(request, out)
@@ -51,7 +51,7 @@ class Peer:
         return said
 
     def times(self, request):
-        """The times of a seed's renders: one warms up, and then come those that count."""
+        """Render times of one seed, after a warm-up render that is not counted."""
         with tempfile.TemporaryDirectory(prefix="command-peer-") as folder:
             out = Path(folder) / "picture.pfm"
             return {"renders": [self._rendered(request, out) for _ in range(request["repetitions"] + 1)][1:]}

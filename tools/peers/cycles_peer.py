@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Blender's Cycles on a CPU as a peer of `python3 -m ptbench peers`, in a Python that has the package bpy.
+"""Blender's Cycles on a CPU as a peer of `python3 -m ptbench peers`, for a Python that has the package bpy.
 
-`cycles_peer.py` builds the scene from Mitsuba's XML, as `ptbench export` writes it: cubes, rectangles and meshes of
-PLY, matt or emitting, in a view without a lens. What else a scene has it refuses. A render's milliseconds are those of
-bpy.ops.render.render by the clock: Cycles keeps its tree between renders, but brings the scene up to date each time.
-Exit code 4: bpy cannot be imported.
+`cycles_peer.py` builds the scene from Mitsuba's XML, as `ptbench export` writes it: cubes, rectangles and PLY meshes,
+diffuse or emitting, seen by a pinhole camera. It refuses all other scenes. A render's milliseconds are the wall time of
+bpy.ops.render.render: Cycles keeps its tree between renders, but updates the scene each time. Exit code 4: bpy cannot
+be imported.
 """
 
 import contextlib
@@ -22,11 +22,11 @@ _FACES_OF_A_CUBE = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 
 
 
 class Refused(Exception):
-    """Something in the scene that this peer has no counterpart of."""
+    """Raised for scene content that has no counterpart in this peer."""
 
 
 class Scene:
-    """What the XML says, read without bpy."""
+    """The scene in Mitsuba's XML, parsed without bpy."""
 
     def __init__(self, path):
         self.folder = Path(path).parent
@@ -44,24 +44,24 @@ class Scene:
         self.colours = {bsdf.get("id"): self._colour(bsdf) for bsdf in self.root.findall("bsdf")}
 
     def text(self, element):
-        """The value of an element, by the scene's defaults where it names one."""
+        """The value of an XML element, with references to the scene's defaults resolved."""
         value = element.get("value")
         return self.defaults[value[1:]] if value.startswith("$") else value
 
     def triple(self, element):
-        """Three numbers."""
+        """Three numbers of an XML element; a single number is repeated."""
         numbers = [float(word) for word in self.text(element).replace(",", " ").split()]
         return numbers * 3 if len(numbers) == 1 else numbers
 
     def matrix(self, shape):
-        """The rows of a shape's placement."""
+        """The rows of a shape's to_world matrix."""
         found = shape.find("transform[@name='to_world']/matrix")
         numbers = [1.0 if i % 5 == 0 else 0.0 for i in range(16)]
         numbers = numbers if found is None else [float(word) for word in self.text(found).split()]
         return [numbers[i : i + 4] for i in range(0, 16, 4)]
 
     def radiance(self, shape):
-        """What a shape emits; None: nothing."""
+        """The radiance that a shape emits; None if it emits nothing."""
         found = shape.find("emitter[@type='area']/rgb[@name='radiance']")
         return None if found is None else self.triple(found)
 
@@ -76,17 +76,17 @@ class Scene:
 
 
 class Renderer:
-    """Cycles, and the scene that was loaded last."""
+    """Cycles, with the scene that was loaded last."""
 
     def __init__(self, bpy):
         self.bpy = bpy
 
     def about(self, _):
-        """What a result must say of the program."""
+        """Cycles' version and number of threads, for the result file."""
         return {"version": self.bpy.app.version_string, "threads": os.cpu_count()}
 
     def load(self, request):
-        """Builds the scene anew."""
+        """Builds the requested scene from scratch."""
         begun = time.perf_counter()
         if request["xml"] is None:
             raise Refused("there is no such scene in Mitsuba's XML")
@@ -99,7 +99,7 @@ class Renderer:
         return {"load_ms": 1e3 * (time.perf_counter() - begun)}
 
     def image(self, request):
-        """Writes the picture of a seed as a PFM."""
+        """Renders a seed's picture to the requested PFM file."""
         import numpy as np
 
         with tempfile.TemporaryDirectory(prefix="cycles-peer-") as folder:
@@ -116,7 +116,7 @@ class Renderer:
         return said
 
     def times(self, request):
-        """A render that warms up, and then those that count."""
+        """Render times, after a warm-up render that is not counted."""
         return {"renders": [self._rendered(request) for _ in range(request["repetitions"] + 1)][1:]}
 
     def _settings(self, scene, request):
@@ -129,7 +129,7 @@ class Renderer:
         target.render.image_settings.color_depth = "32"
         cycles = target.cycles
         cycles.device = "CPU"
-        # Cycles counts neither the ray of the camera nor the last one, which ends at a light.
+        # Cycles' bounces exclude the camera ray and the last ray, which ends at a light.
         bounces = max(0, (scene.depth if request["depth"] is None else request["depth"]) - 2)
         for name in ("max_bounces", "diffuse_bounces", "glossy_bounces", "transmission_bounces"):
             setattr(cycles, name, bounces)
@@ -224,7 +224,7 @@ def _corners_and_faces(kind):
 
 @contextlib.contextmanager
 def _nothing_printed():
-    """What Blender prints itself on standard output would stand among the answers."""
+    """A context that discards what Blender prints to standard output, which carries the answers."""
     kept, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 1)
     try:
@@ -236,7 +236,7 @@ def _nothing_printed():
 
 
 def main():
-    """Answers requests until there are no more."""
+    """Answers requests from standard input until it ends."""
     try:
         with _nothing_printed():
             import bpy

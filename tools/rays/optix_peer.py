@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Traces the rays and the mesh that `ptbench rays --write-rays F --write-mesh M.ply` wrote through Mitsuba 3.
+"""Traces the rays and the mesh that `ptbench rays --write-rays F --write-mesh M.ply` wrote, through Mitsuba 3.
 
-cuda_ad_rgb is OptiX, llvm_ad_rgb Embree. Prints JSON: rates by class of rays, and whether as many rays hit as ours.
-Format of the rays: harness/rays/ray_file.h. Mitsuba is optional; so is NumPy, which reads faster.
+Mitsuba's variant cuda_ad_rgb uses OptiX, llvm_ad_rgb Embree. Prints JSON: rates by class of rays, and whether as many
+rays hit as in ptbench. Ray file format: harness/rays/ray_file.h. Mitsuba is optional; so is NumPy, which reads faster.
 """
 
 import argparse
@@ -20,7 +20,7 @@ LARGEST_FLOAT = 3.4028234663852886e38
 
 
 def ray_sets(path):
-    """The sets of rays of a file, each as class, any, rays as an array of floats, and how many hit."""
+    """The ray sets of a file, each as class, whether any hit will do, rays as an array of floats, number of hits."""
     with path.open("rb") as file:
         magic, count, _ = struct.unpack("<8sII", file.read(16))
         if magic != b"PTBRAYS1":
@@ -33,7 +33,7 @@ def ray_sets(path):
 
 
 def columns_of(values):
-    """Origin, t_max and direction, a sequence of floats each; an infinite t_max is Mitsuba's largest float."""
+    """Origin, t_max and direction as seven sequences of floats; an infinite t_max becomes Mitsuba's largest float."""
     try:
         import numpy as np
     except ImportError:
@@ -47,13 +47,13 @@ def columns_of(values):
 
 
 def device_rays(mi, values):
-    """The rays in the memory where Mitsuba traces them."""
+    """The rays in the memory of the device on which Mitsuba traces."""
     x, y, z, t_max, along_x, along_y, along_z = [mi.Float(column) for column in columns_of(values)]
     return mi.Ray3f(mi.Point3f(x, y, z), mi.Vector3f(along_x, along_y, along_z), t_max, 0.0, [])
 
 
 def traced(mi, dr, scene, ray, any_hit):
-    """One batch: milliseconds of its kernels, of the wall, and how many rays hit."""
+    """Traces one batch; returns milliseconds of its kernels, of wall time, and the number of hits."""
     dr.eval(ray)
     dr.sync_thread()
     dr.kernel_history_clear()
@@ -72,7 +72,7 @@ def traced(mi, dr, scene, ray, any_hit):
 
 
 def measured(mi, dr, scene, path, repetitions):
-    """The measured rates, a row for each set of the file."""
+    """The measured rates, one entry per ray set of the file."""
     for name, any_hit, values, hits in ray_sets(path):
         rays = len(values) // RAY_FLOATS
         ray = device_rays(mi, values)
@@ -93,7 +93,7 @@ def measured(mi, dr, scene, path, repetitions):
 
 
 def arguments():
-    """Reads the arguments of the call."""
+    """Parses the command line."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("mesh", type=Path, help="what --write-mesh wrote (.ply)")
     parser.add_argument("rays", type=Path, help="what --write-rays wrote")
@@ -107,7 +107,7 @@ def arguments():
 
 
 def main():
-    """Prints the rates; exit code 3 without Mitsuba."""
+    """Prints the rates of all ray sets; exit code 3 without Mitsuba."""
     call = arguments()
     try:
         import drjit as dr

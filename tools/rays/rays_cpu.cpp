@@ -1,5 +1,5 @@
-// Rates of ray batches on one thread of the CPU: the accelerators by the functions that kernels call, and Embree by
-// itself; every hit compared with bvh2's, and some with brute force. Built by `cmake --build build --target rays_cpu`.
+// Measures rates of ray batches on one CPU thread: accelerators by the functions that kernels call, and Embree alone.
+// Hits are compared with bvh2's, and some with brute force. Built by `cmake --build build --target rays_cpu`.
 // usage: rays_cpu [--log2-rays N] [--repeat N] [--mesh NAME]... [--out FILE]
 #include <algorithm>
 #include <cstdio>
@@ -31,7 +31,7 @@ struct Options {
     std::string out;
 };
 
-// A mesh as the harness's scenes hold it (harness/scene/mesh_geometry.h), under one accelerator.
+// A mesh in the form of the harness's scenes (harness/scene/mesh_geometry.h), with a tree of one accelerator.
 class Planted {
 public:
     Planted(const RayMesh& mesh, const AcceleratorHook& hook) : hook_(hook) {
@@ -146,7 +146,7 @@ void add_embree(std::vector<Contender>& contenders, const Planted& native) {
 }
 #endif
 
-// CPU time of this thread alone in seconds: what other programs take is not in it.
+// CPU time of this thread in seconds, which excludes time taken by other programs.
 double seconds() {
     timespec time;
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
@@ -159,12 +159,12 @@ double median(std::vector<double> values) {
 }
 
 struct Rates {
-    std::vector<std::vector<double>> of;  // by contender and repetition, in M rays/s
-    std::vector<std::size_t> different;   // hits whose primitive or t's bits are not the first contender's
+    std::vector<std::vector<double>> of;  // rates in M rays/s, by contender and repetition
+    std::vector<std::size_t> different;   // hits whose primitive or bits of t differ from the first contender's
     std::vector<std::size_t> other_primitive;
 };
 
-// All contenders in turn, again and again: what the machine does meanwhile meets them alike.
+// Times the contenders in turn, repeatedly, so that changes of the machine's load affect all of them alike.
 Rates measure(const std::vector<Contender>& contenders, std::span<const Ray> rays, std::vector<Hit>& first_hits,
               int repeat) {
     Rates rates{std::vector<std::vector<double>>(contenders.size()), {}, {}};
@@ -254,7 +254,7 @@ std::string measure_mesh(const RayMesh& mesh, const Options& options) {
         std::vector<Hit> hits;
         const Rates rates = measure(contenders, set.rays, hits, options.repeat);
         check_by_brute_force(mesh, set.rays, hits);
-        std::string name = set.name;  // as the result that is there calls it
+        std::string name = set.name;  // class of rays as spelt in the committed result file
         std::replace(name.begin(), name.end(), '_', ' ');
         json += (set.name == classes.front() ? "" : ",\n") + class_json(name, contenders, rates, set.rays.size());
     }

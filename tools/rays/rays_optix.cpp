@@ -1,7 +1,7 @@
-// Rates of ray batches through OptiX alone, beside which `ptbench rays` is held: built-in triangles, a compacted tree
-// that prefers fast tracing, one ray a thread. Built where OptiX's headers are, by `cmake --build build --target
-// rays_optix`; a driver with OptiX runs it.
-// usage: rays_optix MESH.ply RAYS [REPETITIONS], both written by `ptbench rays`. Prints JSON as optix_peer.py does.
+// Measures rates of ray batches through OptiX alone, for comparison with `ptbench rays`: built-in triangles, a
+// compacted tree with fast tracing preferred, one ray per thread. Built where OptiX's headers are found, by `cmake
+// --build build --target rays_optix`; running needs a driver with OptiX.
+// usage: rays_optix MESH.ply RAYS [REPETITIONS], where `ptbench rays` wrote both files. Prints JSON like optix_peer.py.
 #include "tools/rays/rays_optix.h"
 
 #include <array>
@@ -46,7 +46,7 @@ OptixDeviceContext make_context() {
     return context;
 }
 
-// The tree over a mesh's triangles, compacted.
+// OptiX's compacted acceleration structure over a mesh's triangles.
 class TriangleTree {
 public:
     TriangleTree(OptixDeviceContext context, const RayMesh& mesh)
@@ -101,7 +101,7 @@ std::string device_program() {
     return program;
 }
 
-// The one kernel, and the table of shaders that a launch asks for.
+// The OptiX pipeline with its one kernel, and the shader binding table of a launch.
 class Pipeline {
 public:
     explicit Pipeline(OptixDeviceContext context) {
@@ -146,7 +146,7 @@ public:
         table_.missRecordCount = table_.hitgroupRecordCount = 1;
     }
 
-    // Traces a batch; returns milliseconds.
+    // Traces a batch of rays; returns milliseconds between two CUDA events.
     double trace(const DeviceArray<OptixBatch>& batch, std::size_t rays) const {
         const EventPair events;
         events.start();
@@ -172,7 +172,7 @@ Json measured(const Pipeline& pipeline, const TriangleTree& tree, const RaySet& 
     const DeviceArray<Hit> hits(set.rays.size());
     const DeviceArray<OptixBatch> batch(
         std::vector<OptixBatch>{{tree.handle(), rays.data(), hits.data(), set.any ? 1u : 0u}});
-    (void)pipeline.trace(batch, set.rays.size());  // warms up
+    (void)pipeline.trace(batch, set.rays.size());  // warm-up launch, not timed
     std::vector<double> ms;
     for (int i = 0; i < repetitions; ++i) {
         ms.push_back(pipeline.trace(batch, set.rays.size()));

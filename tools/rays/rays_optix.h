@@ -1,4 +1,4 @@
-// What the host's and the device's side of rays_optix share.
+// Declarations shared by the host and device code of rays_optix.
 #pragma once
 
 #include <cstdint>
@@ -9,12 +9,12 @@
 
 namespace pt::rays {
 
-// A batch of rays and where their hits go. The launch's index is the ray's.
+// A batch of rays with the buffer for its hits; the launch index is the index of the ray.
 struct OptixBatch {
     OptixTraversableHandle tree;
     const Ray* rays;
     Hit* hits;
-    std::uint32_t any;  // 1: whether there is a hit, not which
+    std::uint32_t any;  // 1 for any-hit queries, which report whether there is a hit but not the closest one
 };
 
 }  // namespace pt::rays

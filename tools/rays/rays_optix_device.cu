@@ -1,4 +1,4 @@
-// The device's side of rays_optix: one ray a thread, by OptiX's own traversal of built-in triangles.
+// Device code of rays_optix: each thread traces one ray by OptiX's own traversal of built-in triangles.
 #include <optix.h>
 
 #include "tools/rays/rays_optix.h"

@@ -1,9 +1,9 @@
-"""A check for ReFrame (https://reframe-hpc.readthedocs.io): a suite of ptbench runs and every film is as it must be.
+"""A check for ReFrame (https://reframe-hpc.readthedocs.io): that a suite of ptbench runs and its films are correct.
 
     PTBENCH=build/ptbench reframe -C SITE.py -c tools/reframe/ptbench_check.py -r
 
-The exit code of `ptbench run` says whether a cell failed or a film differed. Each cell's median rate goes to ReFrame's
-performance log, and may be held against references of a system there.
+The exit code of `ptbench run` tells whether a cell failed or a film differed. Each cell's median rate goes to ReFrame's
+performance log, and may be compared with a system's reference values.
 """
 
 import json
@@ -18,7 +18,7 @@ from reframe.core.builtins import deferrable, parameter, run_before, sanity_func
 
 @rfm.simple_test
 class PtbenchSuite(rfm.RunOnlyRegressionTest):
-    """One suite on one backend; `--setvar suite=cis565` asks for another."""
+    """A ReFrame test that runs one suite on one backend; `--setvar suite=cis565` selects the suite."""
 
     descr = "ptbench: films verified, then timed"
     backend = parameter(["cpu", "cuda"])
@@ -28,7 +28,7 @@ class PtbenchSuite(rfm.RunOnlyRegressionTest):
 
     @run_before("run")
     def set_call(self):
-        """Sets the call of ptbench; a cuda one wants a GPU from the system's configuration."""
+        """Sets the ptbench command line; the cuda backend needs a GPU in the system's ReFrame configuration."""
         self.executable = str(Path(os.environ.get("PTBENCH", "build/ptbench")).resolve())
         self.executable_opts = ["run", "--suite", self.suite, "--backend", self.backend, "--out", "result.json"]
         self.keep_files = ["result.json"]
@@ -44,14 +44,14 @@ class PtbenchSuite(rfm.RunOnlyRegressionTest):
 
     @deferrable
     def rate(self, cell):
-        """Rays a second, the median of a cell's samples."""
+        """The median rate of a cell's samples, in rays per second."""
         rows = json.loads((Path(self.stagedir) / "result.json").read_text())["benchmarks"]
         rates = sorted(row["pt_rays_per_second"] for row in rows if row["run_name"] == cell and "pt_order" in row)
         return rates[len(rates) // 2]
 
     @run_before("performance")
     def set_rates(self):
-        """Sets one performance variable a cell."""
+        """Sets one performance variable per cell."""
         cells = json.loads((Path(self.stagedir) / "result.json").read_text())["ptbench"]["cells"]
         names = [cell["cell"] for cell in cells if cell["status"] == "ok"]
         self.perf_variables = {

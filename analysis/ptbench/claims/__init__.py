@@ -1,1 +1,1 @@
-"""The claims ledger: published sentences, what was predicted of them here, what was measured, and what follows."""
+"""The claims ledger: published sentences, each with a prediction for this renderer, measurements and a verdict."""

@@ -1,7 +1,7 @@
-"""A claim is a file, claims/NAME.json: a published sentence, how it is asked here, and what was predicted of it.
+"""A claim is a file, claims/NAME.json: a published sentence, the experiment that tests it, and the predicted outcome.
 
-Its experiment is a suite of claims/suites, or a call of `ptbench rays`; each of its conditions is a number, the ratio
-of two cells as a rule, with the interval that was predicted before it was measured.
+The experiment of a claim is a suite of claims/suites or a call of `ptbench rays`. Each condition of a claim is a
+number, usually the ratio of two cells, with the interval that was predicted before the measurement.
 """
 
 import json
@@ -16,10 +16,10 @@ from ptbench.io.nodes import read_json, shown
 from ptbench.io.validate import complaints
 from ptbench.studies.selection import parsed
 
-# The keys of a claim that its predictions are made of: whoever changes one of these predicts anew.
+# Keys of a claim's file that make up its prediction: a change of any of their values makes it a new prediction.
 _PREDICTED = ("claim", "number", "rule", "prediction", "experiment")
 _NO_PREDICTION = ("seconds", "also")
-# How a suite has a study shown: it may change after the prediction, since it changes nothing that is measured.
+# Keys of a suite that say how a study is shown: they may change after the prediction, as they change no measurement.
 _HOW_IT_IS_SHOWN = ("figure", "compares", "along")
 
 THEIRS = "theirs"
@@ -33,37 +33,37 @@ class Span:
     high: float
 
     def holds(self, value: float) -> bool:
-        """Whether the value lies in the span."""
+        """Whether a value lies in the interval."""
         return self.low <= value <= self.high
 
 
 def span_of(ends: Sequence[float | None]) -> Span:
-    """A span from [low, high], where null is an open end."""
+    """Makes an interval from [low, high], where null is an open end."""
     low, high = ends
     return Span(-math.inf if low is None else low, math.inf if high is None else high)
 
 
 @dataclass(frozen=True)
 class Condition:
-    """A condition of a claim: one number that the experiment gives, and the span in which it must lie."""
+    """A condition of a claim: one number that the experiment gives, and the interval in which it must lie."""
 
     name: str
-    side: str  # below theirs, theirs, or above, along the experiment's axis
+    side: str  # position on the experiment's axis relative to the publication's setting: below theirs, theirs, or above
     cell: str
     over: str
     predicted: Span
-    claimed: Span  # in which the claim holds
+    claimed: Span  # interval in which the claim holds
 
 
 @dataclass(frozen=True)
 class Experiment:
     """The experiment of a claim: what is run, and which numbers are taken from it."""
 
-    suite: str  # of claims/suites; empty: a call of `ptbench rays`
+    suite: str  # name of a suite in claims/suites; empty: the experiment is a call of `ptbench rays`
     rays: tuple[str, ...]
-    result: str  # the result file's name
-    also: tuple[str, ...]  # results of other suites, looked up where the experiment's own was not run
-    machines: tuple[str, ...]  # two folders of results/, the first held against the second; empty: each for itself
+    result: str  # file name of the experiment's result
+    also: tuple[str, ...]  # results of other suites, looked up where the experiment's own suite was not run
+    machines: tuple[str, ...]  # two folders of results/ to compare, first over second; empty: each machine by itself
     backend: str
     seconds: int
     statistic: str
@@ -79,9 +79,9 @@ class Claim:
     name: str
     document: dict
     experiment: Experiment | None
-    not_reached: str  # why it cannot be asked; empty where it can
-    withdrawn: str = ""  # why what was measured answers it no longer; until it is measured anew nothing is judged
-    seen: tuple[str, ...] = ()  # machines whose results the prediction was made from
+    not_reached: str  # why the claim cannot be tested by ptbench; empty where it can
+    withdrawn: str = ""  # why the existing measurement does not answer the claim; until a new one, no verdict is given
+    seen: tuple[str, ...] = ()  # machines whose results the prediction was derived from
 
     def __getitem__(self, key: str) -> object:
         return self.document[key]
@@ -100,7 +100,7 @@ class Ledger:
 
     @property
     def verdicts(self) -> Path:
-        """The committed verdicts, beside the pages that tell them."""
+        """The file with the committed verdicts, verdicts.json in the folder of the claims' pages."""
         return self.pages / "verdicts.json"
 
     @property
@@ -110,15 +110,15 @@ class Ledger:
 
     @property
     def templates(self) -> Path:
-        """The folder of the pages' templates."""
+        """The folder of the templates from which the claims' pages are made."""
         return self.root / "docs" / "templates" / "claims"
 
     def suite(self, name: str) -> Path:
-        """The file of a suite."""
+        """The path of a suite of the claims ledger."""
         return self.folder / "suites" / f"{name}.json"
 
     def claims(self, names: Sequence[str] = ()) -> list[Claim]:
-        """Every claim, or those of these names; raises InputError for one that is not there or not as it must be."""
+        """Reads every claim, or those named; raises InputError for a claim that is missing or malformed."""
         return [read_claim(path, self.folder) for path in named_files(self.folder, names, "claim")]
 
 
@@ -188,7 +188,7 @@ def _measured(studies: object) -> object:
 
 
 def prediction_in(text: str, suite_text: str) -> str:
-    """What was predicted, from a claim's file and its suite's, as one string; empty: these are no such files."""
+    """The prediction in the texts of a claim's file and its suite, as one string; empty: these are no such files."""
     try:
         document = json.loads(text)
         suite = json.loads(suite_text) if suite_text else {}

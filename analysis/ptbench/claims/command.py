@@ -1,4 +1,4 @@
-"""`claims`: runs or looks up what each claim asks for, says what follows, and holds the committed verdicts to it."""
+"""`claims`: runs or looks up each claim's experiment, prints the verdicts and compares them with the committed ones."""
 
 import json
 import sys
@@ -16,7 +16,7 @@ from ptbench.io.nodes import read_json
 
 
 def claims(call: Call) -> int:
-    """Exit code: 0 all that is committed follows from its data, 1 something does not, or a run failed."""
+    """Runs `claims`; exit code 0: every committed verdict follows from its data, 1: one does not, or a run failed."""
     ledger = Ledger(call.root)
     chosen = ledger.claims(call.names)
     results = call.folder
@@ -26,7 +26,7 @@ def claims(call: Call) -> int:
     told = [one for claim in chosen for one in told_of(ledger, claim, results, recorded)]
     for one in told:
         _say(one, detailed=bool(call.names))
-    if call.results is not None:  # others' results: nothing of them is committed
+    if call.results is not None:  # results in a folder of the caller's choice have no committed verdicts to check
         return 0
     faults = [] if call.write else _contradictions(told, recorded, chosen)
     everything = (
@@ -51,7 +51,7 @@ def claims(call: Call) -> int:
 
 
 def told_of(ledger: Ledger, claim: Claim, results: Path, recorded: Mapping) -> list[Told]:
-    """What every machine's result says of the claim; `recorded`: the committed verdicts."""
+    """The verdicts on a claim, one for every machine with a result; `recorded`: the committed verdicts."""
     evidence = evidence_of(claim, results)
     if not evidence:
         return [Told(claim, judge(claim, None))]
@@ -59,7 +59,7 @@ def told_of(ledger: Ledger, claim: Claim, results: Path, recorded: Mapping) -> l
     for one in evidence:
         order = order_of(ledger, claim, one.machine, one.measured)
         kept = recorded.get(claim.name, {}).get(one.machine, {}).get("order")
-        if order.grade == UNKNOWN and kept is not None:  # a copy without history: as it was when there was one
+        if order.grade == UNKNOWN and kept is not None:  # without git history the recorded order is used
             order = Order(**kept)
         told.append(Told(claim, judge(claim, one), one, order))
     return told
@@ -98,7 +98,7 @@ def _record(told: Sequence[Told]) -> dict:
 
 
 def _contradictions(told: Sequence[Told], recorded: Mapping, chosen: Sequence[Claim]) -> list[str]:
-    """Committed verdicts that no longer follow; a result without a committed verdict contradicts none."""
+    """The committed verdicts that do not follow from the results; results without a committed verdict are ignored."""
     now = _record(told)
     faults = []
     for claim in chosen:
@@ -117,7 +117,7 @@ def _contradictions(told: Sequence[Told], recorded: Mapping, chosen: Sequence[Cl
 
 
 def _committed(told: Sequence[Told], recorded: Mapping) -> list[Told]:
-    """Without the machines that have no committed verdict: whoever has measured for themselves changes no page."""
+    """Verdicts without the machines that have no committed verdict: a user's own measurements change no page."""
     kept: list[Told] = []
     for claim in dict.fromkeys(one.claim.name for one in told):
         own = [one for one in told if one.claim.name == claim]
@@ -127,7 +127,7 @@ def _committed(told: Sequence[Told], recorded: Mapping) -> list[Told]:
 
 
 def _run(call: Call, ledger: Ledger, chosen: Sequence[Claim]) -> None:
-    """Runs what has no result on this machine yet, each experiment once; raises InputError where one fails."""
+    """Runs each experiment that has no result on this machine yet; raises InputError where one fails."""
     program = call.program
     machine = program.machine()
     done = set()
@@ -144,7 +144,7 @@ def _run(call: Call, ledger: Ledger, chosen: Sequence[Claim]) -> None:
         if experiment.rays:
             arguments = ["rays", *experiment.rays]
         else:
-            # The run is untuned, as the prediction has it, whatever `autotune` found on this machine.
+            # The run is untuned, as predicted, even where `autotune` found better parameters on this machine.
             arguments = ["run", "--suite", str(ledger.suite(experiment.suite)), "--resume", "--untuned"]
         print(f"{experiment.result}: about {experiment.seconds} s", flush=True)
         program.watched(*arguments, "--backend", experiment.backend, "--out", out, output=sys.stderr)

@@ -1,4 +1,4 @@
-"""What a result file says of a claim's conditions: one number each, with its interval."""
+"""What a result file says of a claim: for each of its conditions one number with its confidence interval."""
 
 from __future__ import annotations
 
@@ -25,39 +25,39 @@ from ptbench.studies.disturbed import doubt_of
 from ptbench.studies.programs import why_not_one
 from ptbench.studies.selection import parsed
 
-BOUNCES = 7  # of the statistic alive_after_7
-# A part of a tree, for the statistic `bytes`.
+BOUNCES = 7  # bounce after which the statistic alive_after_7 counts paths that are still alive
+# Parts of an acceleration structure whose size the statistic `bytes` takes.
 _PARTS = {"nodes": lambda tree: tree.node_bytes, "all": lambda tree: tree.node_bytes + tree.leaf_bytes}
 
 
 @dataclass(frozen=True)
 class Found:
-    """A condition's number; no estimate: why there is none."""
+    """The number measured for a condition of a claim; without an estimate, the reason why there is none."""
 
     condition: Condition
     estimate: Estimate | None
-    doubt: str = ""  # why the number decides nothing, or is not there
+    doubt: str = ""  # why the number decides nothing, or why it is missing
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """All that one result file says of a claim."""
+    """Everything that one result file says of a claim."""
 
-    files: tuple[str, ...]  # from the folder of results on
-    machine: str  # folder of results/
+    files: tuple[str, ...]  # paths of the result files, relative to the folder of results
+    machine: str  # name of the machine's folder in results/
     device: str
     measured: Measured
     found: tuple[Found, ...]
-    refused: str = ""  # why the files may not be held against each other
+    refused: str = ""  # why the two result files may not be compared
 
     @property
     def is_own(self) -> bool:
-        """Whether the experiment itself was run, and no other suite is looked up."""
+        """Whether the claim's own experiment was run, rather than looked up in the results of other suites."""
         return "/claims/" in self.files[0]
 
 
 def evidence_of(claim: Claim, results: Path) -> list[Evidence]:
-    """What each machine's result says, in the order of their folders; none of a withdrawn claim or what was not run."""
+    """The evidence of each machine's results, in the folders' order; empty for a withdrawn claim or one not run."""
     experiment = claim.experiment
     if experiment is None or claim.withdrawn:
         return []
@@ -69,7 +69,7 @@ def evidence_of(claim: Claim, results: Path) -> list[Evidence]:
 
 
 def _files(experiment: Experiment, machine: Path) -> list[Path]:
-    """The experiment's own result of a machine, or else those of other suites that may have its cells."""
+    """The result file of a claim's own experiment on a machine, or else those of other suites that may have it."""
     own = machine / "claims" / f"{experiment.result}.json"
     if _is_there(own):
         return [own]
@@ -95,7 +95,7 @@ def _evidence(experiment: Experiment, results: Path, file: Path) -> Evidence:
 
 
 def _of_two(experiment: Experiment, results: Path) -> list[Evidence]:
-    """One machine's rays against another's: how many times as fast the first traces the same batch."""
+    """Evidence from rays traced on two machines: how many times as fast the first traces the same batch."""
     files = [_files(experiment, results / machine)[:1] for machine in experiment.machines]
     if not all(files):
         return []
@@ -127,7 +127,7 @@ def _device(experiment: Experiment, root: Node) -> str | None:
 
 
 def _found(numbers: _OfSuite | _OfRays, condition: Condition, statistic: str, file: Path) -> Found:
-    """Where the number is not there, the reason, without the file's name: a page links it."""
+    """The number of a condition; where it is missing the reason, without the file's name, as a page links the file."""
     try:
         return numbers.found(condition, statistic)
     except FindingError as error:
@@ -135,7 +135,7 @@ def _found(numbers: _OfSuite | _OfRays, condition: Condition, statistic: str, fi
 
 
 def _measured(root: Node) -> Measured:
-    """The first session counts: from then on a cell's times were there to be seen."""
+    """When a result was measured: the date of its first session, since a cell's times could be seen from then on."""
     context = root.need("context").fields()
     dates = [context["date"]]
     run = root.maybe("ptbench") and root.need("ptbench").maybe("run")
@@ -146,7 +146,7 @@ def _measured(root: Node) -> Measured:
 
 
 class _OfSuite:
-    """The numbers of a file of `ptbench run`."""
+    """The numbers of a result file of `ptbench run` that a claim's conditions ask for."""
 
     def __init__(self, results: Path, file: Path, experiment: Experiment) -> None:
         self._source = SuiteSource(results, str(file))
@@ -176,7 +176,7 @@ class _OfSuite:
         )
 
     def _pairs(self, condition: Condition) -> list[tuple[Cell, Cell]]:
-        """The cell and its baseline; with `scene=*`, those of every scene that has both."""
+        """A condition's cell and its baseline; with `scene=*`, such a pair for every scene that has both."""
         if "scene=*" not in condition.cell.split():
             return [(self._source.cell(condition.cell), self._source.cell(condition.over))]
         bases = {cell.scene: cell for cell in self._source.cells(condition.over)}
@@ -186,7 +186,7 @@ class _OfSuite:
         return pairs
 
     def _alive(self, condition: Condition) -> Found:
-        """Exact for the seed of the counting pass; the interval is the binomial's, for another seed."""
+        """The share of live paths: exact for the counting pass's seed, with a binomial interval for other seeds."""
         cell = self._source.cell(condition.cell)
         alive = None if cell.instrumented is None else cell.instrumented.live_paths
         if alive is None or len(alive) <= BOUNCES:
@@ -210,7 +210,7 @@ class _OfSuite:
         return Found(condition, compared.efficiency, compared.doubt)
 
     def _bound(self, condition: Condition) -> Found:
-        """The balance heuristic's variance over what the theorem allows, with one sample of each technique."""
+        """The balance heuristic's variance over the bound of Veach's theorem, with one sample of each technique."""
         curve = self._curve(condition.cell)
         ours = fit_of(curve).sigma2_of_seeds
         singles = [fit_of(self._curve(text)).sigma2_of_seeds for text in condition.over.split(";")]
@@ -232,7 +232,7 @@ class _OfSuite:
         ours, base = errors
         if len(ours) != len(base):
             raise FindingError(f"{condition.name}: {len(ours)} and {len(base)} seeds")
-        with np.errstate(invalid="ignore"):  # dual errors may come out below zero
+        with np.errstate(invalid="ignore"):  # the mean of dual squared errors over seeds may come out negative
             estimate = _over_seeds(lambda rows: np.sqrt(base[rows].mean(-1) / ours[rows].mean(-1)), len(ours))
         return Found(condition, estimate)
 
@@ -244,12 +244,12 @@ class _OfSuite:
 
 
 def _over_seeds(ratio: Callable[[np.ndarray], np.ndarray], count: int) -> Estimate:
-    """A ratio of means over seeds, which both sides share: a seed is drawn for both."""
+    """A ratio of two means over seeds; both sides share seeds, so the bootstrap draws each seed for both."""
     return bootstrap_interval(float(ratio(np.arange(count))), ratio(resampled(count)), count)
 
 
 class _OfRays:
-    """The numbers of a file of `ptbench rays`."""
+    """The numbers of a result file of `ptbench rays` that a claim's conditions ask for."""
 
     def __init__(self, root: Node) -> None:
         self.rays: Rays = rays_of(root)
@@ -264,7 +264,7 @@ class _OfRays:
         return Found(condition, ratio_estimate(self.times(condition.over), self.times(condition.cell)))
 
     def times(self, selection: str) -> np.ndarray:
-        """Milliseconds of one batch; raises FindingError where it is not there, or its hits are wrong."""
+        """Milliseconds of one batch of rays; raises FindingError where it is missing or trees disagree on its hits."""
         if self._wrong:
             raise FindingError(f"hits differ between trees of {', '.join(self._wrong)}")
         return np.array(self._batch(selection).ms)

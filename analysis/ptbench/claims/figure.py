@@ -1,4 +1,4 @@
-"""A claim's figure: a row a condition, with what holds the claim, what was predicted and what was measured."""
+"""The figure of a claim: one row per condition, with the claimed, the predicted and the measured interval."""
 
 import math
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ _ROW, _PLOT, _FOOT, _HEAD = 0.3, 4.2, 0.5, 0.3
 
 
 def draw(claim: Claim, verdict: Verdict, device: str) -> Figure:
-    """The figure of a claim that was measured; `verdict` has a number for one condition at least."""
+    """Draws the figure of a measured claim; `verdict` must have a number for at least one condition."""
     rows = [one for one in verdict.judged if one.found.estimate is not None]
     labels = [one.found.condition.name for one in rows]
     left = style.MARGIN + max(style.text_width(label, style.LABEL_SIZE) for label in labels) + 0.3
@@ -84,7 +84,7 @@ def _inside(span: Span, low: float, high: float) -> tuple[float, float]:
 
 
 def _limits(rows: Sequence[Judged]) -> tuple[float, float, bool]:
-    """The axes' ends, and whether they are logarithmic: ratios are, slopes are not."""
+    """The limits of a claim figure's axis, and whether the axis is logarithmic: it is for ratios, not for slopes."""
     ends = [end for one in rows for end in _ends(one) if math.isfinite(end)]
     if min(ends) > 0:
         return min([*ends, 0.95]) / 1.12, max([*ends, 1.05]) * 1.12, True
@@ -117,7 +117,7 @@ def _legend(axes: Axes, rows: Sequence[Judged], *, published: bool = False) -> N
 
 
 def draw_all(told: Sequence[tuple[Claim, Verdict, str]]) -> Figure | None:
-    """One row a claim and device: the published number beside those measured; None where no ratio was measured."""
+    """Draws one row per claim and device: the published number beside the measured ones; None without a ratio."""
     rows = [(claim, device, _numbers(verdict)) for claim, verdict, device in told]
     rows = [row for row in rows if row[2] and all(one.found.estimate.value > 0 for one in row[2])]
     if not rows:
@@ -153,6 +153,6 @@ def _draw_published(axes: Axes, y: float, claim: Claim, low: float, high: float)
     ends = claim["number"]["low"], claim["number"]["high"]
     if ends[0] is not None and ends[0] == ends[1]:
         axes.plot([ends[0]] * 2, [y - 0.36, y + 0.36], color=_PREDICTED, linewidth=2.5, zorder=1)
-    elif ends != (1.0, None):  # "faster" is no number
+    elif ends != (1.0, None):  # a claim of just "faster" has no published number to draw
         start, end = _inside(span_of(ends), low, high)
         axes.fill_between([start, end], y - 0.36, y + 0.36, color="#d6d6d6", linewidth=0, zorder=1)

@@ -1,7 +1,7 @@
-"""Whether a prediction came before its result, by git: when its words last changed, and what the result was built of.
+"""Tells by git whether a prediction is older than its result, by the commit that last changed it and the one measured.
 
-A prediction that is edited is a prediction of that day: it is as old as the oldest commit from which on neither the
-claim's part that counts nor its suite's studies were another.
+An edited prediction counts as new: its age is that of the oldest commit since which neither the predicting part of the
+claim nor the studies of its suite have changed.
 """
 
 from dataclasses import asdict, dataclass
@@ -11,32 +11,32 @@ from ptbench.claims.claim import Claim, Ledger, prediction_in
 from ptbench.git import git
 
 TEST, BY_DATE, LOOK_UP, UNCOMMITTED, UNKNOWN = "test", "test by dates", "look-up", "not committed", "unknown"
-# Measured again where the prediction was read off: whatever the dates, it could not have come out otherwise.
+# Grade of a result repeated on the machine from whose earlier result the prediction was derived: it tests nothing.
 REPEAT = "repeat"
 
 
 @dataclass(frozen=True)
 class Measured:
-    """When a result was measured, and by the program of which commit."""
+    """When a result was measured, and the commit of the program that measured it."""
 
     commit: str
-    on: str  # ISO 8601
+    on: str  # date of the measurement in ISO 8601
     dirty: bool = False
 
 
 @dataclass(frozen=True)
 class Order:
-    """Which came first, the data or the prediction, with what shows it."""
+    """Whether the result or the prediction came first, with the commit and dates that show it."""
 
     grade: str
-    predicted: str = ""  # commit
+    predicted: str = ""  # commit that last changed the prediction
     predicted_on: str = ""
     measured: str = ""
     measured_on: str = ""
 
     @property
     def said(self) -> str:
-        """The order of data and prediction in a sentence."""
+        """A sentence on whether the result or the prediction came first."""
         if self.grade == UNCOMMITTED:
             return "the prediction is not committed: whatever is measured now proves nothing"
         if self.grade == UNKNOWN:
@@ -56,7 +56,7 @@ class Order:
         return self.grade in (TEST, BY_DATE)
 
     def document(self) -> dict[str, str]:
-        """The history as it is kept beside the verdict, for who has no repository."""
+        """The order of prediction and result as JSON, stored beside the verdict for readers without the repository."""
         return asdict(self)
 
 
@@ -65,7 +65,7 @@ def _minute(date: str) -> str:
 
 
 def order_of(ledger: Ledger, claim: Claim, machine: str, measured: Measured) -> Order:
-    """Which of the two came first; UNKNOWN where there is no git or not all of its history."""
+    """Whether the prediction or the result came first; UNKNOWN where there is no git or only part of its history."""
     if machine in claim.seen:
         return Order(REPEAT)
     if git(ledger.root, "rev-parse", "--is-shallow-repository") != "false":
@@ -82,7 +82,7 @@ def order_of(ledger: Ledger, claim: Claim, machine: str, measured: Measured) -> 
 
 
 def prediction_commit(ledger: Ledger, claim: Claim) -> str | None:
-    """The oldest commit since which the prediction is as it lies in the folder; None: it is not committed so."""
+    """The oldest commit since which a prediction is unchanged; None: its present text is not committed."""
     paths = [f"claims/{claim.name}.json"]
     if claim.experiment is not None and claim.experiment.suite:
         paths.append(f"claims/suites/{claim.experiment.suite}.json")

@@ -1,8 +1,8 @@
-"""From a claim's numbers to its verdict, by one rule for all claims.
+"""Turns the numbers of a claim into its verdict, by one rule for all claims.
 
-A condition holds where the whole interval of its number lies in the interval of the claim's rule, and does not where
-all of it lies outside; else it is open. Of the claim's conditions, theirs are those nearest to the publication's, the
-others lie on one side of them or the other along the axis that the claim names.
+A condition holds where the whole confidence interval of its number lies in the interval of the claim's rule. It fails
+where the whole confidence interval lies outside, and is open otherwise. Conditions are called "theirs" where they are
+nearest to the publication's setting; the others lie below or above it along the axis that the claim names.
 """
 
 from collections.abc import Iterable, Sequence
@@ -26,21 +26,21 @@ RULE = (
 
 @dataclass(frozen=True)
 class Judged:
-    """One condition's number and what it says."""
+    """One condition's number and the word that it earns."""
 
     found: Found
     word: str
 
     @property
     def foreseen(self) -> bool | None:
-        """Whether the number lies where it was predicted; None: there is no number."""
+        """Whether the measured number lies in its predicted interval; None: there is no number."""
         estimate = self.found.estimate
         return None if estimate is None else self.found.condition.predicted.holds(estimate.value)
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """What one machine's numbers say of a claim."""
+    """What the measurements of one machine say of a claim."""
 
     word: str
     reason: str
@@ -48,20 +48,20 @@ class Verdict:
 
     @property
     def held(self) -> list[str]:
-        """The conditions that hold."""
+        """Names of the conditions of a claim that hold."""
         return [one.found.condition.name for one in self.judged if one.word == WITHIN]
 
     @property
     def foreseen(self) -> tuple[int, int]:
-        """How many numbers lie where they were predicted, of how many."""
+        """How many measured numbers lie in their predicted interval, and how many were measured."""
         told = [one.foreseen for one in self.judged if one.foreseen is not None]
         return sum(told), len(told)
 
 
 def judge(claim: Claim, evidence: Evidence | None) -> Verdict:
-    """The verdict on a claim; without evidence it is not reached, for the claim's reason or because nothing was run.
+    """The verdict on a claim; without evidence "not reached", for the claim's reason or because nothing was run.
 
-    A withdrawn claim has no number, whatever was measured.
+    A withdrawn claim gets no number, whatever was measured.
     """
     if claim.experiment is None:
         return Verdict(NOT_REACHED, claim.not_reached)
@@ -77,7 +77,7 @@ def judge(claim: Claim, evidence: Evidence | None) -> Verdict:
 
 
 def word_of(found: Found) -> str:
-    """The verdict's word that one number allows."""
+    """The word for one condition of a claim that its measured interval allows."""
     estimate, claimed = found.estimate, found.condition.claimed
     if estimate is None or estimate.low is None or estimate.high is None:
         return MISSING
@@ -111,7 +111,7 @@ def _verdict(judged: Sequence[Judged]) -> tuple[str, str]:
 
 
 def _tally(judged: Sequence[Judged], where: str) -> str:
-    """How many hold, and on which side of the rule the others lie: one above it may have gained more than claimed."""
+    """Counts the conditions that hold, and on which side of the rule the others lie: above may mean a larger gain."""
     sides = [f"{count} {said}" for word, said in _SIDES.items() if (count := _count(judged, word))]
     beyond = f" ({', '.join(sides)} the rule)" if sides else ""
     return f"{_count(judged)} of {len(judged)} {where}{beyond}"

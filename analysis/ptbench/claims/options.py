@@ -1,4 +1,4 @@
-"""The command line of `claims`."""
+"""The command line options of `claims`."""
 
 import argparse
 

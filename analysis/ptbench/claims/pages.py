@@ -1,4 +1,4 @@
-"""Pages of the ledger: one table of all claims, and a page a claim, from their templates."""
+"""Pages of the claims ledger: a table of all claims and one page per claim, made from templates."""
 
 import math
 import re
@@ -26,12 +26,12 @@ _READ = {
     "commit": "the commit's message was read",
     "memory": "from memory or notes, not looked up",
 }
-_AUTHOR = re.compile(r"(?:^|, )(?:\w\. ?)+")  # initials, with which each author's name begins
+_AUTHOR = re.compile(r"(?:^|, )(?:\w\. ?)+")  # initials of an author, with which each name in a list of authors begins
 
 
 @dataclass(frozen=True)
 class Told:
-    """A claim with what one machine's result says of it; without evidence it has no number."""
+    """A claim with what one machine's result says of it; without evidence there is no number."""
 
     claim: Claim
     verdict: Verdict
@@ -40,7 +40,7 @@ class Told:
 
     @property
     def word(self) -> str:
-        """The verdict's word, with its mark where the data were there before the prediction."""
+        """The word of a claim's verdict, marked where the data existed before the prediction."""
         if self.claim.withdrawn:
             return WITHDRAWN
         if self.evidence is None:
@@ -50,40 +50,40 @@ class Told:
 
     @property
     def machine(self) -> str:
-        """The machine's folder in results/; empty where nothing was run."""
+        """The machine's folder in results/; empty where the experiment was not run."""
         return "" if self.evidence is None else self.evidence.machine
 
     @property
     def device(self) -> str:
-        """Whether the result is a GPU's or a CPU's, as a word."""
+        """The word "GPU" or "CPU" for the device of the claim's result."""
         return "—" if self.evidence is None else self.evidence.device
 
     @property
     def figure(self) -> str:
-        """The name of the figure's file; empty: there is none."""
+        """The file name of a claim's figure; empty: there is none."""
         has_number = any(one.found.estimate is not None for one in self.verdict.judged)
         return f"{self.claim.name}_{self.machine}.svg" if has_number else ""
 
     @property
     def files(self) -> tuple[str, ...]:
-        """The result files, from the folder of results on."""
+        """Paths of the claim's result files, relative to the folder of results."""
         return () if self.evidence is None else self.evidence.files
 
     @property
     def authors(self) -> str:
-        """The publication's authors; of three and more the first, "et al."."""
+        """The authors of a claim's publication; from three on the first one's name and "et al."."""
         authors = self.claim["source"]["authors"]
         return f"{authors.split(',')[0]} et al." if len(_AUTHOR.findall(authors)) > 2 else authors
 
     @property
     def foreseen(self) -> str:
-        """How many predictions were right, as "5 of 8"."""
+        """The number of correct predictions of a claim, as "5 of 8"."""
         right, of = self.verdict.foreseen
         return f"{right} of {of}" if of else "—"
 
 
 def pages_of(ledger: Ledger, told: Sequence[Told]) -> dict[str, str]:
-    """Every page and figure of docs/claims by its file's name."""
+    """Every page and figure of docs/claims, by file name."""
     by_claim: dict[str, list[Told]] = {}
     for one in told:
         by_claim.setdefault(one.claim.name, []).append(one)
@@ -104,7 +104,7 @@ def pages_of(ledger: Ledger, told: Sequence[Told]) -> dict[str, str]:
 
 
 def _counts(told: Sequence[Told]) -> dict[str, int]:
-    """Verdicts by word, a device each; what was not run is counted apart from what cannot be asked."""
+    """The number of verdicts by word, one per claim and device; claims not run are counted apart from untestable."""
     words = [one.word for one in told]
     counts = {word: words.count(word) for plain in VERDICTS for word in (plain, f"{plain} (no test)")}
     counts |= {word: words.count(word) for word in words if word not in counts}
@@ -112,7 +112,7 @@ def _counts(told: Sequence[Told]) -> dict[str, int]:
 
 
 def _foreseen(told: Sequence[Told]) -> tuple[int, int]:
-    """How many numbers lie in their prediction, and how many could have contradicted it."""
+    """How many measured numbers lie in their predicted interval, and how many could have contradicted a prediction."""
     scores = [one.verdict.foreseen for one in told if one.order is not None and one.order.is_test]
     return sum(right for right, _ in scores), sum(of for _, of in scores)
 
@@ -125,7 +125,7 @@ def _rendered(ledger: Ledger, template: str, **names: object) -> str:
 
 
 def span_text(span: Span) -> str:
-    """A span in words: "1.06 to 1.32", "at least 1.36", "at most 1"."""
+    """An interval in words: "1.06 to 1.32", "at least 1.36", "at most 1"."""
     if math.isinf(span.low) and math.isinf(span.high):
         return "any"
     if math.isinf(span.high):
@@ -134,7 +134,7 @@ def span_text(span: Span) -> str:
 
 
 def measured_text(one: Judged) -> str:
-    """ "1.21 [1.20, 1.23]", in digits that show on which side of the claim's limits each end lies."""
+    """A measured number such as "1.21 [1.20, 1.23]", with enough digits to show where it lies to the claim's limits."""
     estimate = one.found.estimate
     if estimate is None:
         return "—"
@@ -155,12 +155,12 @@ def _tells(estimate: Estimate, ends: Sequence[float], digits: int) -> bool:
 
 
 def word_text(one: Judged) -> str:
-    """The condition's word, and why it decides nothing where it does not."""
+    """The word of a claim's condition, and the reason where it decides nothing."""
     return f"{one.word}: {one.found.doubt}" if one.found.doubt else one.word
 
 
 def run_text(claim: Claim) -> str:
-    """The command that measures a claim."""
+    """The ptbench command that measures a claim."""
     experiment = claim.experiment
     if experiment is None:
         return ""

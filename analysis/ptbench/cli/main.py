@@ -1,6 +1,6 @@
-"""The command line: `python3 -m ptbench COMMAND ...`, one command or more a folder.
+"""The command line `python3 -m ptbench COMMAND ...`, whose commands are declared in the package's folders.
 
-Exit codes: 0 good, 1 a check failed, 2 the input or the call is wrong, 3 the machine failed.
+Exit codes: 0 success, 1 a check failed, 2 wrong input or a wrong call, 3 the machine failed.
 """
 
 import argparse
@@ -21,7 +21,7 @@ from ptbench.terminal import OutputError, visible, visible_output
 
 _PROGRAM = "ptbench-analysis"
 _MODULE = "python3 -m ptbench"
-# Whose options.py has COMMANDS, in the order of --help.
+# Folders of the package whose options.py declares commands, in the order of --help.
 FOLDERS = (
     "plots", "report", "compare", "extras.fleet", "crosscheck", "extras.peers", "extras.explain", "findings", "claims",
     "extras.maps", "extras.advise", "gallery", "flat", "validate", "submit", "extras.simulate",
@@ -30,18 +30,18 @@ FOLDERS = (
 
 @cache
 def commands() -> dict[str, tuple[str, Command]]:
-    """All commands by name, each with its folder, in the order of --help."""
+    """All commands by name, each with the folder that declares it, in the order of --help."""
     found = ((folder, one) for folder in FOLDERS for one in import_module(f"ptbench.{folder}.options").COMMANDS)
     return {command.name: (folder, command) for folder, command in found}
 
 
 def _program() -> str:
-    """How it was called: as the installed command, or as a module."""
+    """The name by which the process was started: the installed command's, or the module's."""
     return _PROGRAM if Path(sys.argv[0]).stem == _PROGRAM else _MODULE
 
 
 def parser_of(program: str = _MODULE) -> argparse.ArgumentParser:
-    """The whole command line; `program` is what usage and complaints call it."""
+    """Makes the parser of the whole command line; `program` is the name in usage and error messages."""
     parser = Parser(prog=program, description="Draws what ptbench measured.")
     parser.add_argument("--version", action="version", version=f"{_PROGRAM} {__version__}")
     subparsers = parser.add_subparsers(dest="command", required=True, metavar="|".join(commands()))
@@ -54,7 +54,7 @@ def parser_of(program: str = _MODULE) -> argparse.ArgumentParser:
 def main(arguments: list[str] | None = None, program: str = "") -> int:
     """Runs one command and returns its exit code; a wrong call ends with SystemExit(2), --help with SystemExit(0).
 
-    `program` is what usage and complaints call it; left out, it is what the process was started as.
+    `program` is the name in usage and error messages; by default the one that the process was started by.
     """
     program = program or _program()
     with visible_output():
@@ -70,7 +70,7 @@ def main(arguments: list[str] | None = None, program: str = "") -> int:
 
 @contextmanager
 def _drawing_to_files() -> Iterator[None]:
-    """matplotlib reads MPLBACKEND as soon as it is imported, and notebooks export one that only they have."""
+    """Sets MPLBACKEND to agg for the import of matplotlib, as notebooks export a backend that only they have."""
     kept = os.environ.get("MPLBACKEND")
     os.environ["MPLBACKEND"] = "agg"
     try:
@@ -99,7 +99,7 @@ def _main(arguments: list[str], program: str) -> int:
 
 
 def _functions(folder: str, name: str) -> ModuleType:
-    """The command's functions; a package that is not installed is named in one line, as an InputError."""
+    """Imports the module with a command's functions; a missing Python package becomes a one-line InputError."""
     try:
         return import_module(f"ptbench.{folder}.command")
     except ModuleNotFoundError as error:

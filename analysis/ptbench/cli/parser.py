@@ -1,4 +1,4 @@
-"""argparse with complaints of one line, as all of ptbench's are, that name the nearest word of what was meant."""
+"""An argparse parser whose error messages are one line, as all of ptbench's, and suggest the nearest known word."""
 
 import argparse
 from collections.abc import Iterable
@@ -11,18 +11,18 @@ class Parser(argparse.ArgumentParser):
     """A parser whose complaints are one line, exit code 2."""
 
     def error(self, message: str):
-        """Ends the process: one line on stderr, SystemExit(2)."""
+        """Ends the process with one line on stderr: SystemExit(2)."""
         self.exit(2, f"{self.prog}: {visible(message)}; see --help\n")
 
     def parse_known_args(self, args=None, namespace=None):
-        """As argparse's own, after a look for misspelt options."""
-        # Before argparse looks for what is missing: a misspelt option is why.
+        """Parses as argparse does, after a check for misspelt options."""
+        # Misspelt options are refused before argparse complains of a missing argument, which is only their consequence.
         if args is not None:
             self._refuse_unknown_options(args)
         return super().parse_known_args(args, namespace)
 
     def _check_value(self, action: argparse.Action, value: object) -> None:
-        """argparse's own check of a word that is one of a few, with our words."""
+        """Replaces argparse's check that a word is one of a few choices, for ptbench's own error message."""
         if action.choices is None or value in action.choices:
             return
         word = "command" if action.nargs == argparse.PARSER else "word"
@@ -35,7 +35,7 @@ class Parser(argparse.ArgumentParser):
             name = argument.partition("=")[0]
             if argument == "--" or (self._subparsers is not None and not argument.startswith("-")):
                 return
-            # As argparse has it: neither a lone dash nor a word with a space in it is an option; a beginning is.
+            # As in argparse, a lone dash or a word with a space is no option, and options may be abbreviated.
             if not argument.startswith("-") or argument == "-" or " " in argument or _is_number(argument):
                 continue
             if not any(option == name or (name.startswith("--") and option.startswith(name)) for option in known):
@@ -52,6 +52,6 @@ def _is_number(text: str) -> bool:
 
 
 def _meant(word: object, known: Iterable[str]) -> str:
-    """What is to be said of the nearest word, if there is one near enough."""
+    """A suggestion of the known word nearest to a misspelt one; empty if none is near enough."""
     near = get_close_matches(str(word), list(known), 1)
     return f' (did you mean "{near[0]}"?)' if near else ""

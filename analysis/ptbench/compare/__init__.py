@@ -1,1 +1,1 @@
-"""Result files of two commits, two machines or many GPUs, held against the first of them."""
+"""Comparison of result files of two commits, two machines or many GPUs: each file against the first."""

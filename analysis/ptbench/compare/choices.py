@@ -1,4 +1,4 @@
-"""Words of the command line of `compare` that its code asks for, too."""
+"""Words of the command line of `compare` that its code needs as well."""
 
-# What --fail-on may name.
+# Words that `compare --fail-on` accepts.
 FAIL_ON = ("slower", "different", "unmatched", "failed")

@@ -1,10 +1,10 @@
-"""`python3 -m ptbench compare A.json B.json ...`: result files of two commits, two machines or many GPUs.
+"""`python3 -m ptbench compare A.json B.json ...`: compares result files of two commits, two machines or many GPUs.
 
-Files of `ptbench stability` are held against each other, too, by ptbench.compare.stability, and those of
-`ptbench rays` by ptbench.compare.rays.
+Files of `ptbench stability` are compared by ptbench.compare.stability, and files of `ptbench rays` by
+ptbench.compare.rays.
 
-Every file is held against the first. Exit codes: 0 compared; 1 what `--fail-on` names was found, or could not be
-judged; 2 bad input, which a file without a single cell in common with the first is, too.
+Every file is compared with the first. Exit codes: 0 compared; 1 a condition of `--fail-on` was met, or could not be
+judged; 2 bad input, which includes a file without a single cell in common with the first.
 """
 
 import argparse
@@ -38,7 +38,7 @@ from ptbench.terminal import say
 
 
 def compare_command(options: argparse.Namespace) -> int:
-    """Compares as the options of `ptbench.compare.options` say; the exit code, 0 or 1. Raises InputError."""
+    """Runs `compare` with the options of `ptbench.compare.options`; returns exit code 0 or 1. Raises InputError."""
     if options.json is not None:
         check_output_file(options.json, options.results)
     if options.out is not None:
@@ -69,7 +69,7 @@ def compare_command(options: argparse.Namespace) -> int:
 
 @dataclass(frozen=True)
 class _Told:
-    """What a comparison says, in all its forms."""
+    """The result of a comparison in all its output forms."""
 
     title: str
     brief: list[Section]
@@ -79,7 +79,7 @@ class _Told:
 
 
 def _draw(compared: Compared, folder: Path) -> list[Path]:
-    # Drawing libraries take a moment to load.
+    # matplotlib is imported here because loading it takes a moment.
     from ptbench.compare.figure import save_forest
 
     return [path for index in range(len(compared.comparisons)) for path in save_forest(compared, index, folder)]
@@ -111,7 +111,7 @@ def _tell(options: argparse.Namespace, told: _Told, draw: Callable[[Path], list[
 
 
 def sections(compared: Compared, whole: bool) -> list[Section]:
-    """The report; `whole` names every cell that was left out and every place in a ranking."""
+    """The sections of a comparison's report; `whole` lists every omitted cell and every place in a ranking."""
     found = [files_section(compared.results)]
     for comparison in compared.comparisons:
         pair = compared.marks_of(comparison)

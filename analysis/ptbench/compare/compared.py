@@ -1,4 +1,4 @@
-"""Result files held against the first of them: all that one comparison finds, before it is told."""
+"""Result files compared with the first of them: all findings of one comparison, before they are put into words."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -20,23 +20,23 @@ from ptbench.stats.estimates import THRESHOLD
 
 @dataclass(frozen=True)
 class Compared:
-    """All that one call found."""
+    """Everything that one call of `compare` found."""
 
     results: tuple[Result, ...]
     comparisons: tuple[Comparison, ...]
     repeats: tuple[Repeat, ...]
-    floors: tuple[Floor, ...]  # one a machine of which there is an A/A run
+    floors: tuple[Floor, ...]  # noise floors, one per machine with an A/A run
     rankings: tuple[Ranking, ...]
-    ranked: tuple[str, ...]  # the marks of the files whose variants are ranked
+    ranked: tuple[str, ...]  # letters of the files whose variants are ranked
     labels: Labels
 
     def marks_of(self, comparison: Comparison) -> tuple[str, str]:
-        """The letters of the reference and of the comparison's other file."""
+        """The letters that name the reference and the other file of a comparison."""
         return MARKS[0], MARKS[next(i for i, result in enumerate(self.results) if result is comparison.other)]
 
 
 def check_number(paths: Sequence[Path]) -> None:
-    """Raises InputError unless there are two files or more, and a letter for each."""
+    """Raises InputError unless at least two files are given, and no more than there are letters."""
     if len(paths) < 2:
         raise InputError(f"{paths[0]}: found one result file, allowed: two or more to compare")
     if len(paths) > len(MARKS):
@@ -44,7 +44,7 @@ def check_number(paths: Sequence[Path]) -> None:
 
 
 def compare_files(paths: Sequence[Path], noise: Sequence[Path] = (), *, films_may_differ: bool = False) -> Compared:
-    """Loads and compares; raises InputError."""
+    """Loads the result files and compares them; raises InputError."""
     check_number(paths)
     results = [_load(path) for path in paths]
     noise_results = [_load(path) for path in noise]
@@ -56,11 +56,11 @@ def compare_files(paths: Sequence[Path], noise: Sequence[Path] = (), *, films_ma
     comparisons = [_judged(matching, repeats) for matching in matchings]
 
     def threshold(result: Result) -> float:
-        # Two cells of one run differ by less than two runs do: the floor is on the safe side.
+        # Two cells of one run differ by less than two runs do, so the noise floor between runs is a safe threshold.
         floor = floor_of(result, repeats)
         return THRESHOLD if floor is None else floor.threshold
 
-    # A second run of the reference's program tells noise; as a machine of its own it would only thin out the ranking.
+    # A second run of the reference's program tells noise; ranking it as another machine would only narrow the ranking.
     ranked = [index for index, one in enumerate(comparisons) if not one.repeated] or list(range(len(comparisons)))
     return Compared(
         tuple(results),
@@ -100,7 +100,7 @@ def _judged(matching: Matching, repeats: Sequence[Repeat]) -> Comparison:
 
 
 def _floors(results: Sequence[Result], repeats: Sequence[Repeat], without: Sequence[Result] = ()) -> tuple[Floor, ...]:
-    """The noise floors of the files' machines, each once."""
+    """The noise floors of the machines of the result files, each machine once."""
     machines = {machine_of(result): result for result in results}
     found = (floor_of(result, repeats, without) for result in machines.values())
     return tuple(floor for floor in found if floor is not None)

@@ -1,4 +1,4 @@
-"""What `compare` found as JSON, for programs: every pair, every cell that was left out, every place and change."""
+"""The findings of `compare` as JSON: every pair of cells, every omitted cell, every place and change of a ranking."""
 
 from dataclasses import asdict
 
@@ -18,7 +18,7 @@ SCHEMA_VERSION = "1"
 
 
 def as_json(compared: Compared) -> dict:
-    """Files are named by their index in "files"; times are ms per sample per pixel, ratios other over reference."""
+    """A comparison as JSON: files by index, times in ms per sample per pixel, ratios other over reference."""
     index = {id(result): number for number, result in enumerate(compared.results)}
     return {
         "schema": "ptbench.compare",
@@ -30,7 +30,8 @@ def as_json(compared: Compared) -> dict:
             "runs": [_repeat(repeat) for repeat in compared.repeats],
             "floors": [_floor(floor) for floor in compared.floors],
         },
-        "ranked_files": [MARKS.index(mark) for mark in compared.ranked],  # "places", "spp", "at" are in their order
+        # "places", "spp" and "at" of a ranking list the files in the order of "ranked_files".
+        "ranked_files": [MARKS.index(mark) for mark in compared.ranked],
         "rankings": [_ranking(group) for group in compared.rankings],
     }
 

@@ -1,4 +1,4 @@
-"""The forest plots of a comparison: which numbers go where, and the caption that lets them stand alone."""
+"""Forest plots of a comparison: which ratios go on which page, and the caption that makes each page self-contained."""
 
 from collections import Counter
 from pathlib import Path
@@ -13,11 +13,11 @@ from ptbench.figures.saving import save_figure
 from ptbench.stats.estimates import INTERVAL_TEXT
 from ptbench.terminal import visible
 
-MOST_ROWS = 60  # of one figure
+MOST_ROWS = 60  # rows in one forest plot; more rows are split over pages
 
 
 def save_forest(compared: Compared, index: int, folder: Path) -> list[Path]:
-    """forest_MARK.png and .svg of a comparison, or forest_MARK_1, ... where its rows are too many for one page."""
+    """Saves a comparison as forest_MARK.png and .svg, or as forest_MARK_1, ... if it needs several pages."""
     comparison = compared.comparisons[index]
     mark = compared.marks_of(comparison)[1]
     parts = collect(compared, comparison)
@@ -30,7 +30,7 @@ def save_forest(compared: Compared, index: int, folder: Path) -> list[Path]:
 
 
 def collect(compared: Compared, comparison: Comparison) -> list[Data]:
-    """A page's numbers each, the geometric means on every one."""
+    """The data of each page of a forest plot, with the geometric means on every page."""
     one, two = compared.marks_of(comparison)
     rows: dict[tuple, list[Row]] = {}
     for row in comparison.rows:

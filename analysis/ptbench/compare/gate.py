@@ -1,10 +1,9 @@
 """What `compare --fail-on` says of the files, and whether it fails.
 
-A gate asks whether a program became slower. Where verdicts are withheld, "no cell is SLOWER" is no answer to that, so
-slower and different fail also where they cannot be judged: where a cell would be it by its times alone and only the way
-they were taken forbids the word (disturbed samples, no noise floor), and where all cells of a file are UNSURE. A cell
-that is UNSURE because its interval is wide is noise that a program which did not change has, too: that is told, and
-passes.
+A gate asks whether a program became slower. Where verdicts are withheld, "no cell is SLOWER" is no answer. So `slower`
+and `different` fail also where they cannot be judged: where a cell's times alone would make it so and only disturbed
+samples or a missing noise floor forbid the word, and where all cells of a file are UNSURE. A cell that is UNSURE
+because of a wide interval shows noise that an unchanged program has, too: the gate reports the cell and passes.
 """
 
 from collections import Counter
@@ -17,14 +16,14 @@ from ptbench.stats.estimates import FASTER, SLOWER, UNSURE
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a gate says: whether it fails, and its line."""
+    """The outcome of a gate: whether it fails, and its line of text."""
 
     fails: bool
     text: str
 
 
 def outcome(comparisons: Sequence[Comparison], what: str) -> Outcome:
-    """`what` is one of FAIL_ON."""
+    """The outcome of a gate for `what`, one of the words of FAIL_ON."""
     if what == "unmatched":
         alone = sum(item.in_reference for one in comparisons for item in one.matching.alone)
         cells = sum(len(one.reference.cells) for one in comparisons)
@@ -52,7 +51,7 @@ def _outcome(what: str, found: bool, text: str, *, could_not_judge: bool = False
 
 
 def _kind(reason: str) -> str:
-    """Reasons with numbers of their own are counted as one."""
+    """Reduces reasons that differ only in their numbers to one, so that they are counted together."""
     if reason.startswith("interval "):
         return "the interval reaches both sides of a limit"
     return "too few samples" if reason.startswith("n = ") else reason

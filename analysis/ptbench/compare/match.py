@@ -1,8 +1,8 @@
-"""Which cells of two result files measured the same work: pairs, and for every other cell why it has no partner.
+"""Pairs the cells of two result files that measured the same work, and tells why any other cell has no partner.
 
-A cell is what it rendered: the scene's content, the variant, the settings. Its backend and samples per pixel belong to
-that, unless the two files have no backend in common. What the files say of the work done must agree, too: film bits
-where both claim them, and rays.
+A cell is identified by what it rendered: the scene's content, the variant and the settings. Backend and samples per
+pixel belong to its identity unless the two files have no backend in common. The work that the files report must agree,
+too: the film bits, where both files claim bitwise equality, and the number of rays.
 """
 
 import math
@@ -16,9 +16,9 @@ from ptbench.io.limits import limit
 from ptbench.io.older import before
 from ptbench.stats.intervals import welch_test
 
-# The axes that say how a variant computes, not what it does.
+# Axes that say how a variant computes its image, not what image it computes.
 _HOW_IT_COMPUTES = ("arithmetic", "precision", "robustness")
-# The chance that any of a file's pairs of equal work is refused for its rays.
+# Probability that any pair of cells of a file that did equal work is refused because of its ray counts.
 _FAMILY_ERROR = limit("family_error")
 
 MACHINE_KEYS = (
@@ -33,12 +33,12 @@ PROGRAM_KEYS = (
 
 
 def machine_of(result: Result) -> tuple[str, ...]:
-    """What has to be equal for two files to be of one machine, in one of its backends."""
+    """The properties in which two result files must agree to count as one machine and backend."""
     return tuple(result.about(key) for key in MACHINE_KEYS)
 
 
 def is_repeated(one: Result, other: Result) -> bool:
-    """Whether they are of one machine and one program: an A/A run, whose every difference is noise."""
+    """Whether two result files are of one machine and program: an A/A run, whose every difference is noise."""
     return (
         machine_of(one) == machine_of(other)
         and "unknown" not in (one.about("program_hash"), other.about("program_hash"))
@@ -48,7 +48,7 @@ def is_repeated(one: Result, other: Result) -> bool:
 
 @dataclass(frozen=True)
 class Pair:
-    """Two cells that measured the same work; `remarks` are what is not alike all the same."""
+    """Two cells that measured the same work; `remarks` name what differs nonetheless."""
 
     reference: Cell
     other: Cell
@@ -57,7 +57,7 @@ class Pair:
 
 @dataclass(frozen=True)
 class Alone:
-    """A cell without a partner; `kind` is the reason in a word or two, `reason` in full."""
+    """A cell without a partner; `kind` is the reason in a word or two, `reason` the full sentence."""
 
     in_reference: bool
     cell: Cell
@@ -74,13 +74,13 @@ class Matching:
     pairs: tuple[Pair, ...]
     alone: tuple[Alone, ...]
     across_backends: bool
-    assumed: tuple[str, ...]  # what older files do not say and was taken for granted, a sentence a file
+    assumed: tuple[str, ...]  # one sentence per older file on what it leaves unsaid and was assumed
 
 
 def match(reference: Result, other: Result, *, films_may_differ: bool = False) -> Matching:
-    """Pairs of the cells of two files, each cell in one at most.
+    """Pairs the cells of two files, each cell at most once.
 
-    `films_may_differ`: a pair whose films have other bits stands if its rays agree in the mean.
+    `films_may_differ`: a pair whose films have other bits stands if its mean numbers of rays agree.
     """
     across = _backends(reference).isdisjoint(_backends(other))
     axes = axes_of(reference, other)
@@ -111,7 +111,7 @@ def _backends(result: Result) -> set[str]:
 
 
 def axes_of(*results: Result) -> list[str]:
-    """The axes that any of the files' cells have, in their order."""
+    """The axes that any cell of the result files has, in the files' order."""
     return list(dict.fromkeys(axis for result in results for axis in _axes(result)))
 
 
@@ -126,15 +126,15 @@ def _assumed(result: Result, axes: Sequence[str]) -> str:
 
 
 def choice_of(cell: Cell, axis: str) -> str | None:
-    """What the cell has of an axis, named or from before there was one; None: its file cannot say."""
+    """A cell's choice on an axis, or the implied one where its file is older than the axis; None: unknown."""
     return cell.axes.get(axis, before(axis))
 
 
 def _fields(cell: Cell, axes: Sequence[str], across: bool) -> dict[str, object]:
-    """What makes the cell the one that it is, by what a reader would call it.
+    """The fields that identify a cell, by the names that a reader knows.
 
-    Of tunables those that are not at their choice's standard, as in the variant's name: a standard may have moved
-    between two commits, and then that is part of what is compared.
+    Tunables are included only where they differ from their choice's standard, as in the variant's name: a standard may
+    have moved between two commits, and then that is part of what is compared.
     """
     return {
         "scene": cell.scene_hash,
@@ -148,14 +148,14 @@ def _fields(cell: Cell, axes: Sequence[str], across: bool) -> dict[str, object]:
 
 
 def _by_identity(reference: Result, other: Result, axes: Sequence[str], across: bool) -> list[tuple[Cell, Cell]]:
-    """One to one; of several candidates those whose samples per pixel are nearest, then the larger ones, go first."""
+    """Pairs cells one to one by identity; nearest samples per pixel go first, then larger cells."""
     candidates: dict[tuple, list[Cell]] = {}
     for cell in other.cells:
         candidates.setdefault(tuple(_fields(cell, axes, across).values()), []).append(cell)
     possible = [
         (*_apart(cell, partner), order, cell, partner)
         for order, cell in enumerate(reference.cells)
-        # A scene without a hash may be any scene.
+        # A cell without a scene hash may show any scene and gets no partner.
         if cell.scene_hash
         for partner in candidates.get(tuple(_fields(cell, axes, across).values()), ())
     ]
@@ -169,14 +169,14 @@ def _by_identity(reference: Result, other: Result, axes: Sequence[str], across: 
 
 
 def _apart(cell: Cell, partner: Cell) -> tuple[float, int, bool]:
-    """How far from each other, to be sorted by; the product tells the larger of two that are as near."""
+    """A sort key for how far apart two cells' samples are; their product prefers the larger of equally near ones."""
     return abs(math.log2(partner.spp / cell.spp)), -partner.spp * cell.spp, partner.scene != cell.scene
 
 
 def _same_work(
     cell: Cell, partner: Cell, level: float, films_may_differ: bool
 ) -> tuple[tuple[str, str] | None, list[str]]:
-    """((kind, reason) why the two cannot be compared or None, remarks)."""
+    """Checks that two cells did the same work: ((kind, reason) for refusing the pair or None, remarks)."""
     for which, one in (("the reference", cell), ("the other file", partner)):
         if one.failed:
             return ("failed", f"failed in {which}: {one.failure}"), []
@@ -220,7 +220,7 @@ def _moved_standards(cell: Cell, partner: Cell) -> list[str]:
 
 
 def _has_bits(cell: Cell, partner: Cell) -> bool:
-    """Whether both must have left the same film: exact arithmetic, a claim of bits, the same seeds and samples."""
+    """Whether two cells must have the same film bits: exact arithmetic, a bitwise claim, equal seeds and samples."""
     return (
         all(one.claim == "bitwise" and choice_of(one, "arithmetic") == "exact" for one in (cell, partner))
         and cell.spp == partner.spp
@@ -248,9 +248,9 @@ def _rays_per_path(cell: Cell) -> np.ndarray:
 
 
 def _other_rays(cell: Cell, partner: Cell, level: float) -> str | None:
-    """Whether rays a path differ by more than between samples of other seeds.
+    """Tells by how much the rays per path of two cells differ, if by more than samples of other seeds do.
 
-    Welch's test of the means over samples. Samples of equal seeds are alike, which makes it refuse less often.
+    Welch's test compares the means over samples. Equal seeds make the samples alike, and the test refuse less often.
     """
     rays, theirs = _rays_per_path(cell), _rays_per_path(partner)
     if min(rays.size, theirs.size) < 2 or welch_test(rays, theirs) >= level:
@@ -258,7 +258,7 @@ def _other_rays(cell: Cell, partner: Cell, level: float) -> str | None:
     return f"{rays.mean():.6g} rays a path against {theirs.mean():.6g}: not the same work"
 
 
-# What may differ for a cell to be told as near, most telling first: how it computes and its settings, not what it does.
+# Sets of fields by which an unpaired cell may differ from a near one that the report names, most informative first.
 _TELLABLE = (
     ("spp",), *((axis,) for axis in _HOW_IT_COMPUTES), ("tunables",), ("checkpoints",), ("backend",), ("depth",),
     ("resolution",), ("backend", "spp"), ("depth", "spp"), ("resolution", "spp"), ("resolution", "depth", "spp"),
@@ -267,14 +267,14 @@ _TELLABLE = (
 
 
 class _Cells:
-    """Cells to be found by all but a few of their fields."""
+    """An index that finds cells by all but a few of their fields."""
 
     def __init__(self, fields: Sequence[dict[str, object]]):
         self._fields = fields
         self._by_rest: dict[tuple[str, ...], dict[tuple, list[dict[str, object]]]] = {}
 
     def but_for(self, names: tuple[str, ...], mine: dict[str, object]) -> list[dict[str, object]]:
-        """Those that are like `mine` but for every one of `names`."""
+        """The cells that equal `mine` in every field outside `names`."""
         if names not in self._by_rest:
             groups = self._by_rest[names] = {}
             for fields in self._fields:
@@ -283,7 +283,7 @@ class _Cells:
         return [fields for fields in alike if all(fields[name] != mine[name] for name in names)]
 
     def nearest(self, mine: dict[str, object]) -> tuple[str, str] | None:
-        """(kind, reason) of those that differ in the first of _TELLABLE; None: they all differ in more."""
+        """(kind, reason) of the cells that differ in the first field set of _TELLABLE; None if all differ in more."""
         for names in _TELLABLE:
             if all(name in mine for name in names) and (found := self.but_for(names, mine)):
                 return _kind(names), "; ".join(_difference(name, mine, found) for name in names)
@@ -295,7 +295,7 @@ def _rest(fields: dict[str, object], names: tuple[str, ...]) -> tuple:
 
 
 class _There:
-    """A file as seen from the other one: why it has no cell like a given one."""
+    """A result file, asked why it has no partner for a given cell of the other file."""
 
     def __init__(self, result: Result, paired: Collection[str], axes: Sequence[str], across: bool):
         self._result, self._axes, self._across = result, axes, across
@@ -304,12 +304,12 @@ class _There:
         for cell in result.cells:
             self._hashes.setdefault(cell.scene, set()).add(cell.scene_hash)
         fields = {cell.name: _fields(cell, axes, across) for cell in result.cells}
-        # A cell that has no partner either is the likeliest to be what became of one.
+        # Unpaired cells come first: one of them is most likely what became of the given cell.
         self._lonely = _Cells([of_cell for name, of_cell in fields.items() if name not in paired])
         self._every = _Cells(list(fields.values()))
 
     def why_not(self, cell: Cell) -> tuple[str, str]:
-        """(kind, reason)."""
+        """Why the file has no partner for the cell, as (kind, reason)."""
         if not cell.scene_hash:
             return "no scene hash", "its file does not say the scene's content"
         if not any(cell.scene_hash in hashes for hashes in self._hashes.values()):

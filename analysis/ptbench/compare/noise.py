@@ -1,21 +1,21 @@
-"""What two runs of one program on one machine differ by: the noise floor of a machine, from A/A runs.
+"""The noise floor of a machine: how much two runs of one program on it differ, from A/A runs.
 
-The spread of samples within a run does not hold what changes from run to run (where memory lies, how warm the device
-is, who else is there), so an interval from one run each is too narrow for what a comparison claims. Two result files of
-one machine and one program show it: each cell that both hold gives one ratio whose true value is 1.
+The spread of samples within a run misses what changes from run to run (memory placement, device temperature, other
+users), so an interval from one run each is too narrow for what a comparison claims. Two result files of one machine and
+one program show that variation: each cell that is in both files gives a ratio whose true value is 1.
 
-The floor is the smallest t such that a further such ratio lies within a factor of 1 + t of 1 in 95 % of cases: of m
-values of |log ratio| in ascending order, the k-th, k = ceil(0.95 (m + 1)), holds a further one with probability
-k / (m + 1) whatever the distribution: all ranks of that one are equally likely. Below m = 19 that is out of reach: the
-largest is taken, and its chance, m / (m + 1), is told. It takes the cells of a machine as alike in their noise. Cells
-of one run share what befell that run, so two files know little of it: their geometric mean is told, and more runs make
-a better floor.
+The floor is the smallest t such that a further such ratio lies within a factor of 1 + t of 1 in 95 % of cases. Of m
+values of |log ratio| in ascending order, the k-th, with k = ceil(0.95 (m + 1)), is not exceeded by a further one with
+probability k / (m + 1), whatever the distribution, as all ranks are equally likely. Below m = 19 the largest value is
+taken and its probability m / (m + 1) is told. The cells of a machine are assumed to be alike in their noise. Cells of
+one run share that run's disturbances, so two files alone say little: their geometric mean is told, and more runs make a
+better floor.
 
 A verdict then counts differences within max(1 %, floor) as none: SAME widens, FASTER and SLOWER need more.
 
-A floor that says something else than what two runs of one program differ by is refused. Where more than a tenth of the
-samples were disturbed, it is what befell the machine: such a run tells no floor. Where it is above 25 %, nobody knows
-what it is, and by it a program that takes a fourth more time would be the SAME: then no verdict on that machine holds.
+A floor that does not measure run-to-run noise is refused. A run in which more than a tenth of the samples were
+disturbed tells no floor, as it measures the disturbance. A floor above 25 % is implausible, since it would call a
+program that takes a quarter more time the SAME: then no verdict on that machine holds.
 """
 
 import math
@@ -36,24 +36,24 @@ MOST_PLAUSIBLE = 0.25
 
 @dataclass(frozen=True)
 class Repeat:
-    """Two files of one machine and program; `ratios` are the second's medians over the first's, a cell each."""
+    """Two result files of one machine and program; `ratios` are medians of the second over the first, one per cell."""
 
     one: Result
     other: Result
     ratios: tuple[float, ...]
     geometric_mean: Estimate
-    disturbed: tuple[Disturbance, Disturbance]  # of the cells that both have
+    disturbed: tuple[Disturbance, Disturbance]  # disturbed samples of each file, over the cells that are in both files
 
     @property
     def refusal(self) -> str:
-        """Why it tells no noise floor; empty where it does."""
+        """Why an A/A run gives no noise floor; empty where it gives one."""
         sides = zip((self.one, self.other), self.disturbed, strict=True)
         return "; ".join(f"{file.path}: {of} disturbed" for file, of in sides if of.is_too_much)
 
 
 @dataclass(frozen=True)
 class Floor:
-    """The noise floor of one machine: `value` is a part of 1; `chance` that a further ratio lies within it."""
+    """The noise floor of a machine: `value` as a fraction; `chance` that a further ratio lies within it."""
 
     machine: str
     value: float
@@ -63,7 +63,7 @@ class Floor:
 
     @property
     def threshold(self) -> float:
-        """Differences up to here count as none."""
+        """The relative difference up to which a verdict is SAME."""
         return max(THRESHOLD, self.value) if self.is_plausible else math.inf
 
     @property
@@ -73,13 +73,13 @@ class Floor:
 
     @property
     def text(self) -> str:
-        """In per cent, in digits that show whether it is plausible."""
+        """The noise floor in per cent, with enough digits to show whether it is plausible."""
         digits = telling_digits([100 * self.value], [100 * MOST_PLAUSIBLE], lambda value, count: f"{value:.{count}g}")
         return f"{100 * self.value:.{digits}g} %"
 
     @property
     def refusal(self) -> str:
-        """Why no verdict on its machine holds; empty where it is a floor."""
+        """Why the noise floor permits no verdict on its machine; empty where it is plausible."""
         if self.is_plausible:
             return ""
         return (
@@ -89,7 +89,7 @@ class Floor:
 
 
 def repeats_of(results: Sequence[Result]) -> list[Repeat]:
-    """Every two of the files that are an A/A run and have a cell in common that each of them rendered."""
+    """Every two of the files that form an A/A run and have a cell in common that both rendered."""
     found = []
     for one, other in combinations(results, 2):
         if not is_repeated(one, other):
@@ -107,11 +107,11 @@ def _disturbed(pairs: Sequence[Pair]) -> tuple[Disturbance, Disturbance]:
 
 
 def check_noise_files(results: Sequence[Result], others: Sequence[Result]) -> None:
-    """Raises InputError for a file of --noise that is given already, or no repetition of any of the files given."""
+    """Raises InputError for a --noise file that was given before, or that repeats none of the compared files."""
     repeats = repeats_of([*results, *others])
     given = list(others)
     for result in results:
-        # Given twice, a run would be its own evidence: its ratios would count again, and judge themselves.
+        # A run given twice would be its own evidence: its ratios would count again and judge themselves.
         if (twin := next((other for other in given if _samples_of(other) == _samples_of(result)), None)) is not None:
             raise InputError(
                 f"{result.path}: --noise: found the very samples of {twin.path}, allowed: a run of its own"
@@ -147,10 +147,10 @@ def _samples_of(result: Result) -> tuple:
 
 
 def floor_of(result: Result, repeats: Sequence[Repeat], without: Sequence[Result] = ()) -> Floor | None:
-    """The floor of the machine of `result`; None: no A/A run of it is known.
+    """The noise floor of the machine of `result`; None: no A/A run of it is known.
 
-    A run between two of the files `without` is left out: it cannot be judged by a floor that comes from itself. So is a
-    disturbed one, whose files say why (Repeat.refusal).
+    A run between two of the files in `without` is left out, as a floor must not judge the run that it comes from. A
+    disturbed run is left out as well; its files say why (Repeat.refusal).
     """
     own = tuple(
         repeat

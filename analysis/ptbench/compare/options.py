@@ -1,4 +1,4 @@
-"""The command line of `compare`."""
+"""The command line options of `compare`."""
 
 import argparse
 from pathlib import Path

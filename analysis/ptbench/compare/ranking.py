@@ -1,7 +1,7 @@
-"""Which variant is ahead of which in a scene, on each machine, and where that changes from one to another.
+"""Which variant is faster in a scene on each machine, and where that order changes between machines.
 
-A change is told as one only where verdicts support it on both machines: FASTER on one and SLOWER on the other. Where
-the medians change places and a verdict does not hold, that is counted as within the noise.
+A change of order is reported only where verdicts support it on both machines: FASTER on one and SLOWER on the other.
+Where the medians change places without such verdicts, the change is counted as within the noise.
 """
 
 from collections.abc import Callable, Sequence
@@ -15,41 +15,41 @@ from ptbench.io.cells import Cell, Result
 from ptbench.stats.estimates import FASTER, SLOWER, Estimate
 from ptbench.studies.rows import time_ratio
 
-# Tunables that add to the work: variants that differ in them have another task, not another way of doing it.
+# Tunables that add work: variants that differ in one of them have another task, so they are not ranked together.
 _WORK = ("shading_fmas",)
 
 
 @dataclass(frozen=True)
 class Change:
-    """`ahead` takes less time than `behind` on the file `at`, and more on the file `turned_at`; indices."""
+    """A change of order: variant `ahead` beats `behind` in file `at` and loses in file `turned_at`; all are indices."""
 
     ahead: int
     behind: int
     at: int
     turned_at: int
-    ratio: Estimate  # of ahead over behind on `at`
+    ratio: Estimate  # ratio of times in file `at`, variant `ahead` over `behind`
     turned_ratio: Estimate
 
 
 @dataclass(frozen=True)
 class Ranking:
-    """Variants of one scene and settings that every file measured: `cells[variant][file]`, in the reference's order."""
+    """Variants of one scene and setting that every file measured: `cells[variant][file]`, in the reference's order."""
 
     scene: str
     resolution: str
     depth: int
-    spp: tuple[int, ...]  # a file each
-    work: str  # what else sets the task: "shading_fmas=64", "with checkpoints"; mostly nothing
+    spp: tuple[int, ...]  # samples per pixel, one value per file
+    work: str  # other settings that define the task, such as "shading_fmas=64" or "with checkpoints"; mostly empty
     cells: tuple[tuple[Cell, ...], ...]
-    places: tuple[tuple[int, ...], ...]  # [variant][file], the fastest is 1
+    places: tuple[tuple[int, ...], ...]  # rank by [variant][file]; the fastest variant is 1
     changes: tuple[Change, ...]
     within_noise: int
 
 
 def rankings(matchings: Sequence[Matching], thresholds: Callable[[Result], float]) -> list[Ranking]:
-    """Rankings of the reference and all the other files of `matchings`; groups of one variant are left out.
+    """Ranks variants over the reference and all other files of `matchings`; groups of one variant are left out.
 
-    `thresholds` says what a file's verdicts count as no difference.
+    `thresholds` gives the relative difference that a file's verdicts count as none.
     """
     files = [matchings[0].reference, *(matching.other for matching in matchings)]
     partners = [{pair.reference.name: pair.other for pair in matching.pairs} for matching in matchings]
@@ -57,7 +57,7 @@ def rankings(matchings: Sequence[Matching], thresholds: Callable[[Result], float
     for cell in files[0].cells:
         if all(cell.name in of_file for of_file in partners):
             cells = (cell, *(of_file[cell.name] for of_file in partners))
-            # Within a file, what is ranked has the same settings, samples per pixel included.
+            # Ranked variants have equal settings within a file, samples per pixel included.
             spp = tuple(one.spp for one in cells)
             key = (cell.scene, cell.scene_hash, cell.resolution_text, cell.depth, spp, _work_of(cell))
             groups.setdefault(key, []).append(cells)
@@ -72,7 +72,7 @@ def _work_of(cell: Cell) -> str:
 
 def _ranking(key: tuple, variants: list[tuple[Cell, ...]], limits: Sequence[float]) -> Ranking:
     medians = np.array([[float(np.median(cell.ms_per_spp)) for cell in cells] for cells in variants])
-    # Equal medians share a place.
+    # Variants with equal medians share a place.
     places = 1 + (medians[:, None, :] > medians[None, :, :]).sum(axis=1)
     changes: list[Change] = []
     within_noise = 0

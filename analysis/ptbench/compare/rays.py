@@ -1,7 +1,7 @@
 """`compare` of files of `ptbench rays`: the rate of every batch that is in both, and whether its hits are the same.
 
-A batch is known by its mesh's triangles (their hash), its tree's accelerator and builder, its class of rays and its
-kernel. Where the hits of two batches differ, other rays were traced, or one of both is wrong: they get no ratio.
+A batch is identified by its mesh's triangles (their hash), its tree's accelerator and builder, its class of rays and
+its kernel. Batches whose hits differ get no ratio: other rays were traced, or one result is wrong.
 """
 
 from argparse import Namespace
@@ -45,12 +45,12 @@ _COLUMNS = (
     "",
     "Verdict",
 )
-Key = tuple[str, str, str, str, str, str]  # mesh, its hash, accelerator, builder, class, kernel
+Key = tuple[str, str, str, str, str, str]  # a batch's mesh, triangle hash, accelerator, builder, ray class, kernel
 
 
 @dataclass(frozen=True)
 class Pair:
-    """One batch in both files."""
+    """One batch of rays that is in both files."""
 
     key: Key
     one: Batch
@@ -58,50 +58,50 @@ class Pair:
 
     @property
     def same_hits(self) -> bool:
-        """Whether both left the same hits, bit for bit."""
+        """Whether a batch has the same hits in both files, bit for bit."""
         return (self.one.checksum, self.one.rays) == (self.other.checksum, self.other.rays)
 
     @cached_property
     def ratio(self) -> Estimate:
-        """Time over the reference's."""
+        """The time of a batch over its time in the reference file."""
         return ratio_estimate(np.array(self.other.ms), np.array(self.one.ms))
 
     @property
     def verdict(self) -> Verdict:
-        """In time alone: no clock was measured round a batch."""
+        """The verdict on a batch by its time alone, as no clock frequency was sampled around it."""
         return verdict_of_ratio(self.ratio)
 
 
 @dataclass(frozen=True)
 class Against:
-    """One file held against the first."""
+    """A file of `ptbench rays` compared with the first file."""
 
     other: Rays
     pairs: tuple[Pair, ...]
-    alone: tuple[int, int]  # batches of the reference, and of the other file, that have no partner
+    alone: tuple[int, int]  # numbers of batches without a partner, in the reference and in the other file
 
     @property
     def judged(self) -> tuple[Pair, ...]:
-        """Those whose hits are the same."""
+        """The pairs of batches whose hits are the same in both files."""
         return tuple(pair for pair in self.pairs if pair.same_hits)
 
 
 @dataclass(frozen=True)
 class RaysCompared:
-    """All that one call found."""
+    """Everything that a comparison of files of `ptbench rays` found."""
 
     files: tuple[Rays, ...]
     comparisons: tuple[Against, ...]
 
 
 def check_rays_options(options: Namespace) -> None:
-    """Raises InputError for what such files do not have."""
+    """Raises InputError for options of `compare` that do not apply to files of `ptbench rays`."""
     if options.noise or options.films_may_differ or "failed" in options.fail_on:
         raise InputError("compare: found --noise, --films-may-differ or --fail-on failed, allowed: not of ptbench rays")
 
 
 def compare_rays_files(paths: Sequence[Path]) -> RaysCompared:
-    """Loads and compares; raises InputError, also for files without a batch in common with the first."""
+    """Loads and compares files of `ptbench rays`; raises InputError also for files without a batch in common."""
     files = []
     for path in paths:
         root = read_json(path)
@@ -130,7 +130,7 @@ def _against(reference: Rays, other: Rays) -> Against:
 
 
 def rays_outcome(compared: RaysCompared, what: str) -> Outcome:
-    """`what` is slower, different or unmatched."""
+    """The outcome of `--fail-on` for files of `ptbench rays`; `what` is slower, different or unmatched."""
     if what == "unmatched":
         alone = sum(one.alone[0] for one in compared.comparisons)
         text, fails = f"{alone} batches of the reference have no partner", alone > 0
@@ -145,7 +145,7 @@ def rays_outcome(compared: RaysCompared, what: str) -> Outcome:
 
 
 def rays_sections(compared: RaysCompared) -> list[Section]:
-    """The report."""
+    """The report on files of `ptbench rays`."""
     rows = tuple(
         (
             mark,
@@ -197,7 +197,7 @@ def _row(pair: Pair) -> tuple[str, ...]:
 
 
 def rays_json(compared: RaysCompared) -> dict:
-    """Everything, for programs."""
+    """The comparison of files of `ptbench rays` as JSON."""
     return {
         "schema_version": SCHEMA_VERSION,
         "files": [{"path": str(file.path), "context": file.context} for file in compared.files],

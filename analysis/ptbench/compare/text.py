@@ -1,4 +1,4 @@
-"""What `compare` found, in words and tables: the same sections as plain text and as Markdown."""
+"""The findings of `compare` in words and tables: the same sections as plain text and as Markdown."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ from ptbench.stats.estimates import (
 from ptbench.studies.disturbed import MOST_DISTURBED_SAID, disturbance_in
 from ptbench.studies.withdrawn import among, between
 
-_SHOWN = 5  # reasons, or changes of a ranking, that stdout lists of one kind
+_SHOWN = 5  # most reasons, or changes of a ranking, of one kind that stdout lists
 MARKS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 
 
 def files_section(results: Sequence[Result]) -> Section:
-    """What was compared: a row a file, and in what the files differ."""
+    """The section on the compared files: one row per file, and in what the files differ."""
     rows = [
         (
             mark,
@@ -60,17 +60,17 @@ def files_section(results: Sequence[Result]) -> Section:
 
 
 def device_of(result: Result | Stability) -> str:
-    """The GPU's name, or the CPU's and its threads."""
+    """The GPU's name, or the CPU's with its number of threads."""
     if result.about("backend") == GPU_BACKEND:
         return result.about("cuda_device")
     return f"{result.about('cpu_model')}, {plural(result.about('threads'), 'thread')}"
 
 
 def differing(key: str, results: Sequence[Result | Stability]) -> str:
-    """What the files say of `key`, or nothing where that is the same or stands in the table of files."""
+    """What each file says of `key`, or nothing where they agree or the table of files shows it."""
     if key in ("machine", "backend", "cuda_device", "git_sha", "git_dirty"):
         return ""
-    # A file of another backend has nothing to say of the GPU.
+    # A CPU result has no value for keys of the GPU, and the other way round.
     said = {
         mark: result.about(key)
         for mark, result in zip(MARKS, results, strict=False)
@@ -84,15 +84,15 @@ def differing(key: str, results: Sequence[Result | Stability]) -> str:
 
 @dataclass(frozen=True)
 class Labels:
-    """Variants by the axes in which the compared cells differ."""
+    """Names of variants by those axes in which the compared cells differ."""
 
     axes: tuple[str, ...]
     fixed: tuple[str, ...]
-    tells_checkpoints: bool  # some cells were rendered in parts and some at once
+    tells_checkpoints: bool  # whether some cells were rendered with checkpoints and some without
 
     @staticmethod
     def of(cells: Sequence[Cell], axes: Sequence[str]) -> Labels:
-        """The labels of cells of these axes."""
+        """Chooses labels for cells with these axes."""
         choices = {axis: dict.fromkeys(choice_of(cell, axis) for cell in cells) for axis in axes}
         varying = tuple(axis for axis in axes if len(choices[axis]) > 1) or tuple(axes[:1])
         fixed = tuple(f"{axis}={next(iter(choices[axis]))}" for axis in axes if axis not in varying)
@@ -105,7 +105,7 @@ class Labels:
 
 
 def labels_of(matchings: Sequence[Matching]) -> Labels:
-    """The labels of all cells that are compared."""
+    """Chooses labels for all compared cells."""
     cells = [pair.reference for matching in matchings for pair in matching.pairs]
     results = [matchings[0].reference, *(matching.other for matching in matchings)]
     return Labels.of(cells, axes_of(*results))
@@ -154,7 +154,7 @@ def _matched_lines(matching: Matching, marks: tuple[str, str]) -> Iterable[str]:
 
 
 def estimate_text(estimate: Estimate, threshold: float = THRESHOLD) -> str:
-    """A ratio with its 95 % interval, in digits that tell on which side of the threshold it lies."""
+    """A ratio with its 95 % interval, in digits that tell on which side of the threshold each lies."""
     return f"{ratio(estimate.value)} {interval_of_ratio(estimate, threshold) or 'no interval'}"
 
 
@@ -177,7 +177,7 @@ def _normalised_lines(comparison: Comparison) -> Iterable[str]:
 
 
 def rule(comparison: Comparison) -> str:
-    """How the verdicts of this comparison came about, in sentences."""
+    """The rule by which a comparison's verdicts were reached, in sentences."""
     percent = f"{100 * comparison.threshold:.3g} %"
     cycles = (
         "the same rule in cycles must not contradict it"
@@ -229,7 +229,7 @@ def _table(comparison: Comparison, label: Labels, marks: tuple[str, str]) -> Tab
 
 
 def constant_columns(comparison: Comparison) -> dict[str, str]:
-    """Settings that all pairs have alike, which are told once."""
+    """Settings that all pairs of cells share, which are told once."""
     texts: dict[str, Callable[[Row], str]] = {
         "Scene": lambda row: row.pair.reference.scene,
         "Resolution": lambda row: row.pair.reference.resolution_text,
@@ -253,7 +253,7 @@ def _either(one: int, two: int) -> str:
 
 def _remarks(row: Row) -> Iterable[str]:
     for remark in row.remarks:
-        # The interval stands in a column of its own; so do differing samples per pixel.
+        # Remarks leave out the interval and differing samples per pixel, which have columns of their own.
         head, found, tail = remark.partition("] reaches ")
         if found and head.startswith("interval ["):
             yield f"reaches {tail}"
@@ -262,7 +262,7 @@ def _remarks(row: Row) -> Iterable[str]:
 
 
 def left_out_section(matching: Matching, marks: tuple[str, str], whole: bool) -> Section | None:
-    """Cells without a partner by reason, or, `whole`, each of them; None where every cell has one."""
+    """The cells without a partner by reason, or each of them if `whole`; None where every cell has one."""
     if not matching.alone:
         return None
     heading = f"Left out of {marks[1]} against {marks[0]}"
@@ -292,7 +292,7 @@ def left_out_section(matching: Matching, marks: tuple[str, str], whole: bool) ->
 
 
 def noise_section(repeats: Sequence[Repeat], floors: Sequence[Floor], comparisons: Sequence[Comparison]) -> Section:
-    """The A/A runs, what they differ by, and which of them judged a verdict; `floors` is one a machine."""
+    """The section on noise: the A/A runs, how they differ, and which judged a verdict; `floors` has one per machine."""
     lines = []
     for repeat in repeats:
         shift = repeat.geometric_mean
@@ -330,7 +330,7 @@ def noise_section(repeats: Sequence[Repeat], floors: Sequence[Floor], comparison
 
 
 def ranking_sections(found: Sequence[Ranking], label: Labels, marks: Sequence[str], whole: bool) -> list[Section]:
-    """The order of variants on each machine; `whole`: with a table of every place."""
+    """The order of variants on each machine; `whole` adds a table of every place."""
     if not found:
         return [section("Ranking of variants", ("No two variants of one scene and settings are in all files.",))]
     changed = [group for group in found if group.changes]

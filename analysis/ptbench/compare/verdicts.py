@@ -1,7 +1,7 @@
-"""What the pairs of two result files say: a ratio and a verdict a pair, geometric means, and what the machines explain.
+"""Verdicts on the pairs of two result files: a ratio each, geometric means, and what the machines' capacities explain.
 
-The rules are those of every table (ptbench.stats.estimates), with two differences. Within a known noise floor there is
-no difference. And between two machines the cycles do not veto a verdict: there, the clock is part of what is compared.
+The rules are those of every table (ptbench.stats.estimates), except that a difference within a known noise floor counts
+as none, and that cycles do not veto a verdict between machines, as the clock is part of the comparison.
 """
 
 from collections.abc import Sequence
@@ -29,12 +29,12 @@ from ptbench.stats.estimates import (
 from ptbench.studies.disturbed import CONTENDED, THROTTLED, disturbance_of
 from ptbench.studies.rows import cycles_ratio, time_ratio
 
-WORDS = (SLOWER, UNSURE, SAME, FASTER)  # worst first
+WORDS = (SLOWER, UNSURE, SAME, FASTER)  # verdicts of a comparison, the worst first
 
 
 @dataclass(frozen=True)
 class Row:
-    """A pair; ratios are the other file's over the reference's, so that below 1 is faster."""
+    """A pair of cells with its ratios, other file over reference: below 1 is faster."""
 
     pair: Pair
     ratio: Estimate
@@ -45,7 +45,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Capacity:
-    """What a machine could do: units x clock, and bytes. None or 0 where its file does not say."""
+    """What a machine can do: units x clock, and memory bandwidth. None or 0 where the result file does not say."""
 
     units: int
     unit: str
@@ -56,17 +56,17 @@ class Capacity:
 
 @dataclass(frozen=True)
 class Normalised:
-    """A geometric mean of ratios times what the other machine has more of; 1: as fast for its size."""
+    """A geometric mean of ratios, scaled by how much more the other machine has of a resource; 1: fast for its size."""
 
     by: str
     factor: float | None
     ratio: Estimate | None
-    how: str  # the sentence that says how it came about, or why there is none
+    how: str  # how the normalised ratio was computed, in a sentence, or why there is none
 
 
 @dataclass(frozen=True)
 class Mean:
-    """A geometric mean over `used` pairs; `left_out` pairs had not what it takes."""
+    """A geometric mean over `used` pairs; `left_out` pairs lacked the values that it needs."""
 
     estimate: Estimate | None
     verdict: Verdict | None
@@ -78,28 +78,28 @@ class Mean:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Two files held against each other; ratios are the other's over the reference's."""
+    """Two result files compared; ratios are other over reference."""
 
     reference: Result
     other: Result
     matching: Matching
-    rows: tuple[Row, ...]  # worst first
+    rows: tuple[Row, ...]  # rows of the comparison, the worst first
     threshold: float
     floors: tuple[Floor, ...]
     time: Mean
     cycles: Mean
     normalised: tuple[Normalised, ...]
     one_machine: bool
-    repeated: bool  # one program, too: an A/A run
-    no_floors: tuple[Floor, ...] = ()  # that are above what is plausible: no verdict holds
+    repeated: bool  # whether both files are of one program, too: an A/A run
+    no_floors: tuple[Floor, ...] = ()  # noise floors above what is plausible; with any, no verdict holds
 
     def count(self, word: str) -> int:
-        """How many cells have that verdict."""
+        """The number of cells with a verdict."""
         return sum(row.verdict.word == word for row in self.rows)
 
 
 def compare(matching: Matching, floors: Sequence[Floor]) -> Comparison:
-    """Needs at least one pair. `floors` are those that are known of the two machines; the larger one counts."""
+    """Compares the pairs of a matching, of which there must be one; the larger of the machines' `floors` counts."""
     reference, other = matching.reference, matching.other
     no_floors = tuple(floor for floor in floors if not floor.is_plausible)
     floors = [floor for floor in floors if floor.is_plausible]
@@ -142,7 +142,7 @@ def compare(matching: Matching, floors: Sequence[Floor]) -> Comparison:
 
 
 def _too_much(sides: Sequence[Sequence[Cell]]) -> str:
-    """Why a mean has no verdict: the rule for a cell (contention, as cycles answer for the clock), over all samples."""
+    """Why a mean has no verdict: the rule for one cell, over all samples (contention only; cycles cover the clock)."""
     for cells in sides:
         found = disturbance_of(cells)
         if replace(found, disturbed=found.contended).is_too_much:
@@ -176,7 +176,7 @@ def _mean(sides: Sequence[tuple[np.ndarray, np.ndarray]], of: int, threshold: fl
 
 
 def capacity_of(result: Result) -> Capacity:
-    """Multiprocessors (threads on a CPU) at the clock that was sampled round the renders, else the rated one."""
+    """A machine's multiprocessors (CPU: threads) and their clock: as sampled around the renders, else as rated."""
     on_gpu = result.about("backend") == GPU_BACKEND
     clocks = [
         0.5 * (sample.clock_mhz_before + sample.clock_mhz_after)
@@ -193,7 +193,7 @@ def capacity_of(result: Result) -> Capacity:
         "SMs" if on_gpu else "threads",
         clock,
         "sampled" if clocks else "rated",
-        # Two transfers a clock, as the runtime's own bandwidth figure counts them.
+        # Memory moves data twice per clock, as in the CUDA runtime's own bandwidth figure.
         2 * memory * 1e6 * bus / 8 / 1e9 if on_gpu and memory and bus else None,
     )
 

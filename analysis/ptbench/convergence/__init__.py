@@ -1,1 +1,1 @@
-"""Error against time: fits, bias and variance, efficiency."""
+"""Convergence of the error with time: fits, bias and variance, efficiency."""

@@ -1,7 +1,7 @@
 """Whether a variant converges to the right image, and what the seeds allow to say of it.
 
-`assess` looks at all convergence cells of a file at once, because its tests share one error probability; RULES says in
-words what the verdicts mean.
+`assess` looks at all convergence cells of a file at once, because their tests share one error probability; RULES
+explains the verdicts in words.
 """
 
 from collections.abc import Sequence
@@ -26,15 +26,15 @@ from ptbench.stats.estimates import Estimate, median_estimate, telling_digits
 from ptbench.stats.intervals import LEVEL_OF_OUTLIERS, half_width, holm, standard_error, stands_apart
 
 CONVERGES, PLATEAU, NOISE_LIMITED, INVALID = "converges", "plateau", "noise-limited", "invalid"
-# What the name of a cell ends with whose image was looked at after 1, 2, 4, .. samples.
+# Suffix of the name of a cell whose film was evaluated at checkpoints after 1, 2, 4, .. samples per pixel.
 CHECKPOINTS = "/checkpoints:octaves"
 NO_VERDICT = "no verdict"
-# The chance that any verdict of a file on its errors is wrong.
+# Probability that any verdict on the errors of one result file is wrong.
 LEVEL_OF_A_FILE = 0.01
 LEAST_SEEDS = limit("fewest_seeds")
-# A bias that could be hidden in a converging variant makes up at most this share of its last squared error.
+# Largest share of the last squared error that an undetected bias may make up in a variant called converging.
 MOST_HIDDEN = 0.1
-# A slope by octave above this one is flatter than noise that averages out.
+# Log-log slope of the error over one octave of samples above which the error falls more slowly than averaged noise.
 FLAT_SLOPE = -0.9
 
 RULES = (
@@ -60,17 +60,17 @@ RULES = (
 
 @dataclass(frozen=True)
 class Verdict:
-    """Whether the error goes on falling, and at which dual squared error it stops."""
+    """Whether the error keeps falling, and at which root of the dual squared error it stops."""
 
     word: str
     reason: str = ""
-    plateau: float | None = None  # B
-    declared: bool = False  # a bias of the cell's predicts it
-    is_bound: bool = False  # B is at least `plateau`, which is all that the mean error tells
+    plateau: float | None = None  # root mean square error at which the error stops falling, the bias B
+    declared: bool = False  # the cell declares a bias that predicts the plateau
+    is_bound: bool = False  # `plateau` is only a lower bound of the bias B, derived from the mean error
 
     @property
     def text(self) -> str:
-        """The verdict's word, with the plateau where there is one."""
+        """The word of the convergence verdict, with the plateau where there is one."""
         if self.plateau is None:
             return self.word
         return f"{self.word} at {'least ' if self.is_bound else ''}{self.plateau:.3g}"
@@ -78,24 +78,24 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Assessment:
-    """The assessment of how one cell's error converges."""
+    """How one cell's error converges."""
 
     curve: Curve
     verdict: Verdict
     fit: Fit | None = None
-    bias2_family: tuple[float, float] | None = None  # the interval that the verdict rests on
-    ms_per_spp: dict[str, Estimate] = field(default_factory=dict)  # by clock
+    bias2_family: tuple[float, float] | None = None  # confidence interval of bias^2 that the verdict rests on
+    ms_per_spp: dict[str, Estimate] = field(default_factory=dict)  # ms per sample per pixel by clock, such as "wall_ms"
     doubts: tuple[str, ...] = ()
-    alone: Cell | None = None  # the companion: the same render without checkpoints
+    alone: Cell | None = None  # companion cell: the same render without checkpoints
 
     @property
     def cell(self) -> Cell:
-        """The cell that was assessed."""
+        """The cell whose convergence is assessed."""
         return self.curve.cell
 
     @property
     def ms_alone(self) -> np.ndarray | None:
-        """Milliseconds per spp of the companion cell without checkpoints; None: it was not run."""
+        """Milliseconds per sample per pixel of the companion cell without checkpoints; None: it was not run."""
         return None if self.alone is None else self.alone.ms_per_spp
 
     @property
@@ -105,10 +105,10 @@ class Assessment:
 
     @property
     def has_noise(self) -> bool:
-        """Whether more samples change the error at all, but for rounding; at the end, where few count no more."""
+        """Whether more samples change the error beyond rounding, judged at the last checkpoints."""
         if self.fit is None or self.fit.sigma2.value <= 1e-9 * float(np.abs(self.curve.mean).max()):
             return False
-        # Halves that are as wrong as the whole, in the same pixels, have no noise of their own.
+        # If half the samples are as wrong as all, in the same pixels, the error has no noise.
         halves, whole = self.curve.bias2, self.curve.mse[:, -1]
         return halves is None or not np.allclose(halves, whole, rtol=1e-9, atol=0)
 
@@ -119,14 +119,14 @@ class Assessment:
 
     @property
     def crossing_spp(self) -> float | None:
-        """Samples a pixel from which on more gain little: the noise is as large as the bias."""
+        """Samples per pixel at which the noise equals the bias; more samples gain little."""
         if not self.has_noise or self.verdict.plateau is None or self.verdict.is_bound:
             return None
         return self.fit.sigma2.value / self.plateau_bias2
 
 
 def _why_not(curve: Curve) -> Verdict | None:
-    """The verdict on a cell that cannot be fitted."""
+    """The verdict on a cell whose curve cannot be fitted; None: it can be."""
     if curve.nonfinite:
         return Verdict(INVALID, f"{curve.nonfinite} pixels were not finite, first at {curve.nonfinite_at}")
     if curve.cell.failed:
@@ -141,7 +141,7 @@ def _why_not(curve: Curve) -> Verdict | None:
 
 
 def _verdict(curve: Curve, fit: Fit, slope: Slope | None, curves: int) -> tuple[Verdict, tuple[float, float]]:
-    """The verdict, and the interval of bias² that it rests on."""
+    """The convergence verdict, and the interval of bias² that it rests on."""
     level = LEVEL_OF_A_FILE / 2 / curves
     freedom = curve.count - 1
     offset = reference_error(curve.reference, curve.cell.pixels)
@@ -178,13 +178,13 @@ def _percent(share: float) -> str:
 
 
 def _mean_off(curve: Curve, level: float) -> np.ndarray | None:
-    """The mean error of the channels if one of them is not 0."""
+    """The mean error of each channel if any of them differs from 0."""
     if curve.mean_error is None:
         return None
     noise = mean_error_of_reference(curve.reference, curve.cell.pixels)
     means = curve.mean_error.mean(axis=0)
     halves = [half_width(standard_error(channel), curve.count - 1, level / 3, noise) for channel in curve.mean_error.T]
-    # Rounding of the sums that the means are: nothing that a study could be about.
+    # Mean errors below 1e-12 are rounding of the sums.
     return means if (np.abs(means) > np.maximum(halves, 1e-12)).any() else None
 
 
@@ -228,7 +228,7 @@ def _doubts(curve: Curve, fit: Fit, slope: Slope | None) -> tuple[str, ...]:
 
 
 def convergence_cells(cells: Sequence[Cell]) -> list[Cell]:
-    """The cells that have checkpoints."""
+    """The cells whose film was evaluated at checkpoints."""
     return [cell for cell in cells if cell.convergence is not None]
 
 
@@ -236,7 +236,7 @@ _LAST: list[tuple[Result, dict[str, Assessment]]] = []
 
 
 def assess(result: Result) -> dict[str, Assessment]:
-    """Every convergence cell of the file by its name. Figures and tables ask one after the other: the last is kept."""
+    """Assesses every convergence cell of a file, by name; the last file's result is cached for figures and tables."""
     if not _LAST or _LAST[0][0] is not result:
         _LAST[:] = [(result, _assess(result))]
     return _LAST[0][1]
@@ -246,7 +246,7 @@ def _assess(result: Result) -> dict[str, Assessment]:
     curves = [curve_of(cell) for cell in convergence_cells(result.cells)]
     unfit = {curve.cell.name: verdict for curve in curves if (verdict := _why_not(curve)) is not None}
     fits = {curve.cell.name: fit_of(curve) for curve in curves if curve.cell.name not in unfit}
-    # Cells of equal bits have one curve, which is tested once.
+    # Cells with equal bits share one error curve, which is tested once.
     own = [name for name in fits if _origin(result, name, fits) == name]
     tested = [name for name in own if fits[name].slope is not None]
     rejected = dict(zip(tested, holm([fits[name].slope.p for name in tested], LEVEL_OF_A_FILE), strict=True))
@@ -270,7 +270,7 @@ def _assess(result: Result) -> dict[str, Assessment]:
 
 
 def _origin(result: Result, name: str, fits: dict[str, Fit]) -> str:
-    """The cell whose errors the cell's are: itself, or the one that it shares them with."""
+    """The name of the cell whose errors a cell has: its own, or that of the cell that it shares them with."""
     cell = next(cell for cell in result.cells if cell.name == name)
     other = cell.convergence.shared_with
     return other if other in fits else name

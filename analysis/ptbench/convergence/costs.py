@@ -1,4 +1,4 @@
-"""What one cell costs over another: in time, in time to equal error, or in variance alone."""
+"""The cost of one cell over another: in time, in time to equal error, or in variance alone."""
 
 from collections.abc import Mapping
 
@@ -8,13 +8,13 @@ from ptbench.io.cells import Cell
 from ptbench.stats.estimates import Estimate, ratio_estimate
 from ptbench.stats.intervals import bootstrap_interval, resampled
 
-# The last is for choices whose verdicts on time are withdrawn (studies/withdrawn.py).
+# Ways to state a cost; variance alone is for choices whose verdicts on time are withdrawn (studies/withdrawn.py).
 TIME, WORK, VARIANCE = "time", "time to equal error", "variance at equal samples"
 _BIASED = "biased"
 
 
 def cost_ratio(statistic: str, assessed: Mapping[str, Assessment], cell: Cell, base: Cell) -> Estimate | None:
-    """A cost over another's, of whatever kind: below 1 is better; None where there is no such number."""
+    """The cost of a cell over a baseline by the named statistic; below 1 is better; None where it is undefined."""
     if statistic == TIME:
         return ratio_estimate(cell.ms_per_spp, base.ms_per_spp)
     if cell.name not in assessed or base.name not in assessed or cell.claim == _BIASED:

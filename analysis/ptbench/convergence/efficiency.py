@@ -1,7 +1,7 @@
-"""What convergence costs: work-normalised variance, efficiency against a baseline, time to an error, checkpoints.
+"""Costs of convergence: work-normalised variance, efficiency against a baseline, time to an error, checkpoint overhead.
 
-Intervals are bootstraps over seeds: of a cell, its errors and its times are drawn together; of two cells that ran the
-same seeds, the seeds are drawn once for both, so that cells of equal errors compare by their times alone.
+Intervals are bootstraps over seeds. Within a cell, errors and times of a seed are drawn together. For two cells with
+the same seeds, each seed is drawn for both, so that cells of equal errors compare by their times alone.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ from ptbench.studies.disturbed import MOST_DISTURBED_SAID, doubt_of
 from ptbench.studies.questions import usual_baseline
 
 COMPANION = "_without_checkpoints"
-# The axes whose choices decide the error; a file may have axes that this package does not know.
+# Axes whose choices affect the error; a file may have axes that this package does not know.
 _DECIDE_ERROR = {name for name, axis in known_axes().items() if axis.decides_error}
-# A plateau is in reach of no time from here on: e^2 - B^2 of less than this share of e^2 is noise of the fit.
+# Least share of e^2 that an error e must keep above a plateau B (e^2 - B^2) to be reachable; less is noise of the fit.
 _NEAR_PLATEAU = 1e-3
-# Share of a plateau's squared error from which on the last error counts as having come to the plateau.
+# Share of the last squared error that a plateau must make up for the cell to count as having reached the plateau.
 _MOST_OF_PLATEAU = 0.5
-# A time to an error is told where it is so many times what the first part of a render takes beyond its samples.
+# A time to an error is told only if it is at least this many times the fixed cost of a render.
 _LEAST_LAUNCHES = 20
 
 EFFICIENCY_RULE = (
@@ -49,7 +49,7 @@ EFFICIENCY_RULE = (
 
 @dataclass(frozen=True)
 class Place:
-    """Cells that are held against each other: one scene and depth, one size of image, one backend."""
+    """Cells that can be compared with each other: of one scene, depth, resolution and backend."""
 
     scene: str
     depth: int
@@ -57,7 +57,7 @@ class Place:
     backend: str
 
     def title(self, others: Sequence[Place]) -> str:
-        """Scene and settings, for a heading."""
+        """Scene and settings as a heading."""
         parts = [self.scene]
         if len({other.depth for other in others}) > 1:
             parts.append(f"depth {self.depth}")
@@ -69,13 +69,13 @@ class Place:
 
 
 def place_of(cell: Cell) -> Place:
-    """Scene and depth are the reference's: a variant that renders others to come to its image belongs there."""
+    """Groups a cell by its reference's scene and depth: a variant may render another scene to get the same image."""
     reference = cell.convergence.reference
     return Place(reference.scene or cell.scene, reference.depth or cell.depth, cell.resolution, cell.backend)
 
 
 def by_place(assessed: Sequence[Assessment]) -> dict[Place, list[Assessment]]:
-    """The assessed cells by where they ran, in their order."""
+    """The assessed cells by scene and settings, in their order."""
     groups: dict[Place, list[Assessment]] = {}
     for assessment in assessed:
         groups.setdefault(place_of(assessment.cell), []).append(assessment)
@@ -83,8 +83,7 @@ def by_place(assessed: Sequence[Assessment]) -> dict[Place, list[Assessment]]:
 
 
 def baseline_among(result: Result, group: Sequence[Assessment]) -> Assessment | None:
-    """The fitted cell with the plain estimator that is most like the others; of equals the usual one, then the "
-    "first."""
+    """The baseline: the fitted cell with the plain estimator that is most like the others."""
     fitted = [one for one in group if one.fit is not None]
 
     def unlikeness(assessment: Assessment) -> tuple:
@@ -104,13 +103,13 @@ def baseline_among(result: Result, group: Sequence[Assessment]) -> Assessment | 
 
 
 def _changes(base: Cell, cell: Cell) -> dict[str, str]:
-    """The settings in which `cell` is not as `base`, and how."""
+    """The settings in which `cell` differs from `base`, with its values."""
     usual = _settings(base)
     return {name: value for name, value in _settings(cell).items() if usual.get(name) != value}
 
 
 def names_in(group: Sequence[Assessment], baseline: Assessment | None) -> dict[str, str]:
-    """What a figure calls each cell: how it differs from the baseline, or its choice where one thing differs only."""
+    """What a figure calls each cell: its differences from the baseline, or its choice where one setting differs."""
     cells = [assessment.cell for assessment in group]
     if baseline is None:
         return {cell.name: cell.variant for cell in cells}
@@ -138,7 +137,7 @@ def names_in(group: Sequence[Assessment], baseline: Assessment | None) -> dict[s
 
 
 def _varied_tunables(cells: Sequence[Cell]) -> set[str]:
-    """The tunables of which some cells' choices have several values: their standards are told too."""
+    """The tunables that have several values for one choice, so that names must tell the standard values, too."""
     values: dict[tuple, set[int]] = {}
     for cell in cells:
         for name, value in cell.tunables.items():
@@ -149,7 +148,7 @@ def _varied_tunables(cells: Sequence[Cell]) -> set[str]:
 def _settings(cell: Cell) -> dict[str, str]:
     scene = cell.scene
     if cell.convergence is not None and scene.startswith(f"{cell.convergence.reference.scene}_"):
-        # The scene has one name in all cells, so that they make one line.
+        # A scene that renders the reference's image gets an abbreviated name, so that the names of its cells match.
         scene = "…" + scene.removeprefix(cell.convergence.reference.scene)
     return {"scene": scene, **cell.axes, **cell.tuned}
 
@@ -159,15 +158,15 @@ HIGHER, LOWER, NOT_TOLD_APART, DISTURBED = "higher", "lower", "not told apart fr
 
 @dataclass(frozen=True)
 class Compared:
-    """A cell's work-normalised variance and what it says against the baseline's."""
+    """A cell's work-normalised variance, and its efficiency against the baseline."""
 
     work: Estimate
     efficiency: Estimate | None
-    doubt: str = ""  # why the efficiency has no verdict
+    doubt: str = ""  # why the efficiency gets no verdict
 
     @property
     def word(self) -> str:
-        """On which side of 1 the whole interval of the efficiency lies; empty: it has none."""
+        """On which side of 1 the whole interval of the efficiency lies; empty: there is no interval."""
         if self.efficiency is None or self.efficiency.low is None or self.efficiency.high is None:
             return ""
         if self.doubt:
@@ -189,20 +188,20 @@ def _work(assessment: Assessment, ms: np.ndarray) -> float:
 
 
 def _is_timed_alone(one: Assessment) -> bool:
-    """Whether each seed's error has a time without checkpoints beside it."""
+    """Whether every seed of the cell also has a time without checkpoints."""
     return one.ms_alone is not None and len(one.ms_alone) == one.curve.count
 
 
 def _has_noise_apart(one: Assessment) -> bool:
-    """Where samples depend on each other the last error stands for the noise, unless most of it is a plateau."""
+    """Whether a cell's noise can be told from its bias; dependent samples allow it only where no plateau dominates."""
     return one.has_noise and (one.curve.independent or one.plateau_bias2 < _MOST_OF_PLATEAU * one.last_error)
 
 
 def compare(assessment: Assessment, baseline: Assessment | None) -> Compared | None:
-    """None where there is no fit, or no noise that more time would take away or that is told apart from a plateau."""
+    """A cell's efficiency; None where there is no fit, or no noise that can be told apart from a plateau."""
     if not _has_noise_apart(assessment) or (baseline is not None and not _has_noise_apart(baseline)):
         return None
-    # A render in parts leaves a GPU without work at the end of each: a small image takes times as long.
+    # Each part of a render with checkpoints drains the GPU at its end, which multiplies the time of a small image.
     alone = all(_is_timed_alone(one) for one in (assessment, baseline) if one is not None)
     ms = assessment.ms_alone if alone else assessment.curve.ms_per_spp
     count = assessment.curve.count
@@ -222,7 +221,7 @@ def compare(assessment: Assessment, baseline: Assessment | None) -> Compared | N
 
 
 def ends_beside_one(efficiency: Estimate) -> str:
-    """The interval in digits that show on which side of 1 each end lies; empty without one."""
+    """The interval of an efficiency in digits that show on which side of 1 each end lies; empty without an interval."""
     if efficiency.low is None or efficiency.high is None:
         return ""
     ends = efficiency.low, efficiency.high
@@ -230,7 +229,7 @@ def ends_beside_one(efficiency: Estimate) -> str:
 
 
 def target_of(group: Sequence[Assessment]) -> float | None:
-    """A round squared error's root that every cell not yet at a plateau has reached in what was measured."""
+    """A round RMS error that every cell not yet at a plateau reached within its measured samples."""
     fitted = [one for one in group if one.fit is not None and one.last_error > 0]
     falling = [one for one in fitted if one.plateau_bias2 < _MOST_OF_PLATEAU * one.last_error]
     errors = [float(np.sqrt(one.last_error)) for one in falling or fitted]
@@ -242,10 +241,10 @@ def target_of(group: Sequence[Assessment]) -> float | None:
 
 
 def time_to(assessment: Assessment, error: float) -> Estimate | None:
-    """Milliseconds until the root mean square error is `error`, of a render in one piece; infinite where it never is.
+    """Milliseconds until a render in one piece has the RMS error `error`; infinite where it never has.
 
-    Samples to the error, by the fitted curve, times what one takes in the same render without checkpoints. None where
-    there is no fit or no such render, or where a launch would be a large part of it: what that costs is not measured.
+    The samples to the error, by the fit, are multiplied by the time per sample of the same render without checkpoints.
+    None where there is no fit or no such render, or where the unmeasured cost of a launch would be a large part of it.
     """
     if assessment.fit is None or not _is_timed_alone(assessment):
         return None
@@ -261,12 +260,12 @@ def time_to(assessment: Assessment, error: float) -> Estimate | None:
 
 
 def _samples_to(assessment: Assessment, error: float, drawn: np.ndarray) -> tuple[float, np.ndarray]:
-    """Samples a pixel until the error is `error`, and the same of each draw of seeds; no fewer than were looked at."""
+    """Samples per pixel until the error is `error`, for the fit and each bootstrap draw; at least one checkpoint's."""
     curve, fit = assessment.curve, assessment.fit
     if curve.independent and assessment.has_noise:
         has_plateau = assessment.verdict.word == PLATEAU
         seeds = fit.bias2_of_seeds if has_plateau else np.zeros(curve.count)
-        # A plateau that the mean error gave away may be above what bias^2 says.
+        # A plateau detected through the mean error may exceed the fitted bias^2.
         bias2 = max(float(seeds.mean()), assessment.plateau_bias2)
         drawn_bias2 = np.maximum(seeds[drawn].mean(axis=1) + bias2 - seeds.mean(), 0)
         sigma2 = fit.sigma2_of_seeds
@@ -280,9 +279,9 @@ def _samples_to(assessment: Assessment, error: float, drawn: np.ndarray) -> tupl
 
 
 def render_times(group: Sequence[Assessment]) -> tuple[list[np.ndarray], str]:
-    """Milliseconds to every checkpoint of each, and in words how they were had: as `time_to` has them, for all alike.
+    """Milliseconds to every checkpoint of each cell, and a phrase that tells how the times were obtained.
 
-    Where one of them has no render without checkpoints they are those of the renders in parts.
+    Times are those of renders without checkpoints (`time_to`) if every cell has one, else of those with checkpoints.
     """
     if all(_is_timed_alone(one) for one in group):
         times = [one.curve.spp * float(np.median(one.ms_alone)) for one in group]
@@ -298,7 +297,7 @@ def _spp_to(sigma2: np.ndarray, bias2: np.ndarray, error: float) -> np.ndarray:
 
 
 def _spp_measured(spp: np.ndarray, mse: np.ndarray, error: float) -> np.ndarray:
-    """Where each curve first gets to `error`, between checkpoints on straight lines of the logarithms."""
+    """Where each seed's curve first reaches `error`, interpolated between checkpoints in log-log space."""
     falling = np.minimum.accumulate(np.maximum(mse, 1e-300), axis=1)
     goal, log_spp = 2 * np.log(error), np.log(spp)
     return np.array([_crossing(log_spp, np.log(one), goal) for one in falling])
@@ -317,20 +316,20 @@ def _crossing(log_spp: np.ndarray, log_mse: np.ndarray, goal: float) -> float:
 
 @dataclass(frozen=True)
 class CheckpointCost:
-    """A cell's time per spp with checkpoints over that of the same render without."""
+    """A cell's time per sample per pixel with checkpoints, over that of the same render without them."""
 
     cell: Cell
     ratio: Estimate
-    doubt: str  # why it has no verdict
+    doubt: str  # why the cost of checkpoints gets no verdict
 
     @property
     def interval(self) -> str:
-        """The interval of the efficiency, in digits that show the word; empty with one sample."""
+        """The interval of the checkpoint cost, in digits that show the verdict; empty with one sample."""
         return interval_of_ratio(self.ratio, 0, THRESHOLD)
 
     @property
     def word(self) -> str:
-        """The verdict's word that the interval allows."""
+        """The verdict on the cost of checkpoints that its interval allows."""
         low, high = self.ratio.low, self.ratio.high
         if low is None or high is None:
             return "one sample: no interval"
@@ -344,7 +343,7 @@ class CheckpointCost:
 
 
 def checkpoint_costs(assessed: Sequence[Assessment]) -> list[CheckpointCost]:
-    """What checkpoints cost (an A/A comparison), where the file has the companion cells without them."""
+    """The cost of checkpoints (an A/A comparison) of every cell whose companion without them was run."""
     return [
         CheckpointCost(one.cell, ratio_estimate(one.curve.ms_per_spp, one.ms_alone), doubt_of((one.cell, one.alone)))
         for one in assessed

@@ -1,7 +1,7 @@
-"""The law of a variant's error: bias^2 + sigma^2 / n, its slope by octave, and the mean error; a value a seed.
+"""The error law of a variant: MSE = bias^2 + sigma^2 / n, its slope by octave, and the mean error, one value per seed.
 
-One cell has K seeds, each with errors at 1, 2, 4, ... samples per pixel. All rests on the dual-reference error, whose
-expectation at n spp is bias^2 + sigma^2 / n: noise of the reference is not in it.
+A cell has K seeds, each with errors at 1, 2, 4, ... samples per pixel. Everything rests on the dual-reference error,
+whose expectation at n samples per pixel is bias^2 + sigma^2 / n, free of the reference's noise.
 """
 
 from dataclasses import dataclass
@@ -14,70 +14,70 @@ from ptbench.stats.estimates import Estimate
 from ptbench.stats.intervals import LEVEL, half_width, jackknife, t_interval, t_test
 
 LEAST_CHECKPOINTS = 3
-# Samples that depend on each other have no law sigma^2 / n but at the end; the fit keeps to so many checkpoints.
+# Checkpoints to which the fit is restricted where samples depend on each other: the 1/n law holds only at the end.
 _LAST_CHECKPOINTS = 4
 
 
 @dataclass(frozen=True)
 class Curve:
-    """A cell's numbers as arrays: rows are seeds, columns checkpoints."""
+    """A cell's errors and times as arrays, with seeds as rows and checkpoints as columns."""
 
     cell: Cell
     seeds: tuple[int, ...]
     spp: np.ndarray
     mse: np.ndarray
     times: dict[str, np.ndarray]
-    bias2: np.ndarray | None  # of each seed at the last checkpoint; None: not there
-    mean_error: np.ndarray | None  # of each seed at the last checkpoint, three channels
-    incomplete: int = 0  # samples that lack checkpoints and are left out
-    nonfinite: int = 0  # pixels, of all samples and checkpoints
+    bias2: np.ndarray | None  # squared bias of each seed at the last checkpoint; None: not measured
+    mean_error: np.ndarray | None  # mean error of each seed at the last checkpoint, for three channels
+    incomplete: int = 0  # number of samples that are left out because checkpoints are missing
+    nonfinite: int = 0  # pixels with a nonfinite value, over all samples and checkpoints
     nonfinite_at: str = ""
 
     @property
     def count(self) -> int:
-        """The number of seeds."""
+        """The number of seeds of a curve."""
         return len(self.seeds)
 
     @property
     def mean(self) -> np.ndarray:
-        """The mean squared error over seeds, one value a checkpoint."""
+        """The mean squared error over seeds at each checkpoint."""
         return self.mse.mean(axis=0)
 
     @property
     def reference(self) -> Reference:
-        """The reference that the errors are against."""
+        """The reference image that the errors are measured against."""
         return self.cell.convergence.reference
 
     @property
     def independent(self) -> bool:
-        """Whether the checkpoints' samples are independent, which the law of the fit asks for."""
+        """Whether the samples of the checkpoints are independent, as the fitted law assumes."""
         return self.cell.convergence.independent_samples
 
     @property
     def ms_per_spp(self) -> np.ndarray:
-        """Milliseconds of wall time a sample per pixel, one value a seed."""
+        """Milliseconds of wall time per sample per pixel, one value per seed."""
         return self.times["wall_ms"][:, -1] / self.spp[-1]
 
 
 @dataclass(frozen=True)
 class Slope:
-    """d log MSE / d log n from `first` to `last` spp."""
+    """The log-log slope d log MSE / d log n between `first` and `last` samples per pixel."""
 
     first: int
     last: int
     estimate: Estimate
-    p: float | None = None  # of -1 being right
+    p: float | None = None  # p-value of the hypothesis that the slope is -1
     rejected: bool = False
 
     @property
     def is_flatter(self) -> bool:
-        """Whether the error falls more slowly than 1/spp, beyond chance."""
+        """Whether the error falls significantly more slowly than 1/spp."""
         return self.rejected and self.estimate.value > -1
 
 
 @dataclass(frozen=True)
 class Fit:
-    """The law of one curve. The arrays have a value a seed, for whoever resamples them."""
+    """The error law fitted to one curve; arrays have one value per seed for resampling."""
 
     sigma2: Estimate
     bias2: Estimate
@@ -90,7 +90,7 @@ class Fit:
 
 
 def curve_of(cell: Cell) -> Curve:
-    """The numbers of the cell's complete samples; errors that are not there are NaN."""
+    """The curve of a cell's complete samples; missing errors are NaN."""
     spp = cell.convergence.checkpoints
     whole = [sample for sample in cell.samples if len(sample.checkpoints) == len(spp)]
 
@@ -121,10 +121,10 @@ def curve_of(cell: Cell) -> Curve:
 
 
 def weights_of(mse: np.ndarray) -> np.ndarray:
-    """1 / variance of the error at each checkpoint.
+    """Weights of the fit: 1 / variance of the error at each checkpoint.
 
-    Eight seeds tell a variance badly, but relative spreads are much alike at all checkpoints: a checkpoint's spread is
-    taken to be the typical one at least.
+    A few seeds estimate a variance badly, but relative spreads are much alike at all checkpoints, so each checkpoint's
+    relative spread is taken to be at least the median one.
     """
     mean = np.abs(mse.mean(axis=0))
     spread = mse.std(axis=0, ddof=1) if len(mse) > 1 else np.zeros_like(mean)
@@ -133,12 +133,12 @@ def weights_of(mse: np.ndarray) -> np.ndarray:
         return np.ones_like(mean)
     floor = np.where(floor > 0, floor, floor.max())
     typical = float(np.median(spread / floor))
-    # Seeds that agree exactly have one relative error, that of rounding.
+    # Seeds whose errors agree exactly get a relative spread of 1e-12, that of rounding.
     return 1 / np.maximum(spread, max(typical, 1e-12) * floor) ** 2
 
 
 def fit_law(spp: np.ndarray, mse: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Each seed's (bias², σ²) of the free fit, and its σ² with bias² held at 0 where the free one's mean is below 0."""
+    """Fits (bias², σ²) to each seed, and σ² with bias² held at 0 where the mean of the free fit is negative."""
     root = np.sqrt(weights_of(mse))
     design = np.stack([np.ones_like(spp), 1 / spp], axis=1) * root[:, None]
     size = np.linalg.norm(design, axis=0)
@@ -150,12 +150,12 @@ def fit_law(spp: np.ndarray, mse: np.ndarray) -> tuple[np.ndarray, np.ndarray, n
 
 
 def slopes_of(curve: Curve) -> tuple[Slope | None, tuple[Slope, ...]]:
-    """The slope over all checkpoints and those by octave, where the error stands clear of its spread."""
+    """The slope over all checkpoints and the slopes by octave, where the error stands clear of its spread."""
     if curve.count < 2:
         return None, ()
     mean = curve.mean
     spread = curve.mse.std(axis=0, ddof=1) / np.sqrt(curve.count)
-    # Heavy tails blur the first checkpoints, the reference's noise the last ones.
+    # Heavy tails spoil the first checkpoints, and the reference's noise the last ones.
     clear = np.flatnonzero(mean > 3 * spread)
     if not len(clear) or (mean[clear[0] : clear[-1] + 1] <= 0).any():
         return None, ()
@@ -169,7 +169,7 @@ def _slope(curve: Curve, part: slice) -> Slope:
     x = (x - x.mean()) / ((x - x.mean()) ** 2).sum()
     values = curve.mse[:, part]
 
-    # The mean without one seed may be below 0 where the reference's noise is not small.
+    # The jackknife's mean without one seed may be negative where the reference's noise is large.
     lowest = 1e-3 * np.abs(values.mean(axis=0))
 
     def slope(mean: np.ndarray) -> float:
@@ -177,7 +177,7 @@ def _slope(curve: Curve, part: slice) -> Slope:
 
     value, error = jackknife(slope, values)
     freedom = curve.count - 1
-    # The reference's noise moves the errors of all seeds and checkpoints by one amount.
+    # The reference's noise shifts the errors of all seeds and checkpoints by the same amount.
     offset = reference_error(curve.reference, curve.cell.pixels)
     common = offset * abs(float((x / np.maximum(values.mean(axis=0), lowest)).sum()))
     half = half_width(error, freedom, LEVEL, common)
@@ -187,9 +187,9 @@ def _slope(curve: Curve, part: slice) -> Slope:
 
 
 def reference_error(reference: Reference, pixels: int) -> float:
-    """Standard error of the offset that the reference's noise adds to every dual error: the mean of e1 e2 over pixels.
+    """Standard error of the offset that the reference's noise adds to each dual error (mean of e1 e2 over pixels).
 
-    The file's own where it has one; else as if all pixels were equally noisy and a pixel's channels moved together.
+    The file's value is used if present; else pixels are assumed equally noisy, and a pixel's channels fully correlated.
     """
     if reference.is_exact:
         return 0.0
@@ -199,13 +199,13 @@ def reference_error(reference: Reference, pixels: int) -> float:
 
 
 def mean_error_of_reference(reference: Reference, pixels: int) -> float:
-    """The standard error that the reference's own noise gives a channel's mean error."""
-    # One channel may hold all the variance of three.
+    """The standard error that the reference's noise adds to one channel's mean error."""
+    # The factor 3 assumes the worst case, that one channel holds the variance of all three.
     return 0.0 if reference.is_exact else float(np.sqrt(3 * reference.variance / pixels))
 
 
 def fit_of(curve: Curve) -> Fit:
-    """Variance, squared bias, slopes and mean error of a cell, each with its interval over seeds."""
+    """Fits variance, squared bias, slopes and mean error of a cell, each with its interval over seeds."""
     offset = reference_error(curve.reference, curve.cell.pixels)
     from_fit, _, sigma2 = fit_law(curve.spp, curve.mse)
     bias2 = curve.bias2

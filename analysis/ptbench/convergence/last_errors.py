@@ -1,8 +1,8 @@
-"""What the error at the last checkpoint is worth in time, by MSE and by relMSE: no fit, one number a seed.
+"""The error at the last checkpoint weighed by render time, by MSE and by relMSE, without a fit, one value per seed.
 
-harness/bench/error_table.cpp prints the same at the end of a run. The two errors weigh pixels differently: MSE is that
-of the brightest, relMSE that of dark ones too, and one estimator may win by one and lose by the other.
-Bias and noise are both in it.
+harness/bench/error_table.cpp prints the same numbers at the end of a run. The two metrics weigh pixels differently: MSE
+is dominated by the brightest, relMSE counts dark ones too, so an estimator may win by one and lose by the other. Both
+metrics contain bias and noise.
 """
 
 from __future__ import annotations
@@ -23,25 +23,25 @@ ERRORS = {"MSE": "mse_dual", "relMSE": "rel_mse_dual"}
 
 @dataclass(frozen=True)
 class LastErrors:
-    """A cell's errors at its last checkpoint, by metric, and its times; a value a seed."""
+    """A cell's errors at its last checkpoint by metric, and its times, one value per seed."""
 
     cell: Cell
     seeds: tuple[int, ...]
     errors: dict[str, np.ndarray]
     ms_per_spp: np.ndarray
-    timed: Cell  # whose times those are: the cell's, or of the same render without checkpoints
+    timed: Cell  # cell whose times are used: the cell itself, or its companion rendered without checkpoints
 
     def mean(self, metric: str) -> float:
-        """The mean error over seeds, which may be below 0."""
+        """The mean error over seeds; the dual-reference error may make it negative."""
         return float(self.errors[metric].mean())
 
     def work(self, metric: str, drawn: np.ndarray) -> np.ndarray:
-        """Error times the time of a render, for each row of seeds."""
+        """Error times render time, for each row of bootstrapped seeds."""
         ms = np.median(self.ms_per_spp[drawn], axis=1) * self.cell.spp
         return self.errors[metric][drawn].mean(axis=1) * ms
 
     def efficiency(self, baseline: LastErrors, metric: str) -> Estimate | None:
-        """The baseline's error times time over this one's; None where one is not above 0 or seeds are not the same."""
+        """The baseline's error times time over this cell's; None where seeds differ or an error is not positive."""
         if self.seeds != baseline.seeds or self.mean(metric) <= 0 or baseline.mean(metric) <= 0:
             return None
         count = len(self.seeds)
@@ -55,7 +55,7 @@ class LastErrors:
 
 
 def last_errors(group: Sequence[Assessment]) -> dict[str, LastErrors]:
-    """Last errors by cell, of two seeds or more, and times, without checkpoints where all of the group have such."""
+    """Errors at the last checkpoint of cells with two seeds or more; timed without checkpoints if all can be."""
     found = {one.cell.name: errors for one in group if (errors := _errors_of(one)) is not None}
     alone = {one.cell.name: one for one in group if one.ms_alone is not None}
     if all(name in alone and len(alone[name].ms_alone) == len(one.seeds) for name, one in found.items()):

@@ -1,4 +1,4 @@
-"""The tables of a study of convergence in summary.md: verdicts, costs, slopes, errors, what checkpoints cost."""
+"""The tables of a convergence study in summary.md: verdicts, costs, slopes, errors, and the cost of checkpoints."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -33,14 +33,14 @@ _CLOCK_NAMES = {"wall_ms": "Wall", "device_ms": "Device", "cpu_ms": "CPU"}
 
 
 def convergence_rules(result: Result) -> list[str]:
-    """How errors were fitted and judged; nothing where none were measured."""
+    """Sentences on how errors were fitted and judged; nothing where no errors were measured."""
     if all(cell.convergence is None for cell in result.cells):
         return []
     return ["\n\n".join((*RULES, EFFICIENCY_RULE)), ""]
 
 
 def convergence_tables(result: Result, study: Study) -> Lines:
-    """Everything that the study's figures show, in numbers, scene by scene."""
+    """All numbers that the figures of a convergence study show, scene by scene."""
     assessed, shown = assess(result), {cell.name: cell.shown for cell in result.cells}
     members = [assessed[cell.name] for cell in result.cells_of(study) if cell.name in assessed]
     lines: Lines = []
@@ -81,7 +81,7 @@ def _reference_line(group: Sequence[Assessment], place: Place) -> str:
 
 
 def _verdicts(group: Sequence[Assessment], names: dict[str, str], shown: Mapping[str, str]) -> Lines:
-    """The table of verdicts. `shown`: what every cell of the file is called, by its name in the file."""
+    """The table of convergence verdicts; `shown` maps a cell's name in the file to the one that readers see."""
     head = (
         "Variant",
         "Verdict",
@@ -124,7 +124,7 @@ def _verdict_row(one: Assessment, name: str, shown: Mapping[str, str]) -> list[s
 
 
 def _slopes(group: Sequence[Assessment], names: dict[str, str]) -> Lines:
-    """The table of slopes, overall and by octave, with the test's word where it rejects."""
+    """The table of log-log error slopes, overall and by octave, marked where the test rejects a slope of -1."""
     octaves = sorted({(octave.first, octave.last) for one in group if one.fit for octave in one.fit.octaves})
     head = ("Slope of", "over all", "95 % interval", "p of -1", "", *(f"{first}-{last}" for first, last in octaves))
     rows = []
@@ -210,7 +210,7 @@ def _costs(group: Sequence[Assessment], names: dict[str, str], baseline: Assessm
 
 
 def _at_the_end(group: Sequence[Assessment], names: dict[str, str], baseline: Assessment | None) -> Lines:
-    """Errors at the last checkpoint and what they are worth in time, by both metrics: as the run's own table."""
+    """The table of errors at the last checkpoint and their efficiency by MSE and relMSE, as a run prints it."""
     errors = last_errors(group)
     if baseline is None or baseline.cell.name not in errors:
         return []
@@ -258,10 +258,10 @@ def _time(value: float) -> str:
 
 
 def _small(estimate: Estimate) -> str:
-    """An interval of numbers that may be far below 1, or below 0."""
+    """A confidence interval as text, for numbers that may be far below 1 or negative."""
     return _NONE if estimate.low is None else f"[{estimate.low:.3g}, {estimate.high:.3g}]"
 
 
 def _table(head: Sequence[str], rows: Sequence[Sequence[str]], sides: str) -> Lines:
-    """The lines of a table with its title; none where there are no rows."""
+    """A table as a list of lines; empty where there are no rows."""
     return [Table(tuple(head), tuple(map(tuple, rows)), tuple(side == "r" for side in sides))] if rows else []

@@ -1,7 +1,7 @@
-"""`python3 -m ptbench crosscheck SCENE..`: the same scenes here and in Mitsuba 3, and whether the pictures agree.
+"""`python3 -m ptbench crosscheck SCENE..`: renders scenes in ptbench and in Mitsuba 3, and compares the pictures.
 
-Exit codes: 0 they agree; 1 one differs, or its images are too noisy for the aim; 2 a wrong call, no wheel, or a scene
-that was named and cannot be rendered in both. docs/other_renderers.md has the conventions.
+Exit codes: 0 they agree; 1 a picture differs, or its images are too noisy to detect the bias aimed at; 2 a wrong call,
+no Mitsuba wheel, or a named scene that cannot be rendered in both. docs/other_renderers.md has the conventions.
 """
 
 import argparse
@@ -33,7 +33,7 @@ from ptbench.io.files import check_output_file, picked, write_text
 from ptbench.io.nodes import read_json
 from ptbench.terminal import say
 
-SCALAR_BLOCK = 32  # pixels of a side of Mitsuba's blocks
+SCALAR_BLOCK = 32  # block size of Mitsuba's scalar variants, in pixels along a side
 
 
 def crosscheck_command(options: argparse.Namespace) -> int:
@@ -52,7 +52,7 @@ def crosscheck_command(options: argparse.Namespace) -> int:
     family = family_of(len(scenes))
 
     def kept() -> list[dict]:
-        # The file is written after each scene: all of them take long, and what is done is not lost.
+        # The report is written after each scene, so that an interrupted cross-check keeps what is done.
         checked = [done[scene] for scene in scenes if scene in done]
         if options.out is not None and checked:
             whole = as_json(checked, settings, context, options.allow, asked)
@@ -80,8 +80,8 @@ def _settings(options: argparse.Namespace) -> Settings:
 def _check_streams(settings: Settings, variant: str) -> None:
     """Raises InputError where images of two seeds would share random numbers.
 
-    Mitsuba's scalar variants number their streams seed x pixels + block x 32^2 + pixel of the block, in 32 bits: blocks
-    that reach over the image's border take numbers of the next seed.
+    Mitsuba's scalar variants number their random streams seed x pixels + block x 32^2 + pixel in the block, in 32 bits:
+    blocks that reach over the image's border use numbers of the next seed.
     """
     if not variant.startswith("scalar"):
         return
@@ -96,7 +96,7 @@ def _check_streams(settings: Settings, variant: str) -> None:
 
 
 def _asked(options: argparse.Namespace, settings: Settings, scenes: list[str]) -> dict:
-    """What a file that is gone on with must have been asked for beside `settings`."""
+    """The options, beside `settings`, that must be equal for an unfinished report to be resumed."""
     return {
         "scenes": scenes,
         **picked(settings, "backend axes spp spp_here"),
@@ -107,7 +107,7 @@ def _asked(options: argparse.Namespace, settings: Settings, scenes: list[str]) -
 
 
 def _done(options: argparse.Namespace, planned: dict) -> dict[str, dict]:
-    """The scenes of an unfinished file that was begun with the same call; raises InputError for another one."""
+    """The finished scenes of a report to be resumed; raises InputError where it was begun by another call."""
     if options.out is None:
         raise InputError("--resume: found no --out, allowed: --out of the file to go on with")
     if not options.out.is_file():
@@ -125,9 +125,9 @@ def _done(options: argparse.Namespace, planned: dict) -> dict[str, dict]:
 
 
 def _check_all(scenes: list[str], jobs: int, check: Callable[[str], dict], done: dict, kept: Callable) -> None:
-    """Fills `done`, so many scenes at a time; one that fails raises its InputError when the others are through."""
+    """Fills `done` with `jobs` scenes at a time; a failing scene's InputError is raised when the others are through."""
     failures = []
-    pool = ThreadPoolExecutor(jobs)  # they wait for processes
+    pool = ThreadPoolExecutor(jobs)  # threads suffice, since each waits for a renderer's process
     try:
         running = {pool.submit(check, scene): scene for scene in scenes}
         for one in as_completed(running):
@@ -152,7 +152,7 @@ def _check(scene: str, settings: Settings, options: argparse.Namespace, family: 
             return Checked(scene, settings, None, options.aim, reasons=tuple(refusal.reasons))
         checked = _rendered(scene, xml, settings, options, scratch, family)
         while (spp := _wanted(checked, _most(settings, options.most_spp))) > checked.settings.spp:
-            # The next images have other seeds: the last ones only said how much noise there is.
+            # The images with more samples use new seeds, because the first ones only served to estimate the noise.
             more = _more(checked.settings, spp)
             checked = _rendered(scene, xml, more, options, scratch, family)
     print(f"{scene}: {checked.verdict}", file=sys.stderr)
@@ -160,19 +160,19 @@ def _check(scene: str, settings: Settings, options: argparse.Namespace, family: 
 
 
 def _most(settings: Settings, most: int) -> int:
-    """The most samples that the call allows in either renderer."""
+    """The most samples per pixel that the call allows in either renderer."""
     here = settings.spp if settings.spp_here is None else settings.spp_here
     return min(most, MOST_SPP * settings.spp // here)
 
 
 def _more(settings: Settings, spp: int) -> Settings:
-    """Settings with more samples in both renderers, as many times as asked for, and other seeds."""
+    """Settings with more samples per pixel in both renderers and with other seeds."""
     here = None if settings.spp_here is None else math.ceil(settings.spp_here * spp / settings.spp)
     return replace(settings, spp=spp, spp_here=here, first_seed=settings.first_seed + settings.seeds)
 
 
 def _exported(scene: str, settings: Settings, scratch: Path) -> tuple[Settings, Path]:
-    """Exports the scene, without an end of paths if it asks for that and the call for no depth; raises CannotExport."""
+    """Exports a scene, with the depth it asks for if the call names none; raises CannotExport."""
     try:
         return settings, export(scene, settings, scratch)
     except CannotExport as refusal:
@@ -192,7 +192,7 @@ def _rendered(
 
 
 def _wanted(checked: Checked, most: int) -> int:
-    """Samples a pixel with which a scene that is too weak should see the aim, with a little to spare."""
+    """Samples per pixel with which a scene that is too noisy should detect the bias aimed at; 0: no more are needed."""
     if checked.verdict != WEAK or checked.comparison is None or checked.aim <= 0:
         return 0
     needed = 1.5 * checked.settings.spp * (checked.comparison.image.sees / checked.aim) ** 2

@@ -1,4 +1,4 @@
-"""What a cross-check found, as a file (schema/ptbench-crosscheck.schema.json) and as a table for a terminal."""
+"""The report of a cross-check as a file (schema/ptbench-crosscheck.schema.json) and as a table for a terminal."""
 
 from dataclasses import asdict, dataclass
 
@@ -14,19 +14,19 @@ AGREES, DIFFERS, WEAK, REFUSED = "agrees", "differs", "too weak", "not expressib
 
 @dataclass(frozen=True)
 class Checked:
-    """A scene in both renderers; without a comparison, the reasons why it cannot be rendered in the other."""
+    """A scene rendered in both renderers; without a comparison, the reasons why the other renderer cannot show it."""
 
     scene: str
     settings: Settings
     comparison: Comparison | None
-    aim: float  # the bias of the image's mean that is to be seen, as a share
+    aim: float  # bias of the image's mean that the test must be able to detect, as a fraction of the mean
     here: Images | None = None
     there: Images | None = None
     reasons: tuple[str, ...] = ()
 
     @property
     def verdict(self) -> str:
-        """The verdict on a scene, one of four words."""
+        """The verdict on a cross-checked scene, one of four words."""
         if self.comparison is None:
             return REFUSED
         if self.comparison.differs:
@@ -35,7 +35,7 @@ class Checked:
 
 
 def as_json(scenes: list[dict], settings: Settings, context: dict, allowed: float, asked: dict) -> dict:
-    """The whole file: `scenes` of those that were asked for; `asked` has what the scenes' own settings began with."""
+    """The whole report: `scenes` are results of the scenes asked for, `asked` the settings they began with."""
     count = len(asked["scenes"])
     return {
         "schema": "ptbench-crosscheck-1",
@@ -55,7 +55,7 @@ def as_json(scenes: list[dict], settings: Settings, context: dict, allowed: floa
 
 
 def as_scene(checked: Checked) -> dict:
-    """A comparison as a scene of the report file."""
+    """The result of one scene as it stands in the report file."""
     found = {"scene": checked.scene, "verdict": checked.verdict, "reasons": list(checked.reasons), "aim": checked.aim}
     if checked.comparison is None or checked.here is None or checked.there is None:
         return found
@@ -76,12 +76,12 @@ def as_scene(checked: Checked) -> dict:
 
 
 def spp_of(scene: dict) -> str:
-    """The samples a pixel of a scene in a file, for a table."""
+    """Samples per pixel of a scene in a report, as a table shows them."""
     return f"{scene['spp_here']} here, {scene['spp']} there" if "spp_here" in scene else str(scene["spp"])
 
 
 def _fields(test: object) -> dict:
-    # JSON knows no tuples.
+    # JSON has no tuples, so they become lists.
     return {key: list(value) if isinstance(value, tuple) else value for key, value in asdict(test).items()}
 
 
@@ -105,7 +105,7 @@ def _percent(share: float) -> str:
 
 
 def row_of(scene: dict) -> tuple[str, ...]:
-    """A line of the table: of the channel that differs most, and of the worst block in standard errors."""
+    """A row of the report's table: the channel that differs most, and the worst block in standard errors."""
     if "image" not in scene:
         return (scene["scene"], *[""] * (len(_HEAD) - 2), scene["verdict"])
     image, blocks = scene["image"], scene["blocks"]
@@ -124,7 +124,7 @@ def row_of(scene: dict) -> tuple[str, ...]:
 
 
 def as_text(scenes: list[dict], settings: Settings, aim: float) -> list[str]:
-    """The report as text: the table and what its columns mean."""
+    """The cross-check's report as text: its table and the meaning of the columns."""
     lines = [
         *aligned(table_of(_HEAD, map(row_of, scenes))),
         "",

@@ -1,5 +1,5 @@
-"""Limits of the command line of `crosscheck` that its code asks for, too."""
+"""Limits of the command line of `crosscheck` that its code needs as well."""
 
-SIDE = 8  # pixels of a block
-ALL = "all"  # instead of scenes' names: every shipped scene
-MOST_SPP = 100_000_000  # samples a pixel of an image
+SIDE = 8  # pixels along a side of the blocks whose means are compared
+ALL = "all"  # word that stands for every shipped scene in place of scenes' names
+MOST_SPP = 100_000_000  # most samples per pixel of an image

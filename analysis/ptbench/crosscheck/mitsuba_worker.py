@@ -1,7 +1,7 @@
-"""Renders with Mitsuba 3, in a process and, if need be, a Python of its own: it takes nothing but the wheel.
+"""Renders with Mitsuba 3 in a process of its own, if need be by another Python: it imports nothing but the wheel.
 
-A job in JSON on standard input, {"variant", "xml", "spp", "images": [[seed, file.pfm], ..]}; a line of JSON on standard
-output, {"version", "variant", "seconds"}. Without "xml" it only answers. Exit code 4: Mitsuba cannot be imported.
+Reads a job in JSON from standard input, {"variant", "xml", "spp", "images": [[seed, file.pfm], ..]}, and writes JSON to
+standard output, {"version", "variant", "seconds"}. Without "xml" nothing is rendered. Exit code 4: no Mitsuba.
 """
 
 import json
@@ -21,7 +21,7 @@ def _variant(mitsuba, wanted: str) -> str:
 
 
 def main() -> int:
-    """Renders what a job file asks for, and returns the exit code."""
+    """Renders what the job on standard input asks for, and returns the exit code."""
     try:
         import mitsuba
     except ImportError as error:
@@ -30,7 +30,7 @@ def main() -> int:
     job = json.load(sys.stdin)
     variant = _variant(mitsuba, job["variant"])
     mitsuba.set_variant(variant)
-    mitsuba.set_log_level(mitsuba.LogLevel.Error)  # it warns on standard output, which the answer goes to
+    mitsuba.set_log_level(mitsuba.LogLevel.Error)  # Mitsuba logs warnings to standard output, which has the answer
     begun = time.perf_counter()
     if "xml" in job:
         scene = mitsuba.load_file(job["xml"])

@@ -64,7 +64,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def whole(low: int, high: int):
-    """A type of argparse's: whole numbers of a range."""
+    """An argparse type: whole numbers from `low` to `high`."""
 
     def read(text: str) -> int:
         if not text.isascii() or not text.isdigit() or not low <= int(text) <= high:
@@ -75,7 +75,7 @@ def whole(low: int, high: int):
 
 
 def percent(text: str) -> float:
-    """A type of argparse's: a share, which the call has in per cent."""
+    """An argparse type: a fraction, given in per cent."""
     try:
         value = float(text)
     except ValueError:
@@ -86,7 +86,7 @@ def percent(text: str) -> float:
 
 
 def blocks(text: str) -> tuple[int, int]:
-    """A type of argparse's: a size of images that are compared block by block."""
+    """An argparse type: WIDTHxHEIGHT of images that are compared by blocks, so that both are multiples of the block."""
     sides = text.split("x")
     if len(sides) != 2 or not all(
         side.isascii() and side.isdigit() and int(side) % SIDE == 0 and 0 < int(side) <= 4096 for side in sides

@@ -1,8 +1,8 @@
-"""Several cross-checks of one scene by different seeds, taken together: whether the image's mean differs.
+"""Cross-checks of one scene with different seeds, pooled: whether the image's mean differs.
 
-Each is unbiased by itself, so their biases are averaged with the weights 1 / error^2. Those are estimated too, which
-makes the average noisier than it looks: by Meier's factor (Biometrics 9, 1953). The degrees of freedom of the error are
-Welch's and Satterthwaite's (Biometrics 2, 1946), each cross-check with those of its smaller side.
+The unbiased differences of the cross-checks are averaged with weights 1 / error^2. As the weights are estimates, too,
+the average is noisier than it looks, which Meier's factor (Biometrics 9, 1953) corrects. Its error's degrees of freedom
+follow Welch and Satterthwaite (Biometrics 2, 1946), with each cross-check's those of its smaller side.
 """
 
 from dataclasses import dataclass
@@ -17,36 +17,36 @@ from ptbench.stats import special
 
 @dataclass(frozen=True)
 class Pooled:
-    """The difference between the image's means, by channel, as shares of the mean, pooled over reports."""
+    """The difference of the two renderers' image means by channel, relative to the mean, pooled over cross-checks."""
 
     bias: tuple[float, ...]
     errors: tuple[float, ...]
     worst_p: float
     limit_p: float
-    sees: float  # of the worst channel, with the probability POWER
+    sees: float  # bias of the worst channel that the pooled test detects with the probability POWER
     aim: float
 
     @property
     def verdict(self) -> str:
-        """The verdict on the pooled mean alone, one of three words."""
+        """The verdict on the pooled image mean alone, one of three words."""
         if self.worst_p < self.limit_p:
             return DIFFERS
         return AGREES if self.sees <= self.aim else WEAK
 
 
 def pooled(scenes: list[tuple[dict, int]]) -> Pooled:
-    """Pools scenes of reports with their numbers of seeds; FindingError unless it is one scene, by other seeds."""
+    """Pools reports of one scene, with their numbers of seeds; raises FindingError if scenes differ or seeds repeat."""
     _check(scenes)
     images = [scene["image"] for scene, _ in scenes]
     bias, errors = (np.array([image[name] for image in images]) for name in ("bias", "errors"))
     freedom = np.array([seeds - 1 for _, seeds in scenes])[:, None]
-    lit = (errors > 0).all(axis=0)  # a channel that is black in both has nothing to differ in
+    lit = (errors > 0).all(axis=0)  # a channel that is black in both renderers cannot differ
     squares = np.where(lit, errors, 1.0) ** -2
     weights = squares / squares.sum(axis=0)
     mean = np.where(lit, (weights * bias).sum(axis=0), 0.0)
     meier = 1 + 4 * (weights * (1 - weights) / freedom).sum(axis=0)
     error = np.where(lit, np.sqrt(meier / squares.sum(axis=0)), 0.0)
-    # Degrees of freedom by Welch and Satterthwaite: a report's part of the mean's variance is as large as its weight.
+    # Degrees of freedom by Welch and Satterthwaite: each report's share of the mean's variance equals its weight.
     together = 1 / (weights**2 / freedom).sum(axis=0)
     limit_p = min(image["limit_p"] for image in images)
     sees = (special.stdtrit(together, 1 - limit_p / 2) + special.stdtrit(together, POWER)) * error

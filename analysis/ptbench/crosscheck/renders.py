@@ -1,4 +1,4 @@
-"""The images that are compared: ptbench's by its program, Mitsuba's by a worker process."""
+"""The images of a cross-check: ptbench's from its own program, Mitsuba's from a worker process."""
 
 import json
 import os
@@ -14,18 +14,18 @@ from ptbench.io.files import package_file, read_whole
 from ptbench.io.images import faulty_pixels, read_pfm
 from ptbench.program import Program, run_program, said_by
 
-WHEEL = "mitsuba==3.9.1"  # pyproject.toml has the same
-# What takes least time, where the call says nothing: the estimator with the least noise, which a scene without diffuse
-# surfaces does not take, and trees for what has meshes. No axis changes the mean.
+WHEEL = "mitsuba==3.9.1"  # version of Mitsuba that pyproject.toml requires, too
+# Defaults that make ptbench's render of a cross-check fast: the least noisy estimator, which a scene without diffuse
+# surfaces refuses, and trees for scenes with meshes. No such choice changes the expected image.
 _DIRECT_LIGHT = "direct_light=nee_mis"
-_FAULTS = ("nonfinite", "negative", "saturated")  # of a render's summary
-_FOLDERS = ("environments", "materials", "textures", "scaling", "meshes")  # of scenes, beside those by name
+_FAULTS = ("nonfinite", "negative", "saturated")  # counts of bad samples in a render's summary; none is accepted
+_FOLDERS = ("environments", "materials", "textures", "scaling", "meshes")  # shipped scenes that `list` does not name
 _TREES = {"cuda": ("accelerator=cwbvh", "builder=hploc", "levels=two_level")}
 _TREES_ELSEWHERE = ("accelerator=bvh8", "levels=two_level")
 
 
 class CannotExport(Exception):
-    """A scene that Mitsuba cannot render to the same picture; `reasons` are the program's lines."""
+    """A scene that Mitsuba cannot render to the same picture; `reasons` are the lines that ptbench's export prints."""
 
     def __init__(self, reasons: list[str]):
         super().__init__("; ".join(reasons))
@@ -33,7 +33,7 @@ class CannotExport(Exception):
 
     @property
     def depth(self) -> int:
-        """The depth that the program asks for; 0 where no depth would do."""
+        """The depth that ptbench's export asks for; 0 where no depth would make the scene exportable."""
         asked = [re.search(r"allowed: --depth (\d+) or more", reason) for reason in self.reasons]
         return int(asked[0][1]) if asked and all(asked) else 0
 
@@ -49,7 +49,7 @@ class Settings:
     axes: tuple[str, ...]
     seeds: int
     first_seed: int
-    spp: int  # of Mitsuba's images, and of ptbench's, unless spp_here says otherwise
+    spp: int  # samples per pixel of Mitsuba's images, and of ptbench's unless spp_here overrides it
     resolution: tuple[int, int]
     depth: int | None
     scale: float
@@ -57,25 +57,25 @@ class Settings:
 
     @property
     def program(self) -> Program:
-        """The ptbench program that is cross-checked."""
+        """The ptbench program whose images are compared with Mitsuba's."""
         return Program(self.binary)
 
     @property
     def size(self) -> str:
-        """The size as the programs take it, WxH."""
+        """The image size as the programs take it, WxH."""
         return f"{self.resolution[0]}x{self.resolution[1]}"
 
 
 @dataclass(frozen=True)
 class Images:
-    """The images of one renderer (seeds, rows, columns, channels), and what its last summary said."""
+    """The images of one renderer (seeds, rows, columns, channels), and the summary of its last render."""
 
     images: np.ndarray
     about: dict
 
 
 def shipped_scenes(program: Program) -> list[str]:
-    """Names of the shipped scenes; those of scenes/stability are cases with expectations, and no pictures."""
+    """Names of the shipped scenes but for scenes/stability, which are test cases and no pictures."""
     names = program.output("list", "--names", "scenes").split()
     binary = program.binary.resolve()
     homes = [Path(os.environ["PTBENCH_HOME"])] if "PTBENCH_HOME" in os.environ else [binary.parent, binary.parents[1]]
@@ -84,7 +84,7 @@ def shipped_scenes(program: Program) -> list[str]:
 
 
 def mitsuba_version(settings: Settings) -> dict:
-    """The version and the variant that renders; raises InputError where the wheel is missing."""
+    """Mitsuba's version and the variant that renders; raises InputError where the wheel is missing."""
     return _worker(settings, {})
 
 
@@ -100,7 +100,7 @@ def _worker(settings: Settings, job: dict) -> dict:
 
 
 def export(scene: str, settings: Settings, folder: Path) -> Path:
-    """The scene as Mitsuba's XML; raises CannotExport."""
+    """Writes a scene as Mitsuba's XML and returns the file; raises CannotExport."""
     target = folder / "scene.xml"
     call = ["export", scene, "--format", "mitsuba", "--out", target, "--overwrite"]
     call += ["--resolution", settings.size, "--spp", settings.spp, "--scale", repr(settings.scale)]
@@ -113,7 +113,7 @@ def export(scene: str, settings: Settings, folder: Path) -> Path:
 
 
 def render_here(scene: str, settings: Settings, folder: Path, *, has_meshes: bool) -> Images:
-    """Renders one image a seed by `ptbench render`."""
+    """Renders one image per seed by `ptbench render`."""
     target = folder / "here.pfm"
     call = ["render", "--scene", scene, "--out", target, "--resolution", settings.size]
     call += ["--spp", settings.spp if settings.spp_here is None else settings.spp_here]
@@ -133,7 +133,7 @@ def render_here(scene: str, settings: Settings, folder: Path, *, has_meshes: boo
         about = json.loads(done.stdout)
         seconds += about["render_seconds"]
         seed = settings.first_seed + len(images)
-        # The film leaves them out and counts them, so the picture does not show them.
+        # Samples that are nonfinite, negative or saturated are left out of the film, so the image does not show them.
         if lost := {name: about[name] for name in _FAULTS if about.get(name)}:
             raise InputError(f"ptbench's image, seed {seed}: found faulty samples {lost}, allowed: none")
         images.append(_finite(read_pfm(target), "ptbench's image", seed))
@@ -141,14 +141,14 @@ def render_here(scene: str, settings: Settings, folder: Path, *, has_meshes: boo
 
 
 def _finite(image: np.ndarray, whose: str, seed: int) -> np.ndarray:
-    """Returns an image; raises InputError for one with faulty pixels."""
+    """Returns the image; raises InputError if pixels are infinite or NaN."""
     if wrong := faulty_pixels(image):
         raise InputError(f"{whose}, seed {seed}: found {wrong} pixels that are infinite or no number, allowed: none")
     return image
 
 
 def meshes_in(xml: Path) -> int:
-    """How many objects of an exported scene show a mesh."""
+    """The number of objects of an exported scene that show a mesh."""
     text = read_whole(xml)
     return text.count(b'type="ply"') + text.count(b'type="instance"')
 
@@ -159,7 +159,7 @@ def has_meshes(xml: Path) -> bool:
 
 
 def render_there(xml: Path, settings: Settings, folder: Path) -> Images:
-    """Renders one image a seed by Mitsuba."""
+    """Renders one image per seed by Mitsuba."""
     targets = [folder / f"there_{seed}.pfm" for seed in range(settings.seeds)]
     jobs = [[settings.first_seed + seed, str(target)] for seed, target in enumerate(targets)]
     about = _worker(settings, {"xml": str(xml), "spp": settings.spp, "images": jobs})

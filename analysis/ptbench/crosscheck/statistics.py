@@ -1,10 +1,10 @@
-"""Do two renderers have one mean? Images of several seeds each, held against each other in three ways.
+"""Tests whether two renderers' images of a scene have the same mean, from several seeds each, in three ways.
 
-The image's mean and the means of 8x8 blocks by Welch's t test over seeds, channel by channel; single pixels by the sum
-of d_i d_j over pairs of seeds i and j (d: the difference of a pair of images), whose mean is the squared bias whatever
-the noise looks like. Each of the three has a third of `family`, the probability that any of them tells equal renderers
-apart; within one, Sidak's correction. Each says which bias it would have seen with the probability POWER. Scenes of one
-call share LEVEL_OF_A_CALL.
+Welch's t test over seeds compares the image's mean and the means of 8x8 blocks, channel by channel. Single pixels are
+tested by the sum of d_i d_j over pairs of seeds i and j (d: the difference of a pair of images), whose mean is the
+squared bias whatever the noise looks like. Each of the three tests gets a third of `family`, the probability that any
+of them tells equal renderers apart; within a test, Sidak's correction applies. Each reports which bias it would have
+detected with the probability POWER. Scenes of one call share LEVEL_OF_A_CALL.
 """
 
 from dataclasses import dataclass
@@ -15,76 +15,76 @@ import numpy as np
 from ptbench.crosscheck.limits import SIDE
 from ptbench.stats import special
 
-# The chance that any test of any scene of a call tells equal renderers apart.
+# Probability that any test of any scene of one call tells equal renderers apart.
 LEVEL_OF_A_CALL = 0.01
 POWER = 0.9
-# What two programs may round differently where nothing is random, of a value: about 170 units of single precision.
+# Relative rounding difference allowed between two programs where nothing is random: about 170 ulps of single precision.
 ROUNDING = 1e-5
-# Edges of the classes in which pixels' z are counted, for reading.
+# Edges of the classes of the histogram in which the pixels' z scores are counted.
 EDGES = (-4.0, -3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0, 4.0)
 
 
 @dataclass(frozen=True)
 class MeanTest:
-    """The image's mean, by channel; biases and `sees` are shares of the mean of both."""
+    """The test of the image's mean by channel; biases and `sees` are relative to the mean of both renderers."""
 
     here: tuple[float, ...]
     there: tuple[float, ...]
     bias: tuple[float, ...]
-    errors: tuple[float, ...]  # standard errors of `bias`
+    errors: tuple[float, ...]  # standard errors of the relative bias, by channel
     worst_p: float
     limit_p: float
-    sees: float  # of the worst channel
+    sees: float  # bias of the worst channel that the test would detect
 
     @property
     def differs(self) -> bool:
-        """Whether any channel of the image's mean differs."""
+        """Whether any channel of the image's mean differs significantly."""
         return self.worst_p < self.limit_p
 
 
 @dataclass(frozen=True)
 class BlockTest:
-    """Means of blocks, each channel for itself; `sees` is of a block's own mean, the median over blocks."""
+    """The test of block means, each channel by itself; `sees` is relative to a block's mean, the median over blocks."""
 
-    count: int  # blocks times channels
+    count: int  # number of tested means: blocks times channels
     beyond: int
-    worst: float  # in standard errors
-    worst_place: tuple[int, int, int]  # row and column of the block, channel
+    worst: float  # largest difference of a block mean, in standard errors
+    worst_place: tuple[int, int, int]  # row and column of the worst block, and its channel
     worst_p: float
-    limit: float  # in standard errors, at the worst's degrees of freedom
+    limit: float  # allowed difference of a block mean in standard errors, at the worst block's degrees of freedom
     limit_p: float
-    rms: float  # of all, in standard errors
+    rms: float  # root mean square of all blocks' differences, in standard errors
     sees: float
 
     @property
     def differs(self) -> bool:
-        """Whether any block of the images differs."""
+        """Whether the mean of any block differs significantly."""
         return self.beyond > 0
 
 
 @dataclass(frozen=True)
 class PixelTest:
-    """The test of single pixels; `sees`: the bias that it would find, a root mean square of pixels / the mean."""
+    """The test of single pixels; `sees` is the RMS bias over pixels that it would detect, relative to the mean."""
 
     count: int
-    still: int  # of them, without noise in either
-    still_beyond: int  # of those, how many differ by more than rounding
+    still: int  # number of pixels without noise in either renderer's images
+    still_beyond: int  # number of noise-free pixels that differ by more than rounding
     z: float
     p: float
     limit_p: float
     sees: float
-    histogram: tuple[int, ...]  # of Welch's t of pixels and channels, between EDGES
-    expected: tuple[float, ...]  # of normal noise, Student's t
+    histogram: tuple[int, ...]  # histogram of Welch's t over pixels and channels, in classes between EDGES
+    expected: tuple[float, ...]  # histogram expected of normal noise, by Student's t distribution
 
     @property
     def differs(self) -> bool:
-        """Whether the images differ pixel by pixel."""
+        """Whether the test of single pixels finds a difference."""
         return self.p < self.limit_p or self.still_beyond > 0
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """Two renderers' images of one scene."""
+    """The comparison of two renderers' images of one scene."""
 
     seeds: int
     image: MeanTest
@@ -93,13 +93,13 @@ class Comparison:
 
     @property
     def differs(self) -> bool:
-        """Whether any of the three tests says that the images differ."""
+        """Whether any of the three tests finds a difference between the images."""
         return self.image.differs or self.blocks.differs or self.pixels.differs
 
 
 @dataclass(frozen=True)
 class _Welch:
-    mean: np.ndarray  # of both, absolute
+    mean: np.ndarray  # larger of the two renderers' absolute means
     difference: np.ndarray
     error: np.ndarray
     freedom: np.ndarray
@@ -112,20 +112,20 @@ class _Welch:
         return 2 * special.stdtr(self.freedom, -np.abs(self.t(allowed)))
 
     def sees(self, limit_p: float, allowed: float) -> np.ndarray:
-        """The bias, as a share of the mean, that passes `limit_p` with the probability POWER."""
+        """The bias, relative to the mean, that the test at level `limit_p` detects with the probability POWER."""
         quantiles = special.stdtrit(self.freedom, 1 - limit_p / 2) + special.stdtrit(self.freedom, POWER)
         width = np.full_like(self.mean, np.inf)
         return np.divide(quantiles * self.error, self.mean, out=width, where=self.mean > 0) + allowed
 
 
 def _welch(here: np.ndarray, there: np.ndarray) -> _Welch:
-    """Welch's test over axis 0, the seeds."""
+    """Welch's t test over axis 0, which are the seeds."""
     means = here.mean(axis=0), there.mean(axis=0)
     of_mean = here.var(axis=0, ddof=1) / len(here), there.var(axis=0, ddof=1) / len(there)
     variance = of_mean[0] + of_mean[1]
     shares = of_mean[0] ** 2 / (len(here) - 1) + of_mean[1] ** 2 / (len(there) - 1)
     freedom = np.full_like(variance, len(here) + len(there) - 2)
-    # Squares of tiny variances leave the range of double.
+    # The square of a tiny variance may underflow to 0; its degrees of freedom then keep their default.
     np.divide(variance**2, shares, out=freedom, where=shares > 0)
     mean = np.maximum(np.abs(means[0]), np.abs(means[1]))
     error = np.sqrt(variance + (ROUNDING * mean) ** 2)
@@ -137,7 +137,7 @@ def _sidak(tests: int, family: float) -> float:
 
 
 def family_of(scenes: int) -> float:
-    """The part of LEVEL_OF_A_CALL that each of so many scenes has."""
+    """The share of LEVEL_OF_A_CALL that each of the scenes of a call gets."""
     return _sidak(scenes, LEVEL_OF_A_CALL)
 
 
@@ -157,7 +157,7 @@ def _mean_test(here: np.ndarray, there: np.ndarray, allowed: float, family: floa
 
 
 def _largest(sees: np.ndarray, mean: np.ndarray) -> float:
-    """The largest value where the image is not black; 0 where it is black throughout."""
+    """The largest detectable bias over channels or pixels that are not black; 0 where all are black."""
     lit = sees[mean > 0]
     return lit.max() if lit.size else 0.0
 
@@ -199,7 +199,7 @@ def _pixel_test(here: np.ndarray, there: np.ndarray, allowed: float, limit: floa
     weight = np.divide(1.0, variance, out=np.zeros_like(variance), where=variance > 0) * ~still[..., None]
     products = (pairs.sum(axis=0) ** 2 - (pairs**2).sum(axis=0)) / (seeds * (seeds - 1))
     terms = (weight * products).sum(axis=-1)
-    # What is allowed to differ is no evidence.
+    # The allowed bias is subtracted, so that only a larger difference counts as evidence.
     total = float(terms.sum() - (weight * (allowed * found.mean) ** 2).sum())
     error = float(np.sqrt((terms**2).sum()))
     z = total / error if error > 0 else 0.0
@@ -221,10 +221,10 @@ def _pixel_test(here: np.ndarray, there: np.ndarray, allowed: float, limit: floa
 
 
 def _variance_around(noise: np.ndarray) -> np.ndarray:
-    """For each pixel and channel the mean noise of the others in its block.
+    """For each pixel and channel the mean noise variance of the other pixels in its block.
 
-    Of a single pixel, few seeds know the noise too badly. Its own is left out: where it comes out too small by chance,
-    the products of its pairs come out too large, and a weight that knew it would make every equal pair differ a little.
+    Few seeds estimate a single pixel's variance badly, so the block's mean is used. The pixel itself is left out: where
+    its variance is too small by chance, its pairs' products are too large, and a dependent weight would bias the test.
     """
     of_blocks = block_means(noise[None])[0].repeat(SIDE, axis=0).repeat(SIDE, axis=1)
     return (of_blocks * SIDE**2 - noise) / (SIDE**2 - 1)
@@ -241,9 +241,9 @@ def _expected(freedom: np.ndarray) -> tuple[float, ...]:
 
 
 def compare(here: np.ndarray, there: np.ndarray, allowed: float = 0.0, family: float = LEVEL_OF_A_CALL) -> Comparison:
-    """Images of at least two seeds each: seeds, rows, columns, channels; sides are multiples of SIDE.
+    """Compares images of at least two seeds each (seeds, rows, columns, channels) whose sides are multiples of SIDE.
 
-    `allowed` is a bias, as a share of each mean, that is no difference; `family` the probability that any of the tests
+    `allowed` is a bias, relative to each mean, that is no difference; `family` the probability that any of the tests
     tells equal renderers apart.
     """
     here, there = here.astype(np.float64), there.astype(np.float64)

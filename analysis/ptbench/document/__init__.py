@@ -1,1 +1,1 @@
-"""Documents as values, and as Markdown and as text for a terminal; HTML is report/html.py."""
+"""Documents as values, and their form as Markdown and as terminal text; report/html.py makes HTML of them."""

@@ -1,6 +1,6 @@
-"""What a document is made of. Texts may hold `code` and **bold**, nothing else.
+"""The blocks that a document consists of. Their texts may contain `code` and **bold**, and no other markup.
 
-Reports have files' own texts, which their writers escape.
+Reports contain texts of result files, which the writers of the output formats escape.
 """
 
 from __future__ import annotations
@@ -14,28 +14,28 @@ from ptbench.document.table import Table
 
 @dataclass(frozen=True)
 class Paragraph:
-    """A paragraph of text."""
+    """A paragraph of a document."""
 
     text: str
 
 
 @dataclass(frozen=True)
 class Bullets:
-    """A list of texts."""
+    """A bullet list of a document."""
 
     items: tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class Facts:
-    """Names and what is said of them."""
+    """A list of names, each with its value."""
 
     rows: tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True)
 class Folded:
-    """A table under a line that opens it: long ones would bury what follows. In print it is open."""
+    """A table that unfolds on a click, so that long ones do not bury what follows; open in print."""
 
     label: str
     table: Table
@@ -43,9 +43,9 @@ class Folded:
 
 @dataclass(frozen=True)
 class Image:
-    """A figure's file: `name` has its ending, `alt` says what is to be seen. Sizes in CSS pixels.
+    """A figure's file: `name` with extension, `alt` text for readers who cannot see it. Sizes in CSS pixels.
 
-    `narrow` is the same drawn for a narrow screen, which a page with room for the other does not show.
+    `narrow` is the figure drawn for a narrow screen; a page shows one of the two drawings.
     """
 
     name: str
@@ -57,20 +57,20 @@ class Image:
 
     @property
     def media_type(self) -> str:
-        """As HTTP calls it."""
+        """The image's media type as in HTTP."""
         return {"svg": "image/svg+xml", "png": "image/png", "jpg": "image/jpeg"}[self.name.rpartition(".")[2]]
 
 
 @dataclass(frozen=True)
 class Pictures:
-    """Small images in rows, each with its caption."""
+    """Small images in rows, each with a caption."""
 
     items: tuple[tuple[Image, str], ...]
 
 
 @dataclass(frozen=True)
 class Download:
-    """A table of raw rows: gzip-compressed CSV, named without ".gz"; `about` says what a row is."""
+    """A downloadable table of raw rows: gzip-compressed CSV, named without ".gz"; `about` says what a row is."""
 
     name: str
     compressed: bytes
@@ -80,7 +80,7 @@ class Download:
 
 @dataclass(frozen=True)
 class Heading:
-    """Within a section."""
+    """A heading within a section."""
 
     text: str
 
@@ -90,7 +90,7 @@ Block = Paragraph | Bullets | Facts | Table | Folded | Image | Pictures | Downlo
 
 @dataclass(frozen=True)
 class Section:
-    """`anchor`, which links lead to, is unique in the page: letters, digits, hyphens; empty: there are no links."""
+    """A section with its title. `anchor` is unique in the page: letters, digits, hyphens; empty: no links."""
 
     title: str
     anchor: str = ""
@@ -99,30 +99,30 @@ class Section:
 
     @property
     def table(self) -> Table | None:
-        """The first table of the section; None: it has none."""
+        """The first table of the section; None if there is no table."""
         return next((block for block in self.blocks if isinstance(block, Table)), None)
 
 
 def section(title: str, lines: Sequence[str] = (), table: Table | None = None, after: Sequence[str] = ()) -> Section:
-    """Sentences, a table, and sentences after it."""
+    """Makes a section of bulleted sentences, a table, and bulleted sentences after it."""
     blocks = (Bullets(tuple(lines)) if lines else None, table, Bullets(tuple(after)) if after else None)
     return Section(title, blocks=tuple(block for block in blocks if block is not None))
 
 
-# A summary under way: lines of Markdown, and tables between them.
+# A summary that is being written: lines of Markdown, with tables between them.
 Lines = list["str | Table"]
 
 
 def anchor_of(*parts: str) -> str:
-    """The place in the page that a link leads to."""
+    """The anchor of a place in a page, made of the words in `parts`."""
     return "-".join(re.sub(r"[^a-z0-9]+", "-", part.lower()).strip("-") or "x" for part in parts)
 
 
-LONG_TABLE = 12  # rows; a longer one is folded
+LONG_TABLE = 12  # most rows of a table that is shown unfolded
 
 
 def shown_table(table: Table, label: str, *, fold: bool = False) -> Table | Folded | Facts:
-    """The table, folded under `label` where it is long or with `fold`; of one row, its names and values."""
+    """A table as a block: folded under `label` if long or with `fold`; a single row becomes a list of facts."""
     count = len(table.rows)
     if fold or count > LONG_TABLE:
         return Folded(f"{label}, {count} row{'' if count == 1 else 's'}", table)
@@ -130,9 +130,9 @@ def shown_table(table: Table, label: str, *, fold: bool = False) -> Table | Fold
 
 
 def blocks_of(lines: Lines, label: str, *, skip_heading: bool = True, fold: bool = False) -> list[Block]:
-    """A summary's section as blocks: its paragraphs, lists, headings and tables, which `fold` folds whatever they hold.
+    """A section of a summary as blocks: paragraphs, lists, headings and tables; `fold` folds all tables.
 
-    Its own heading is left out.
+    The section's own heading is left out with `skip_heading`.
     """
     blocks: list[Block] = []
     bullets: list[str] = []

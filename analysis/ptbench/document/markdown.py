@@ -1,4 +1,4 @@
-"""Documents as Markdown; a report's figures, pictures and raw rows are files beside it."""
+"""Documents as Markdown; figures, pictures and raw rows of a report become files beside the page."""
 
 import gzip
 import re
@@ -26,34 +26,34 @@ FIGURES, SCENES, DATA = "figures", "scenes", "data"
 _CODE = re.compile(r"(`[^`]+`)")
 
 
-# What makes a text of a document one of Markdown: `one_line` for ours, `escaped` for files'.
+# A function that turns a document's text into Markdown: `one_line` for our own texts, `escaped` for those of files.
 Written = Callable[[str], str]
 
 
 def markdown_page(title: str, sections: Iterable[Section]) -> str:
-    """A page of our own words; ends with one line break."""
+    """A Markdown page of our own texts, which need no escaping; ends with one line break."""
     return _joined([f"# {title}", "", *_sections(sections, 2, one_line)])
 
 
 def markdown(lines: Lines) -> str:
-    """A summary; ends with one line break."""
+    """A summary as Markdown; ends with one line break."""
     return _joined([text for line in lines for text in ([line] if isinstance(line, str) else table_lines(line))])
 
 
 def report_page(title: str, subtitle: str, sections: Sequence[Section]) -> str:
-    """A page of files' words with a table of contents, whose images lie beside it."""
+    """A report as Markdown, with escaped texts, a table of contents and images in files beside the page."""
     lines = [f"# {escaped(title)}", "", escaped(subtitle), "", "## Contents", "", *_contents(sections, ""), ""]
     return _joined([*lines, *_sections(sections, 2, escaped)])
 
 
 def table_lines(table: Table, written: Written = one_line) -> list[str]:
-    """The lines of a table."""
+    """The Markdown lines of a table."""
     sides = ("---:" if is_number else "---" for is_number in table.numeric)
     return [_row(table.head), _row(sides), *(_row(map(written, row)) for row in table.rows)]
 
 
 def escaped(text: str) -> str:
-    """Marks of HTML are text here, but in code, where nothing is a mark. One line: a line break may begin a heading."""
+    """Escapes HTML in a text outside `code`, and joins its lines, as a line break could start a heading."""
     parts = _CODE.split(one_line(text))
     return "".join(part if part.startswith("`") else part.replace("&", "&amp;").replace("<", "&lt;") for part in parts)
 
@@ -63,12 +63,12 @@ def _joined(lines: Iterable[str]) -> str:
 
 
 def _row(values: Iterable[str]) -> str:
-    # A message from a compiler may hold anything; a pipe or a line break would end the table's cell.
+    # A compiler message may hold anything; a pipe or a line break in it would end the table's cell.
     return "| " + " | ".join(one_line(value).replace("|", "\\|") for value in values) + " |"
 
 
 def linked_files(folder: Path, sections: Sequence[Section]) -> Iterator[tuple[Path, bytes]]:
-    """What the Markdown page links to."""
+    """The files that a Markdown report links to, with their bytes."""
     for block in _blocks(sections):
         if isinstance(block, Image):
             yield folder / FIGURES / block.name, block.data
@@ -80,7 +80,7 @@ def linked_files(folder: Path, sections: Sequence[Section]) -> Iterator[tuple[Pa
 
 
 def write_files(files: Sequence[tuple[Path, bytes]]) -> None:
-    """Each whole, in a folder that is made for it."""
+    """Writes each file atomically, and makes its folder."""
     for target, data in files:
         make_folder(target.parent)
         write_whole(target, lambda path, data=data: path.write_bytes(data) and None)
@@ -107,7 +107,7 @@ def _label(text: str) -> str:
 def _sections(sections: Iterable[Section], level: int, written: Written) -> Iterator[str]:
     for section in sections:
         if section.anchor:
-            # Renderers make anchors of headings each in its own way, and titles repeat: these are ours.
+            # Explicit anchors are written, as Markdown renderers derive theirs from headings in different ways.
             yield from (f'<a id="{section.anchor}"></a>', "")
         yield from (f"{'#' * level} {written(section.title)}", "")
         for block in section.blocks:
@@ -141,6 +141,6 @@ def _block(block: Block, level: int, written: Written) -> list[str]:
 
 
 def _image(image: Image, folder: str) -> str:
-    # The caption is in the figure; its title is enough here.
+    # The alternative text is only the figure's title, because the figure contains its caption.
     title = image.alt.partition(". ")[0]
     return f"![{_label(title)}]({quote(f'{folder}/{image.name}')})"

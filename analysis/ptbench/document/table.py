@@ -1,4 +1,4 @@
-"""Tables as values, so that one table is Markdown in a summary, text on a terminal and HTML in a report."""
+"""Tables as values: one table becomes Markdown in a summary, text on a terminal and HTML in a report."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Table:
-    """Texts in rows; `numeric` says by column which are numbers, for alignment and sorting."""
+    """A table of texts; `numeric` tells which columns hold numbers, for alignment and sorting."""
 
     head: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
@@ -14,6 +14,6 @@ class Table:
 
 
 def table_of(head: Sequence[str], rows: Iterable[Sequence[str]], numeric: Iterable[str] = ()) -> Table:
-    """`numeric` names the columns that are numbers."""
+    """Makes a table; `numeric` names the columns that hold numbers."""
     names = set(numeric)
     return Table(tuple(head), tuple(tuple(row) for row in rows), tuple(name in names for name in head))

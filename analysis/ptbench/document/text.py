@@ -1,4 +1,4 @@
-"""A document for a terminal: wrapped sentences and aligned tables."""
+"""Documents as text for a terminal, with wrapped sentences and aligned tables."""
 
 import textwrap
 from collections.abc import Iterable
@@ -7,18 +7,18 @@ from ptbench.document.blocks import Block, Bullets, Section
 from ptbench.document.table import Table
 from ptbench.io.files import one_line
 
-_WIDTH = 118  # of lines on a terminal; tables may be wider
+_WIDTH = 118  # characters per line on a terminal; tables may be wider
 
 
 def as_text(sections: Iterable[Section]) -> str:
-    """Sections of sentences and tables, wrapped and aligned; ends with one line break."""
+    """A document as terminal text, wrapped and aligned; ends with one line break."""
     return "\n\n".join("\n".join(_lines(section)) for section in sections) + "\n"
 
 
 def _lines(section: Section) -> Iterable[str]:
     yield section.title
     for index, block in enumerate(section.blocks):
-        # Sentences follow their heading at once.
+        # No blank line separates a heading from the sentences below it.
         if index or isinstance(block, Table):
             yield ""
         yield from _block(block)
@@ -38,7 +38,7 @@ def _wrapped(line: str) -> list[str]:
 
 
 def aligned(table: Table) -> Iterable[str]:
-    """The lines of a table whose columns stand under each other."""
+    """The lines of a table with its columns padded to equal width."""
     rows = [table.head, *(tuple(map(one_line, row)) for row in table.rows)]
     widths = [max(len(row[column]) for row in rows) for column in range(len(table.head))]
     for row in rows:

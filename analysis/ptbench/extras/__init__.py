@@ -1,1 +1,1 @@
-"""What pages and results do without: commands of their own, which nothing outside of this folder imports."""
+"""Optional commands that the pages and results do not need; nothing outside of this folder imports them."""

@@ -1,1 +1,1 @@
-"""One module a figure: what it shows of a result, how that is drawn, and its name, by which `registry` finds it."""
+"""Figures, one module each: what a figure shows of a result, how it is drawn, and its name for `registry`."""

@@ -1,4 +1,4 @@
-"""The captions: all that a reader needs to trust a figure that was cut out of its paper."""
+"""Captions of figures, complete enough that a figure can be understood outside of its paper."""
 
 from collections.abc import Sequence
 
@@ -9,7 +9,7 @@ from ptbench.studies.gpu import KERNEL_AXES, gpu_line
 from ptbench.studies.notes import Note
 from ptbench.studies.questions import Question, fixed_axes, fixed_tunables, swept_by, varying_dimensions
 
-# More of one kind are only counted under the figure; stdout and summary.md have all of them.
+# Notes of one kind beyond this number are only counted under the figure; stdout and summary.md list all.
 SHOWN_NOTES_A_KIND = 3
 
 
@@ -21,7 +21,7 @@ def timing_caption(
     notes: Sequence[Note],
     remarks: Sequence[str] = (),
 ) -> str:
-    """How to read a figure of times, what was run on what, and the notes."""
+    """The caption of a figure of times: how to read it, what was run on which machine, and notes."""
     n = span(len(cell.samples) for cell in cells)
     what = (
         f"Points: median render wall time per sample per pixel, n = {n} samples each. Bars: {INTERVAL_TEXT}, hidden "
@@ -40,7 +40,7 @@ def setting(
     *,
     told: bool = True,
 ) -> str:
-    """What was run, on what; without a study its variants are named whole, or not at all without `told`."""
+    """The setting part of a caption: what was run on which machine; without a study variants are named if `told`."""
     resolutions = ", ".join(dict.fromkeys(cell.resolution_text.replace("x", "×") for cell in cells))
     scenes = list(dict.fromkeys(cell.scene for cell in cells))
     backends = ", ".join(dict.fromkeys(cell.backend for cell in cells))
@@ -80,12 +80,12 @@ def _fixed(cells: Sequence[Cell], question: Question | None, study: Study, told:
 def captioned(
     what: str, result: Result, cells: Sequence[Cell], notes: Sequence[Note], study: Study | None = None
 ) -> str:
-    """How to read a figure, what was run on what, and the notes."""
+    """The caption of a figure: how to read it, what was run on which machine, and notes."""
     return "\n".join([what, setting(result, cells, None, study), *note_lines(notes)])
 
 
 def note_lines(notes: Sequence[Note]) -> list[str]:
-    """The notes as one paragraph, or nothing."""
+    """A caption's notes as one paragraph; empty without notes."""
     shown: list[str] = []
     for kind in dict.fromkeys(note.kind for note in notes):
         shorts = [note.short for note in notes if note.kind == kind]

@@ -1,4 +1,4 @@
-"""What robust formulas and more digits cost: times as ratios to robust float, all else equal."""
+"""The figure of what robust formulas and higher precision cost: times as ratios to robust float, all else equal."""
 
 from collections.abc import Sequence
 
@@ -24,19 +24,19 @@ _WHAT = (
 
 
 def formula_of(cell: Cell | NotApplicable) -> str:
-    """ "robust float", "naive double"; files from before there was the axis have robust kernels only."""
+    """The formula of a cell, such as "robust float"; files older than the axis have robust kernels only."""
     return f"{cell.axes.get('robustness', 'robust')} {cell.axes.get('precision', 'float')}"
 
 
 def _notes(result: Result, study: Study, rows: Sequence[Row]) -> list[Note]:
-    """The study's notes, in which what is not applicable has its precision, too."""
+    """The notes of a study; those on inapplicable cells also name the precision."""
     absent = dict.fromkeys((formula_of(item), item.reason) for item in missed(result, study) if not item.elsewhere)
     notes = [Note("n/a", f"Not applicable: {what}.", f"{what}: {reason}") for what, reason in absent]
     return [*notes, *(note for note in notes_of(result, study, rows) if note.kind != "n/a")]
 
 
 def collect(result: Result, study: Study) -> bars.Data:
-    """A bar a variant; raises NotDrawable."""
+    """The bars of the study, one per variant; raises NotDrawable."""
     rows = measure(result, study)
     notes = _notes(result, study, rows)
     cells = [row.cell for row in rows]
@@ -69,7 +69,7 @@ def _reference(cells: Sequence[Cell]) -> Cell | None:
 
 
 def _bars(cells: Sequence[Cell]) -> tuple[Bar, ...]:
-    """Robust float first, then in the file's order."""
+    """The bars of some cells: robust float first, then in the file's order."""
     reference = _reference(cells)
     ordered = sorted(cells, key=lambda cell: formula_of(cell) != REFERENCE)
     return tuple(_bar(cell, reference) for cell in ordered)

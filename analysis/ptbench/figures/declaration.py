@@ -1,4 +1,4 @@
-"""How a figure declares itself: `FIGURES` in its module, which `registry` finds where it lies."""
+"""How a figure declares itself: by `FIGURES` in its module, which `registry` finds."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -11,22 +11,22 @@ from ptbench.io.stability import Stability
 
 @dataclass(frozen=True)
 class StudyFigure:
-    """A figure that a study of a result file is drawn as, by `draw` of the module that its numbers' class is of."""
+    """A figure drawn from a study of a result file; the module of `collect`'s result class must have `draw`."""
 
-    # What a study asks for: a figure by name, or the axis or the tunable whose values it compares. AXIS_by_ALONG is an
-    # axis's own figure where it is followed along something, in the place of scaling_by_ALONG.
+    # What a study asks for: a figure's name, or the axis or tunable whose values it compares. A figure named
+    # AXIS_by_ALONG replaces scaling_by_ALONG for studies of that axis.
     name: str
-    collect: Callable[[Result, Study], object]  # its numbers; raises NotDrawable with the reason
-    part: str = ""  # what it adds to the study's name; empty: it is the one that every study has
-    place: int = 0  # among the parts of a study, from the least on
+    collect: Callable[[Result, Study], object]  # computes the figure's numbers; raises NotDrawable with the reason
+    part: str = ""  # suffix that the figure adds to the study's name; empty: the main figure, which every study has
+    place: int = 0  # sort key among the figures of one study
     is_axis: bool = False  # whether `name` is an axis, whose choices are then not drawn as rows
-    has_photographs: bool = False  # whether it keeps all its colours
+    has_photographs: bool = False  # whether the figure contains renders, so that its colours must not be reduced
 
 
 @dataclass(frozen=True)
 class StabilityFigure:
-    """A figure of a stability file, on pages."""
+    """A figure of a stability file, which may have several pages."""
 
     name: str
-    collect: Callable[[Stability], Sequence]  # its pages; raises NotDrawable with the reason
-    draw: Callable[..., Figure]  # one of its pages
+    collect: Callable[[Stability], Sequence]  # computes the figure's pages; raises NotDrawable with the reason
+    draw: Callable[..., Figure]  # draws one of the figure's pages

@@ -1,4 +1,4 @@
-"""How efficient several GPUs are by the number of samples: a line a number of GPUs, with and without the reduction."""
+"""Parallel efficiency of several GPUs over samples per pixel: a line per number of GPUs, with and without reduction."""
 
 from collections.abc import Sequence
 
@@ -14,7 +14,7 @@ from ptbench.studies.rows import measure
 
 
 def collect(result: Result, study: Study) -> series.Data:
-    """Strong scaling of the study's cells and weak scaling of what the file has of them; raises NotDrawable."""
+    """Strong scaling of the study's cells, and weak scaling as far as the file has it; raises NotDrawable."""
     rows = measure(result, study)
     fixed = [one for one in strong([row.cell for row in rows]) if one.cell.axes[PARTITION] == WHOLE]
     if not fixed:

@@ -1,4 +1,4 @@
-"""Ratios as a forest plot: a dot and its interval on a common axis, one group a scene, their geometric means first."""
+"""Ratios as a forest plot: a dot with interval per row on a common axis, grouped by scene, geometric means first."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,13 +11,13 @@ from ptbench import numbers
 from ptbench.figures import style
 from ptbench.stats.estimates import FASTER, SAME, SLOWER, UNSURE, Estimate, interval_of_ratio
 
-# A verdict is told by marker and word, too; what is unsure is grey.
+# A verdict is told by marker and word as well as by colour; UNSURE is grey.
 LOOKS = {
     SLOWER: style.Look(style.COLOURS[2], "^", "-"),
     FASTER: style.Look(style.COLOURS[1], "s", "-"),
     SAME: style.Look(style.COLOURS[0], "o", "-"),
     UNSURE: style.Look("#6e6e6e", "D", "-"),
-    # The looks of ratios that are better when high.
+    # Looks of ratios for which higher is better.
     "lower": style.Look(style.COLOURS[2], "^", "-"),
     "higher": style.Look(style.COLOURS[1], "s", "-"),
     "not told apart from 1": style.Look("#6e6e6e", "D", "-"),
@@ -32,16 +32,16 @@ _PLOT = 4.2
 
 @dataclass(frozen=True)
 class Item:
-    """A row: a ratio with its interval and its verdict."""
+    """A row of a forest plot: a ratio with its interval and its verdict."""
 
     label: str
     ratio: Estimate
-    word: str  # a key of LOOKS
+    word: str  # word of the verdict, a key of LOOKS
 
 
 @dataclass(frozen=True)
 class Group:
-    """Rows under one title."""
+    """The rows of a forest plot under one title."""
 
     title: str
     items: tuple[Item, ...]
@@ -49,7 +49,7 @@ class Group:
 
 @dataclass(frozen=True)
 class Data:
-    """`threshold`: differences up to here count as none; `axis` names the ratio; `kind` is for file names."""
+    """A page of a forest plot; differences up to `threshold` count as none, `axis` names the ratio, `kind` the file."""
 
     title: str
     axis: str
@@ -60,7 +60,7 @@ class Data:
 
 
 def pages(groups: Sequence[Group], most: int) -> list[tuple[Group, ...]]:
-    """The groups in parts of at most `most` rows; a group that is longer is cut."""
+    """Distributes groups over pages of at most `most` rows, and splits groups that are longer."""
     parts: list[list[Group]] = [[]]
     room = most
     for group in groups:
@@ -120,7 +120,7 @@ def draw(data: Data) -> Figure:
     return page.figure
 
 
-_NARROW = 3.57  # inches: a telephone's 375 CSS pixels less its page's margins
+_NARROW = 3.57  # width in inches: a phone's 375 CSS pixels without the page's margins
 _NARROW_SIZE = 8.0
 _NARROW_PLOT = 1.5
 
@@ -135,7 +135,7 @@ def draw_narrow(data: Data) -> Figure:
     body = sum(heads) + sum(map(sum, rows)) + 0.5
     page = style.Page(_NARROW, body, data.title, data.caption)
     limits, log = _limits(data)
-    # The page has one axes under all rows: what a row is lies at inches from its bottom.
+    # One axes spans all rows, and y is in inches from its bottom.
     height = body - 0.5
     axes = page.axes(style.MARGIN, 0.5, _NARROW_PLOT, height)
     axes.set_ylim(0, height)
@@ -166,7 +166,7 @@ def draw_narrow(data: Data) -> Figure:
 
 
 def _limits(data: Data) -> tuple[tuple[float, float], bool]:
-    """What the axis shows: everything, 1 and the band round it included."""
+    """The axis limits, which include all intervals, 1 and the threshold band; and whether the axis is logarithmic."""
     ends = [1 - data.threshold, 1 + data.threshold]
     for group in data.groups:
         for item in group.items:
@@ -179,7 +179,7 @@ def _limits(data: Data) -> tuple[tuple[float, float], bool]:
 
 
 def _scale(axes: Axes, limits: tuple[float, float], log: bool, most: int = 5) -> None:
-    """Sets the axis' ticks: at most `most`, or about that many on a log scale."""
+    """Sets the ticks of a ratio axis: at most `most`, or about that many on a logarithmic one."""
     if log:
         axes.set_xscale("log")
         style.ticks(axes.xaxis, LogLocator(subs=(1, 2, 5) if limits[1] < 12 * most * limits[0] else (1,)))

@@ -1,6 +1,6 @@
-"""A megakernel's time over a wavefront's by the arithmetic injected into shading, a line a number of triangles.
+"""The time of a megakernel over a wavefront's, by arithmetic injected into shading, one line per triangle count.
 
-Below 1 the one kernel is the faster. Only of a study that has both integrators with the same settings.
+Below 1 the megakernel is faster. Drawn only for a study with both integrators at equal settings.
 """
 
 from ptbench.errors import NotDrawable
@@ -16,7 +16,7 @@ KERNEL, QUEUE, COST = "megakernel_regen", "wavefront", "shading_fmas"
 
 
 def collect(result: Result, study: Study) -> series.Data:
-    """A line a scene with a mesh; raises NotDrawable."""
+    """Collects one line per scene with a mesh; raises NotDrawable."""
     rows = measure(result, study)
     cells = [row.cell for row in rows if row.cell.measured and row.cell.meshes is not None]
     lines = []

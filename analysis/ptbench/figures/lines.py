@@ -1,4 +1,4 @@
-"""Time per spp as lines over some x: a line a choice, a panel a scene or family of scenes, ratios below."""
+"""Time per sample per pixel over a parameter: one line per choice, a panel per scene or family, ratios below."""
 
 import math
 from collections.abc import Sequence
@@ -23,18 +23,18 @@ from ptbench.studies.groups import Parts
 from ptbench.studies.notes import Note
 from ptbench.studies.rows import Row
 
-# Where one choice takes this many times another's time, a linear axis would press the fast ones flat.
+# Ratio of times from which on the axis is logarithmic, as a linear one would flatten the fast choices.
 _LOG_FROM = 5.0
-_RATIO_HEIGHT, _LOG_RATIO_HEIGHT = 1.35, 2.0  # inches
+_RATIO_HEIGHT, _LOG_RATIO_HEIGHT = 1.35, 2.0  # inches: height of the panel of ratios, linear and logarithmic
 _RATIO_TICKS = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1, 1.1, 1.2, 1.3, 1.5, 2, 3, 4, 5, 7, 10)
-# The ticks of a logarithmic axis, by how many times the lowest value the highest is at most; beyond, powers of ten.
+# Ticks of a logarithmic axis by the largest ratio of its ends; beyond the last ratio ticks are powers of ten.
 _LOG_STEPS = ((3, (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8)), (6, (1, 2, 3, 5, 7)), (20, (1, 2, 3, 5)), (200, (1, 2, 5)))
-_LEGEND_WIDTH, _WIDEST_LEGEND = 1.9, 2.6  # inches, before a line's name is wrapped; for one long word
+_LEGEND_WIDTH, _WIDEST_LEGEND = 1.9, 2.6  # inches beyond which a line's name is wrapped, and limit for one long word
 
 
 @dataclass(frozen=True)
 class Line:
-    """One choice in one panel."""
+    """The line of one choice in one panel."""
 
     label: str
     is_baseline: bool
@@ -53,40 +53,40 @@ class Panel:
 
     @property
     def xs(self) -> list[int]:
-        """All values that any line has along the axis, in ascending order."""
+        """All parameter values in a panel, in ascending order."""
         return sorted({x for line in self.lines for x in line.xs})
 
 
 @dataclass(frozen=True)
 class Abscissa:
-    """What lies along x: `ticks` names the values that do not stand for themselves."""
+    """The parameter along x; `ticks` names values that are not shown as numbers."""
 
     quantity: str
     unit: str
     ticks: dict[int, str]
-    log: bool = False  # always, not only where the values are spaced so; a zero stands left of the logarithms
+    log: bool = False  # whether x is logarithmic whatever the spacing; a zero is placed left of the logarithms
 
     def tick(self, x: float) -> str:
-        """The text of a tick at a value."""
+        """The label of a tick at a value."""
         return self.ticks.get(int(x), f"{x:g}")
 
 
 @dataclass(frozen=True)
 class Data:
-    """What the page shows."""
+    """The contents of a page of lines."""
 
     title: str
     caption: str
     notes: tuple[Note, ...]
-    baseline: str  # "axis=choice"; empty where no choices are compared
+    baseline: str  # baseline as "axis=choice"; empty where no choices are compared
     order: tuple[str, ...]
     panels: tuple[Panel, ...]
     abscissa: Abscissa
-    log_times: bool = False  # and ratios: always, not only where they differ so much
+    log_times: bool = False  # whether times and ratios are logarithmic even over a small range
 
 
 def panel_of(title: str, points: Sequence[tuple[int, Row]], parts: Parts, with_crossovers: bool = False) -> Panel:
-    """A panel of measured pairs (x, row)."""
+    """Makes a panel of measured pairs (x, row)."""
     drawn = []
     for label in parts.order:
         of_line = sorted((p for p in points if parts.labels[p[1].cell.name] == label), key=lambda point: point[0])
@@ -109,7 +109,7 @@ def panel_of(title: str, points: Sequence[tuple[int, Row]], parts: Parts, with_c
 
 
 def draw(data: Data) -> Figure:
-    """Draws the page of lines: times above, ratios below."""
+    """Draws the page of lines, with times above and ratios below."""
     words = [style.text_width(word, style.LABEL_SIZE) for label in data.order for word in label.split()]
     legend_width = min(max(_LEGEND_WIDTH, *words), _WIDEST_LEGEND) + 0.01
     labels = {label: "\n".join(style.wrapped(label, style.LABEL_SIZE, legend_width)) for label in data.order}
@@ -179,7 +179,7 @@ def draw(data: Data) -> Figure:
             ends,
             [labels[line.label] for line in panel.lines],
             [looks[line.label] for line in panel.lines],
-            # The names of lines keep below the title where that reaches over them.
+            # Labels of lines start below the panel's title where the title is wide enough to reach them.
             above=0.1 if style.text_width(titles[index][-1], style.BASE_SIZE + 0.5, "bold") < plot_width else 0.0,
         )
     return page.figure
@@ -220,19 +220,19 @@ def _draw_ratios(axes: Axes, panel: Panel, looks: dict[str, style.Look]) -> None
 
 
 def looks_of_baseline(panel: Panel, looks: dict[str, style.Look]) -> style.Look:
-    """The look of the panel's baseline; of no line's where it has none."""
+    """The look of a panel's baseline; an arbitrary one where the panel has no baseline."""
     return next((looks[line.label] for line in panel.lines if line.is_baseline), style.look(0))
 
 
 def _scale_x(axes: Axes, panel: Panel, abscissa: Abscissa, plot_width: float) -> str:
-    """Ticks at the values that were measured; logarithmic where asked for or where they are spaced so. In words."""
+    """Sets ticks at measured values and, if asked or they are so spaced, a log scale; returns the scale in words."""
     xs = panel.xs
     first, last = xs[0], xs[-1]
     scale = ""
     if len(xs) == 1:
         axes.set_xlim(first - 1, first + 1)
     elif first == 0 and abscissa.log and len(xs) > 2:
-        # Linear up to the first value above 0, which stands two octaves to the right of it.
+        # The axis is linear from 0 to the smallest positive value, which lies two octaves to the right of 0.
         smallest = xs[1]
         axes.set_xscale("symlog", base=2, linthresh=smallest, linscale=1)
         axes.set_xlim(-0.15 * smallest, last * (last / smallest) ** 0.05)
@@ -253,7 +253,7 @@ def _scale_x(axes: Axes, panel: Panel, abscissa: Abscissa, plot_width: float) ->
 
 
 def _apart(axes: Axes, xs: list[int], abscissa: Abscissa, plot_width: float) -> list[int]:
-    """The values whose tick labels do not touch, the last one always among them."""
+    """The values whose tick labels do not touch; the last value is always included."""
     low, high = axes.transData.transform([(axes.get_xlim()[0], 1), (axes.get_xlim()[1], 1)])[:, 0]
     kept: list[int] = []
     edge = math.inf
@@ -279,7 +279,7 @@ def _scale_ratios(axes: Axes, values: list[float], log: bool) -> None:
         _log_y(axes, [*values, 1.0])
         return
     low, high = min([*values, 1.0]), max([*values, 1.0])
-    # The axis is never narrower than this: half a per cent of noise should look like noise, not fill the panel.
+    # The axis spans at least 2 % on each side, so that half a per cent of noise does not fill the panel.
     if log:
         margin = max((high / low) ** 0.1, 1.02)
         axes.set_yscale("log")
@@ -288,14 +288,14 @@ def _scale_ratios(axes: Axes, values: list[float], log: bool) -> None:
     else:
         margin = max(0.1 * (high - low), 0.02)
         axes.set_ylim(low - margin, high + margin)
-        # All these steps divide 1, so the baseline always has its tick.
+        # Each tick step divides 1, so the baseline at 1 always has a tick.
         steps = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
         step = next((step for step in steps if (high - low + 2 * margin) / step <= 5.5), steps[-1])
         style.ticks(axes.yaxis, MultipleLocator(step))
 
 
 def _ratio_ticks(low: float, high: float) -> list[float]:
-    """Round ratios that stand apart on a logarithmic axis from `low` to `high`; 1 is always one of them."""
+    """Round ratios as ticks, spaced for a logarithmic axis from `low` to `high`; 1 is always included."""
     apart = 0.11 * math.log(high / low)
     ticks = [1.0]
     for tick in sorted((tick for tick in _RATIO_TICKS if low <= tick <= high), key=lambda tick: abs(math.log(tick))):

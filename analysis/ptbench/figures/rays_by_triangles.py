@@ -1,7 +1,7 @@
-"""Rays a second by number of triangles: a line an accelerator and kernel, a panel a class of rays and family of meshes.
+"""Rays per second over the number of triangles: a line per tree and kernel, a panel per ray class and mesh family.
 
-Of `ptbench rays`, with a peer's line (OptiX) where it traced the same rays. Meshes whose name but for its size is the
-same are a family: `tori_262k` and `tori_4M`.
+The data are files of `ptbench rays`, with a peer's line (OptiX) where it traced the same rays. Meshes whose names
+differ only in the size form a family: `tori_262k` and `tori_4M`.
 """
 
 from collections.abc import Sequence
@@ -11,14 +11,14 @@ from ptbench.figures import series
 from ptbench.io.rays import Batch, Peer, RayMesh, Rays
 from ptbench.stats.estimates import INTERVAL_TEXT, median_estimate
 
-# Fewer rays do not fill a GPU: such a file is a check, not a measurement of rates.
+# Least rays of a batch to fill a GPU: a file with fewer is a correctness check, not a rate measurement.
 LEAST_RAYS = 1 << 20
 _BUILDER = "sah_binned"
 _NAMES = {"optix": "OptiX", "optix-alone": "OptiX alone"}
 
 
 def measured_meshes(files: Sequence[Rays]) -> list[RayMesh]:
-    """The meshes of all files whose rays are many enough to tell a rate."""
+    """The meshes of all files that were traced with enough rays to measure a rate."""
     return [mesh for file in files for mesh in file.meshes if min(mesh.rays.values()) >= LEAST_RAYS]
 
 
@@ -28,7 +28,7 @@ def family(mesh: str) -> str:
 
 
 def peer_name(peer: Peer) -> str:
-    """The peer as a reader knows it."""
+    """The display name of a peer."""
     return _NAMES.get(peer.name, peer.name)
 
 
@@ -54,7 +54,7 @@ def collect(files: Sequence[Rays], peers: Sequence[Peer]) -> series.Data:
         if (name, of) in lines
     ]
     order = dict.fromkeys(one.label for panel in panels for one in panel.series)
-    # A reader looks for the reference first, and it keeps its look whatever is added.
+    # The reference comes first, so that its colour and marker do not depend on the other lines.
     order = sorted(order, key=lambda label: label not in _NAMES.values())
     return series.Data(
         "Rays a second by number of triangles",

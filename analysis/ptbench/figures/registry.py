@@ -1,6 +1,6 @@
-"""Every figure by its name, found where it lies: each module of this folder declares its own in `FIGURES`.
+"""Finds every figure by its name: each module of this folder declares its own in `FIGURES`.
 
-Studies name figures, or an axis or a tunable whose values they compare. A study may have several figures, its parts.
+A study names a figure, or an axis or tunable whose values it compares. A study may have several figures, called parts.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -25,7 +25,7 @@ def _declared() -> Iterator[StudyFigure | StabilityFigure]:
 
 @cache
 def study_figures() -> Mapping[tuple[str, str], StudyFigure]:
-    """The figures of studies by name and part; parts by their places, all else by where it lies."""
+    """The figures of studies by name and part; parts are ordered by `place`, the rest by module."""
     found = [figure for figure in _declared() if isinstance(figure, StudyFigure)]
     by_name: dict[tuple[str, str], StudyFigure] = {}
     for figure in sorted(found, key=lambda figure: figure.place):
@@ -36,24 +36,24 @@ def study_figures() -> Mapping[tuple[str, str], StudyFigure]:
 
 @cache
 def stability_figures() -> tuple[StabilityFigure, ...]:
-    """The figures of stability files, by where they lie."""
+    """The figures of stability files, in the order of their modules."""
     return tuple(figure for figure in _declared() if isinstance(figure, StabilityFigure))
 
 
 def parts_of_study(study: Study) -> tuple[str, ...]:
-    """The figures of a study, by what each adds to the study's name."""
+    """The parts of a study: the suffixes that its figures add to the study's name."""
     name = _name(study)
     return ("", *(part for figure, part in study_figures() if part and figure == name))
 
 
 def has_photographs(study: Study, part: str) -> bool:
-    """Whether that part of the study keeps all its colours."""
+    """Whether a part of the study contains renders, so that its colours must not be reduced."""
     figure = study_figures().get((_name(study), part))
     return figure is not None and figure.has_photographs
 
 
 def collect_study(result: Result, study: Study, part: str = ""):
-    """The numbers of the study's figure; raises NotDrawable."""
+    """The numbers of a study's figure; raises NotDrawable."""
     if not study.figure:
         raise NotDrawable("the study asks for no figure")
     if _name(study) not in figure_names(result) and not is_tunable(result, study):
@@ -64,7 +64,7 @@ def collect_study(result: Result, study: Study, part: str = ""):
 
 
 def figure_names(result: Result) -> list[str]:
-    """The figures that a study of this file may ask for, but for its tunables': those declared, and one an axis."""
+    """The figures that a study of a file may name, except those of tunables: the declared ones, and one per axis."""
     declared = [figure for (_, part), figure in study_figures().items() if not part]
     named = [figure.name for figure in declared if not figure.is_axis and figure.name != CONVERGENCE]
     own = [figure.name for figure in declared if figure.is_axis]
@@ -72,19 +72,19 @@ def figure_names(result: Result) -> list[str]:
 
 
 def draw(data) -> Figure:
-    """The figure of what `collect_study` gave."""
+    """Draws the figure for data from `collect_study`."""
     with style.applied():
         return import_module(type(data).__module__).draw(data)
 
 
 def _name(study: Study) -> str:
-    """The figure's name: that of the axis along something, where it has one of its own, or what the study asks for."""
+    """The name of a study's figure: AXIS_by_ALONG where that is declared, else what the study asks for."""
     own = f"{study.compares}_by_{study.along}"
     return own if (own, "") in study_figures() else study.figure
 
 
 def _collect(study: Study, part: str) -> Callable[[Result, Study], object]:
-    """What collects that figure; one that nobody declares is of an axis's choices or a tunable's values."""
+    """The function that collects a figure's data; an undeclared one shows an axis's choices or a tunable's values."""
     name = _name(study)
     if part or (name, part) in study_figures():
         return study_figures()[name, part].collect

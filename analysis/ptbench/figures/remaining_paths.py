@@ -1,4 +1,4 @@
-"""How many paths are alive after each bounce, one line a scene: an open box loses them, a closed one keeps them."""
+"""The figure of paths alive after each bounce, one line per scene: an open box loses paths, a closed one keeps them."""
 
 import math
 from dataclasses import dataclass
@@ -14,13 +14,13 @@ from ptbench.io.cells import Cell, Result, Study
 from ptbench.studies.notes import Note, notes_of
 from ptbench.studies.rows import measure
 
-# The numbers under the axis stay readable up to this many columns; with more bounces, every second, third... is shown.
+# Most columns of numbers under the axis that stay readable; with more bounces only every k-th is shown.
 _MOST_COLUMNS = 11
 
 
 @dataclass(frozen=True)
 class Line:
-    """Live paths of one scene: entry k is after k bounces, so entry 0 is the camera rays."""
+    """Live paths of one scene: entry k is after k bounces, so entry 0 counts camera rays."""
 
     scene: str
     fractions: tuple[float, ...]
@@ -29,7 +29,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Data:
-    """What the page shows."""
+    """The contents of the figure of remaining paths."""
 
     title: str
     caption: str
@@ -38,7 +38,7 @@ class Data:
 
 
 def collect(result: Result, study: Study) -> Data:
-    """A line a scene, of the paths that are left after each bounce; raises NotDrawable."""
+    """Collects one line per scene with the paths alive after each bounce; raises NotDrawable."""
     rows = measure(result, study)
     notes = notes_of(result, study, rows)
     cells: list[Cell] = []
@@ -52,7 +52,7 @@ def collect(result: Result, study: Study) -> Data:
                 Note("no counts", f"{text}.", f"{text} ({', '.join(c.name + ' ' + c.status for c in of_scene)})")
             )
             continue
-        # Every variant traces the same paths: the deepest cell shows the most of them.
+        # Every variant traces the same paths, so the cell with the greatest depth is used.
         cell = max(counted, key=lambda cell: cell.depth)
         live, paths, spp = cell.instrumented.live_paths, cell.instrumented.paths, cell.instrumented.spp
         wrong = next((k for k, (a, b) in enumerate(zip((paths, *live), live, strict=False)) if b > a), None)
@@ -79,7 +79,7 @@ def collect(result: Result, study: Study) -> Data:
         f"number per spp. Counted exactly in one instrumented pass of {passes} spp a scene, apart from all timing, so "
         "there is no interval."
     )
-    # Nothing here is timed: what is amiss with times goes to stdout and the summary, not under this figure.
+    # The figure of live paths shows no times, so notes about timing go to stdout and the summary only.
     told = [note for note in notes if note.kind not in ("few samples", "low clock")]
     caption = captioned(what, result, cells, told)
     return Data(study.title or "Paths that remain after each bounce", caption, tuple(notes), tuple(lines))
@@ -127,7 +127,7 @@ def draw(data: Data) -> Figure:
     ends = [(len(line.fractions) - 1, 100 * line.fractions[-1]) for line in data.lines]
     style.label_lines(page, axes, ends, labels, looks)
 
-    # The counts stand under their bounce, as the numbers at risk stand under a survival curve.
+    # The counts stand below their bounce, as numbers at risk do under a survival curve.
     top = table_height - 0.06
     page.text(style.MARGIN, top, "Paths alive per spp", size=style.LABEL_SIZE, va="top", weight="bold")
     middle = top - style.text_height(style.LABEL_SIZE)

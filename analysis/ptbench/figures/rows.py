@@ -1,4 +1,4 @@
-"""Choices as rows: a dot and its interval on a common axis, the numbers beside it, one group a scene and depth."""
+"""Choices as rows: a dot with its interval on a common axis, the numbers beside it, one group per scene and depth."""
 
 from dataclasses import dataclass
 
@@ -18,15 +18,15 @@ from ptbench.studies.rows import Row, measure, scenes_of
 
 _LOG_FROM = 8.0
 _ROW, _TIGHT_ROW = 0.27, 0.22
-_TIGHT_FROM = 40  # rows: a long figure must not be longer than it has to be
+_TIGHT_FROM = 40  # number of rows from which on rows are set tighter
 _HEAD = 0.34
 _GAP = 0.22
-_TITLE = 3.0  # inches of a group's title that may widen the labels' column; a longer one stands above the plot too
+_TITLE = 3.0  # inches up to which a group's title widens the label column; a longer title runs on above the plot
 
 
 @dataclass(frozen=True)
 class Item:
-    """One row of a figure; `time` is None where there is none, and `instead` says why."""
+    """One row of the figure; where `time` is None, `instead` tells why."""
 
     label: str
     is_baseline: bool
@@ -46,7 +46,7 @@ class Group:
 
 @dataclass(frozen=True)
 class Data:
-    """What the page shows."""
+    """The contents of a page of rows."""
 
     title: str
     caption: str
@@ -57,7 +57,7 @@ class Data:
 
 
 def collect(result: Result, study: Study, default_title: str) -> Data:
-    """A row a cell; raises NotDrawable."""
+    """Collects one row per cell; raises NotDrawable."""
     question = question_of(result, study)
     measured = measure(result, study)
     notes = notes_of(result, study, measured)
@@ -83,7 +83,7 @@ def collect(result: Result, study: Study, default_title: str) -> Data:
             items.append(Item(label, row.is_baseline, row.estimate, row.ratio, row.verdict, instead))
         shown = {item.label for item in items}
         if result.baselines:
-            # The note says why a choice was not run in some ways. Older files' figures have a row for that, too.
+            # A note tells why a choice was not run with some settings; figures of older files have a row for it.
             shown |= {question.choice_of(row.cell) for row in of_group}
         group_of = dict(zip(parts.split, values, strict=True))
         for absent in missed(result, study):
@@ -100,7 +100,7 @@ def collect(result: Result, study: Study, default_title: str) -> Data:
 
 
 def _place(row: Row, question: Question) -> tuple:
-    """Baselines first, then from fast to slow, what has no time last; but a tunable's values by their size."""
+    """Sort key: baselines first, then by time, rows without a time last; values of a tunable by their size."""
     by_time = (row.estimate is None, row.estimate.value if row.estimate else 0)
     if not question.is_tunable:
         return not row.is_baseline, *by_time
@@ -115,7 +115,7 @@ def _absent_label(absent: NotApplicable, question: Question) -> str:
 
 
 def _is_of(absent: NotApplicable, group_of: dict[str, str]) -> bool:
-    """Whether the group is where it would stand; what only another backend has stands nowhere."""
+    """Whether an inapplicable cell belongs to the group; cells of another backend belong to none."""
     if absent.elsewhere:
         return False
     known = {**absent.tuned, **absent.axes}
@@ -177,7 +177,7 @@ def draw(data: Data) -> Figure:
         page.text(time_x, head_y, headings[0], **heading)
         page.text(ratio_x, head_y, headings[1], **heading)
         baselines = [item.time.value for item in group.items if item.is_baseline and item.time is not None]
-        # There is no common line of the baseline: one among several baselines would be none of most rows'.
+        # The baseline's line is drawn only for a single baseline: of several, none would fit most rows.
         if len(baselines) == 1:
             axes.axvline(baselines[0], color="#888888", linewidth=0.8, linestyle=(0, (4, 2)), zorder=1)
         axes.set_ylim(-0.5, count - 0.5)

@@ -1,8 +1,8 @@
-"""Writes drawn pages: PNG with the few colours that a figure has, SVG with its text as text.
+"""Writes drawn pages as PNG with few colours, and as SVG with text as text.
 
-Figures are committed beside the results that they show, so their size counts: as matplotlib writes them, a PNG has four
-bytes a pixel and an SVG spells every letter as a curve, which makes both about four times as large. The same data give
-the same bytes: no dates, no versions, no random ids.
+Figures are committed beside their results, so their size matters: matplotlib writes four bytes per pixel into a PNG and
+draws letters as curves in an SVG, which makes both about four times as large. Equal data give equal bytes: no dates, no
+versions, no random ids.
 """
 
 import io
@@ -20,11 +20,11 @@ from ptbench.io.files import write_text, write_whole
 from ptbench.terminal import say
 
 DPI = 200
-# How far a colour may be moved, of 255, so that few are left; of two, the more frequent one stays where it is.
+# Largest change of a colour channel, of 255, when rare colours are merged into more frequent ones.
 _TOLERANCE = 12
 _MOST_COLOURS = 256
 _WEBP_QUALITY = 75
-# Who lacks the first has, on most systems, the second, which is as wide; others are narrower, so that nothing overlaps.
+# Fallback fonts: most systems without DejaVu Sans have Verdana, which is as wide; narrower ones cause no overlap.
 _FONTS = "'DejaVu Sans', Verdana, sans-serif"
 
 
@@ -39,7 +39,7 @@ def save_figure(figure: Figure, folder: Path, name: str) -> list[Path]:
 
 
 def save_if_drawable(make: Callable[[], Figure], folder: Path, name: str) -> str:
-    """Writes the one figure of a file, and says what was written; why there is none, or empty."""
+    """Writes a file's only figure and prints its name; returns why there is none, or an empty string."""
     try:
         with style.applied():
             figure = make()
@@ -53,26 +53,26 @@ def save_if_drawable(make: Callable[[], Figure], folder: Path, name: str) -> str
 
 
 def save_pictures(figure: Figure, target: Path, dpi: float) -> Path:
-    """A page of photographs in all its colours, as PNG or, by the target's ending, as WebP, a tenth as large."""
+    """Writes a page of renders with all colours, as PNG or, by the target's extension, as WebP, a tenth as large."""
     png = png_of(figure, dpi, few_colours=False)
     page = webp_of(png) if target.suffix == ".webp" else png
     return write_whole(target, lambda path: path.write_bytes(page) and None)
 
 
 def webp_of(png: bytes) -> bytes:
-    """A page as WebP, which is lossy: text stays sharp, and the grain of a render is nobody's number."""
+    """A PNG page as lossy WebP: text stays sharp, and the noise of renders need not be exact."""
     with io.BytesIO() as written, Image.open(io.BytesIO(png)) as image:
         image.convert("RGB").save(written, "WEBP", quality=_WEBP_QUALITY, method=6)
         return written.getvalue()
 
 
 def png_of(figure: Figure, dpi: float, *, few_colours: bool) -> bytes:
-    """The page as a PNG file; photographs need all their colours."""
+    """The page as a PNG file; pages with renders need all their colours."""
     with io.BytesIO() as drawn:
         figure.savefig(drawn, format="rgba", dpi=dpi)
-        # As matplotlib's own canvas: parts of a pixel are cut off.
+        # The size in pixels is rounded down, as in matplotlib's own canvas.
         size = int(figure.bbox_inches.width * dpi), int(figure.bbox_inches.height * dpi)
-        # Nothing on a page is transparent: its paper is white.
+        # The page has a white background, so that transparency can be dropped.
         image = Image.frombytes("RGBA", size, drawn.getvalue()).convert("RGB")
     with io.BytesIO() as written:
         (_in_few_colours(image) if few_colours else image).save(written, "PNG", optimize=True, dpi=(dpi, dpi))
@@ -80,10 +80,10 @@ def png_of(figure: Figure, dpi: float, *, few_colours: bool) -> bytes:
 
 
 def _in_few_colours(image: Image.Image) -> Image.Image:
-    """The most frequent colours as they are, every other as the nearest of those."""
+    """Reduces an image to its most frequent colours; every other colour becomes the nearest of those."""
     pixels = np.asarray(image, dtype=np.int32)
     codes = ((pixels[..., 0] << 16) + (pixels[..., 1] << 8) + pixels[..., 2]).ravel()
-    # A page is mostly long runs of one colour: there are far fewer runs than pixels, or than colours there could be.
+    # Run-length encoding makes counting colours fast: a page has far fewer runs than pixels.
     begins = np.concatenate([[0], np.flatnonzero(codes[1:] != codes[:-1]) + 1])
     lengths = np.diff(begins, append=len(codes))
     there, of_run = np.unique(codes[begins], return_inverse=True)
@@ -100,7 +100,7 @@ def _in_few_colours(image: Image.Image) -> Image.Image:
 
 
 def _palette(by_frequency: np.ndarray, tolerance: int) -> np.ndarray | None:
-    """A palette of colours of which no two are within `tolerance`; None: there are too many."""
+    """A palette in which no two colours are within `tolerance`; None: there are too many colours."""
     kept = by_frequency[:1]
     for colour in by_frequency[1:]:
         if np.abs(kept - colour).max(axis=1).min() > tolerance:
@@ -115,12 +115,12 @@ def svg_of(figure: Figure) -> str:
     with io.StringIO() as drawn:
         figure.savefig(drawn, format="svg", metadata={"Date": None, "Creator": None, "Type": None, "Format": None})
         text = drawn.getvalue()
-    # Only in what matplotlib writes, never in what the page says: tags have no text of ours in them.
+    # Only tags are shortened: the page's own text never stands inside a tag.
     return re.sub(r"<[^<>]*>", lambda tag: _shorter(tag[0]), text)
 
 
 def _shorter(tag: str) -> str:
-    """A tag with a hundredth of a point as its finest step, and with the fonts that may stand in for ours."""
+    """Shortens an SVG tag: coordinates to hundredths of a point, and fallback fonts added."""
     tag = re.sub(r' transform="rotate\(-0 [^)]*\)"', "", tag)
     tag = re.sub(r"font: ([^;\"]*)'DejaVu Sans'", lambda font: f"font: {font[1]}{_FONTS}", tag)
     tag = tag.replace("font-family: 'DejaVu Sans'", f"font-family: {_FONTS}")

@@ -1,7 +1,7 @@
-"""How time grows with what a scene or a setting asks for, and from where on one choice overtakes another.
+"""How time grows with a parameter of the scene or setting, and from where on one choice overtakes another.
 
-Four figures over four x: pixels, depth, materials, arithmetic injected into shading. Both axes are logarithmic: equal
-slopes are equal growth, and a choice that costs a constant more comes closer as the work grows.
+The parameters are pixels, depth, materials, and arithmetic injected into shading. Both axes are logarithmic: equal
+slopes are equal growth, and a constant extra cost matters less as the work grows.
 """
 
 import re
@@ -23,17 +23,15 @@ from ptbench.studies.rows import Row, measure
 
 @dataclass(frozen=True)
 class Sweep:
-    """Along `x`, where a cell has one, with the scenes in panels of their own; without `x`, along the scenes."""
+    """A swept parameter: with `x`, its value in a cell, and a panel per scene; without `x`, scenes are swept."""
 
     title: str
     quantity: str
     unit: str
-    said: Callable[[str], str]  # a tick's text in a sentence
+    said: Callable[[str], str]  # text of a tick as part of a sentence
     x: Callable[[Cell], int | None] | None = None
     tick: Callable[[Cell], str] | None = None
-    overtaking: bool = (
-        True  # whether growth is what is asked: logarithmic axes, and from where on which choice is ahead
-    )
+    overtaking: bool = True  # the question is growth: logarithmic axes, and from where on which choice is ahead
 
 
 def _size(cell: Cell) -> str:
@@ -65,7 +63,7 @@ SWEEPS = {
         lambda cell: cell.tunables.get("shading_fmas"),
     ),
 }
-# Figures that two axes have of their own along the depth: what each choice costs or saves there.
+# Figures over the path depth for two axes, sorting and first-bounce cache: what each choice costs or saves by depth.
 _BY_DEPTH = {
     f"{axis}_by_depth": Sweep(
         title, "Path depth", "ray segments", "depth {}".format, lambda cell: cell.depth, overtaking=False
@@ -80,14 +78,14 @@ _BY_ORDER = Sweep("", "Scene, by its number in the caption", "", "{}".format)
 
 @dataclass(frozen=True)
 class Place:
-    """The place of a cell in a sweep; no x: it has nothing of what the figure follows."""
+    """The panel of a cell and its value in a sweep; `x` is None where the cell lacks the parameter."""
 
     panel: str
     x: int | None
 
 
 def numbered_scenes(scenes: Sequence[str]) -> dict[str, Place] | None:
-    """Places by the number that ends a scene's name: `materials_08` is 8 of `materials`; None: some have none."""
+    """Places by the number at the end of each scene's name: `materials_08` is 8 of `materials`; None: some lack one."""
     places = {}
     for scene in dict.fromkeys(scenes):
         match = re.fullmatch(r"(.*?)[_-]?(\d+)", scene)
@@ -98,7 +96,7 @@ def numbered_scenes(scenes: Sequence[str]) -> dict[str, Place] | None:
 
 
 def _places(sweep: Sweep, rows: Sequence[Row]) -> tuple[Sweep, dict[str, Place]]:
-    """Every cell's place by its name, and what then lies along x."""
+    """The sweep along x, and every cell's place in it, by cell name."""
     if sweep.x is not None:
         return sweep, {row.cell.name: Place(row.cell.scene, sweep.x(row.cell)) for row in rows}
     scenes = list(dict.fromkeys(row.cell.scene for row in rows))
@@ -110,7 +108,7 @@ def _places(sweep: Sweep, rows: Sequence[Row]) -> tuple[Sweep, dict[str, Place]]
 
 
 def collect(result: Result, study: Study, sweep: Sweep) -> lines.Data | row_figure.Data:
-    """Lines over what is swept, or rows where it has one value; raises NotDrawable."""
+    """The data of lines over the swept parameter, or of rows where it has one value; raises NotDrawable."""
     question = question_of(result, study)
     rows = measure(result, study)
     notes = notes_of(result, study, rows)
@@ -160,7 +158,7 @@ def collect(result: Result, study: Study, sweep: Sweep) -> lines.Data | row_figu
 
 
 def crossover_words(panel: lines.Panel, named: dict[int, str]) -> str:
-    """One panel's crossovers in words, the earliest first; who has none is named too."""
+    """A panel's crossovers in words, the earliest first; lines without a crossover are named as well."""
     found: dict[tuple[int, str], list[str]] = {}
     none, unknown = [], []
     for line in panel.lines:
@@ -188,7 +186,7 @@ def crossover_words(panel: lines.Panel, named: dict[int, str]) -> str:
 
 
 def _listed(labels: Sequence[str]) -> str:
-    # Labels may have commas of their own.
+    # Labels may contain commas, in which case another separator is used.
     return (" | " if any("," in label for label in labels) else ", ").join(labels)
 
 

@@ -1,6 +1,6 @@
-"""Any quantity as lines over a number, in panels of one scale, logarithmic but where y is to begin at 0.
+"""Any quantity as lines over a number, in panels of one scale, logarithmic except where y begins at 0.
 
-What `lines` is for times and their ratios to a baseline, this is for everything else: rates, ratios, totals.
+`lines` draws times and their ratios to a baseline; this module draws other quantities: rates, ratios, totals.
 """
 
 import math
@@ -15,13 +15,13 @@ from ptbench.figures import style
 from ptbench.stats.estimates import Estimate
 from ptbench.studies.notes import Note
 
-_LEGEND_WIDTH = 1.7  # inches, before a line's name is wrapped
+_LEGEND_WIDTH = 1.7  # inches of width in the legend beyond which a line's name is wrapped
 _TICKS = (1.0, 2.0, 5.0)
 
 
 @dataclass(frozen=True)
 class Series:
-    """One line of a panel; `rings` are the points that the caption speaks of."""
+    """One line of a panel; `rings` are points that the caption mentions."""
 
     label: str
     xs: tuple[float, ...]
@@ -31,7 +31,7 @@ class Series:
 
 @dataclass(frozen=True)
 class Panel:
-    """The lines that share axes."""
+    """One panel's lines, which share axes."""
 
     title: str
     series: tuple[Series, ...]
@@ -39,22 +39,22 @@ class Panel:
 
 @dataclass(frozen=True)
 class Data:
-    """What the page shows."""
+    """The contents of a page of series."""
 
     title: str
     caption: str
     notes: tuple[Note, ...]
-    order: tuple[str, ...]  # labels, which have one look in all panels
+    order: tuple[str, ...]  # labels of the lines; each keeps its colour and marker in all panels
     panels: tuple[Panel, ...]
     x_label: str
     y_label: str
     x_ticks: dict[float, str]
-    one: bool = False  # a line at y = 1
-    linear: bool = False  # y from 0
+    one: bool = False  # whether to draw a line at y = 1
+    linear: bool = False  # whether the y axis is linear and begins at 0
 
 
 def draw(data: Data) -> Figure:
-    """Draws the page; the panels share both scales."""
+    """Draws the page, whose panels share both scales."""
     looks = {label: style.look(index) for index, label in enumerate(data.order)}
     words = [style.text_width(word, style.LABEL_SIZE) for label in data.order for word in label.split()]
     width = max(_LEGEND_WIDTH, *words) + 0.01
@@ -126,7 +126,7 @@ def _scale_y(axes: Axes, values: Sequence[float], linear: bool) -> None:
 
 
 def ticks_between(low: float, high: float) -> list[float]:
-    """Round values of a logarithmic axis: 1, 2, 5 of a decade; powers of ten where it is long, tenths where short."""
+    """Round ticks of a logarithmic axis: 1, 2, 5 of each decade; powers of ten on a long axis, tenths on a short."""
     decades = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
     if high / low < 4:
         step = 0.1 if high - low < 1 else 0.25 if high - low < 2 else 0.5
@@ -137,7 +137,7 @@ def ticks_between(low: float, high: float) -> list[float]:
 
 
 def crossing(build: tuple[float, float], slope: tuple[float, float]) -> float | None:
-    """Where build[0] + slope[0] n meets build[1] + slope[1] n; None where one is below the other for every n > 0."""
+    """The n > 0 at which build[0] + slope[0] n equals build[1] + slope[1] n; None where the two do not cross."""
     if slope[0] == slope[1]:
         return None
     n = (build[1] - build[0]) / (slope[0] - slope[1])
@@ -145,7 +145,7 @@ def crossing(build: tuple[float, float], slope: tuple[float, float]) -> float | 
 
 
 def count_text(count: float) -> str:
-    """A number of triangles in few characters: 262k, 2.1M."""
+    """A number of triangles in short: 262k, 2.1M."""
     if count >= 1e6:
         return f"{count / 1e6:.2g}M"
     return f"{count / 1e3:.3g}k" if count >= 1e4 else f"{count:g}"

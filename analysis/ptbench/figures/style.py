@@ -1,8 +1,8 @@
-"""How every figure looks: colours, markers, sizes, numbers, and how a page is laid out in inches.
+"""The look of all figures: colours, markers, sizes, numbers, and page layout in inches.
 
-Figures are read in papers, on paper, and by people who do not see all colours: a series differs in colour, marker and
-line style at once, and carries its name beside it. Everything is placed in inches from measured text, so that nothing
-overlaps or is cut off, whatever the number of series.
+Figures must work in print and for colour-blind readers: a series differs in colour, marker and line style at once, and
+its name stands beside it. Everything is placed in inches from measured text, so that nothing overlaps or is cut off,
+however many series there are.
 """
 
 import math
@@ -23,7 +23,7 @@ from matplotlib.ticker import FuncFormatter, Locator, NullLocator
 
 from ptbench.stats.estimates import Estimate
 
-# Okabe and Ito's palette without its yellow, which vanishes on white paper.
+# Okabe and Ito's colour-blind safe palette without its yellow, which vanishes on white paper.
 COLOURS = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "p", "h", "*")
 LINES = ("-", (0, (5, 1.6)), (0, (1.2, 1.4)), (0, (6, 1.5, 1.2, 1.5)), (0, (3, 1.2, 1.2, 1.2, 1.2, 1.2)))
@@ -32,13 +32,13 @@ BASE_SIZE = 10.0
 LABEL_SIZE = 9.5
 CAPTION_SIZE = 8.5
 TITLE_SIZE = 12.0
-LINE_HEIGHT = 1.35  # of the font size
-LINE_SPACING = LINE_HEIGHT / 1.164  # as matplotlib counts it: of DejaVu Sans's own line height
-MARGIN = 0.2  # inches round everything
+LINE_HEIGHT = 1.35  # line height as a multiple of the font size
+LINE_SPACING = LINE_HEIGHT / 1.164  # line spacing in matplotlib's unit, DejaVu Sans's own line height
+MARGIN = 0.2  # inches around everything on a page
 
 _SETTINGS = {
     "figure.dpi": 100,
-    "font.family": "DejaVu Sans",  # comes with matplotlib: the same figure on every machine
+    "font.family": "DejaVu Sans",  # a font that comes with matplotlib, so that figures are the same on every machine
     "font.size": BASE_SIZE,
     "axes.labelsize": BASE_SIZE,
     "axes.titlesize": BASE_SIZE + 0.5,
@@ -54,15 +54,15 @@ _SETTINGS = {
     "lines.linewidth": 1.6,
     "lines.markersize": 6,
     "errorbar.capsize": 2.5,
-    "text.parse_math": False,  # a scene may be called "a$b$c"
-    "svg.hashsalt": "ptbench",  # without it every SVG has other ids
-    "svg.fonttype": "none",  # text as text: a quarter of the size, and it can be searched
+    "text.parse_math": False,  # off, as a scene's name may contain $ signs, such as "a$b$c"
+    "svg.hashsalt": "ptbench",  # fixed, as ids in an SVG are otherwise random
+    "svg.fonttype": "none",  # text stays text in an SVG: a quarter of the size, and searchable
 }
 
 
 @contextmanager
 def applied() -> Iterator[None]:
-    """Our settings and no others: a user's matplotlibrc must not change a figure."""
+    """Applies ptbench's settings to matplotlib's defaults, so that a user's matplotlibrc cannot change a figure."""
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
         matplotlib.rcParams.update(_SETTINGS)
@@ -71,7 +71,7 @@ def applied() -> Iterator[None]:
 
 @dataclass(frozen=True)
 class Look:
-    """How one series is drawn."""
+    """The colour, marker and line style of a series."""
 
     colour: str
     marker: str
@@ -79,7 +79,7 @@ class Look:
 
 
 def look(index: int) -> Look:
-    """The look of the index-th series; 7 colours, 12 markers and 5 lines repeat out of step, so all 12 differ."""
+    """The look of the index-th series: 7 colours, 12 markers and 5 line styles, so that the first 12 looks differ."""
     return Look(COLOURS[index % len(COLOURS)], MARKERS[index % len(MARKERS)], LINES[index % len(LINES)])
 
 
@@ -87,7 +87,7 @@ _MEASURING = FigureCanvasAgg(Figure(dpi=100))
 
 
 def text_width(text: str, size: float, weight: str = "normal") -> float:
-    """Inches that a line of text takes."""
+    """The width of a line of text in inches."""
     font = FontProperties(family="DejaVu Sans", size=size, weight=weight)
     width, _, _ = _MEASURING.get_renderer().get_text_width_height_descent(text, font, False)
     return width / 100
@@ -95,39 +95,39 @@ def text_width(text: str, size: float, weight: str = "normal") -> float:
 
 @cache
 def _character_width(character: str, size: float, weight: str) -> float:
-    # The width is measured between two other characters: a lone space has none.
+    # The character is measured between two others, because a lone space has no width.
     return text_width(f"x{character}x", size, weight) - text_width("xx", size, weight)
 
 
 def _may_exceed(text: str, size: float, weight: str, width: float) -> bool:
-    """Whether a text may be wider, by the sum of its characters' widths and some for kerning and hinting."""
+    """Whether a text may be wider than `width`: a fast upper bound from its characters, with a margin for kerning."""
     return 1.1 * sum(_character_width(character, size, weight) for character in text) > width
 
 
 def ticks(axis: Axis, locator: Locator) -> None:
-    """Plain numbers where `locator` has them, and nothing between them."""
+    """Sets plain numbers as ticks at `locator`'s positions, without minor ticks."""
     axis.set_major_locator(locator)
     axis.set_minor_locator(NullLocator())
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
 
 
 def widest(texts: Iterable[str], weight: str = "normal") -> float:
-    """Inches that the widest of some labels takes."""
+    """The width in inches of the widest label."""
     return max(text_width(text, LABEL_SIZE, weight) for text in texts)
 
 
 def room(low: float, high: float, share: float) -> float:
-    """What to leave free beyond the ends of an axis: a share of what it shows, also where that is one value."""
+    """The margin beyond the ends of an axis: a fraction of its span, or of the value if there is only one."""
     return share * ((high - low) or abs(high) or 1.0)
 
 
 def text_height(size: float, lines: int = 1) -> float:
-    """Inches that lines of text take; `size` in points."""
+    """The height in inches of lines of text; `size` in points."""
     return lines * size * LINE_HEIGHT / 72
 
 
 def wrapped(text: str, size: float, width: float, weight: str = "normal") -> list[str]:
-    """`text` in lines that fit `width` inches; a word that is too long for a line is broken."""
+    """Wraps `text` to lines of `width` inches; a word too long for a line is broken."""
     lines: list[str] = []
     for paragraph in text.split("\n"):
         line = ""
@@ -140,7 +140,7 @@ def wrapped(text: str, size: float, width: float, weight: str = "normal") -> lis
                 lines.append(word[:fits])
                 word = word[fits:]
             longer = f"{line} {word}" if line else word
-            # Measuring is what takes the time of a page, and most words are far from the end of their line.
+            # Measuring text dominates the time of a page, so words are measured only near the end of a line.
             if line and _may_exceed(longer, size, weight, width) and text_width(longer, size, weight) > width:
                 lines.append(line)
                 longer = word
@@ -150,7 +150,7 @@ def wrapped(text: str, size: float, width: float, weight: str = "normal") -> lis
 
 
 class Page:
-    """A figure with a title above, a caption below and a body between, in which axes are placed in inches."""
+    """A page with a title above, a caption below and a body between, in which axes are placed in inches."""
 
     def __init__(self, width: float, body_height: float, title: str, caption: str):
         inner = width - 2 * MARGIN
@@ -169,12 +169,12 @@ class Page:
         self.text(MARGIN, -0.12, "\n".join(captions), size=CAPTION_SIZE, va="top")
 
     def text(self, x: float, y: float, text: str, **properties) -> None:
-        """Draws text at inches from the body's lower left corner."""
+        """Draws text at a position in inches from the body's lower left corner."""
         properties.setdefault("linespacing", LINE_SPACING)
         self.figure.text(x / self.width, (y + self.bottom) / self.height, text, **properties)
 
     def axes(self, left: float, bottom: float, width: float, height: float, **options) -> Axes:
-        """Makes axes whose lower left corner is at inches from the body's."""
+        """Makes axes whose lower left corner is given in inches from the body's."""
         return self.figure.add_axes(
             (left / self.width, (bottom + self.bottom) / self.height, width / self.width, height / self.height),
             **options,
@@ -194,9 +194,9 @@ def panel_grid(
     least_height: float,
     y_label: str,
 ) -> tuple[Page, list[Axes]]:
-    """A page of panels in one column, or from two on in two, with room at the right of each for its labels.
+    """Makes a page of panels, in two columns if there are several, with room for labels at the right of each.
 
-    `labels` are each panel's, wrapped; `plot_widths` those in one column and in two.
+    `labels` are wrapped label lines by panel; `plot_widths` are the widths with one and with two columns.
     """
     columns = 1 if len(titles) == 1 else 2
     rows = math.ceil(len(titles) / columns)
@@ -223,15 +223,15 @@ def panel_grid(
 def spread(targets: Sequence[float], sizes: Sequence[float], low: float, high: float) -> list[float]:
     """Moves the centres `targets` as little as possible so that items of `sizes` stay apart and within [low, high].
 
-    Sorting and subtracting each item's offset in a tight stack turns "do not overlap" into "do not decrease", which
-    pooling adjacent violators solves exactly.
+    With each item's offset in a tight stack subtracted, "do not overlap" becomes "do not decrease", which the pool
+    adjacent violators algorithm solves exactly.
     """
     order = sorted(range(len(targets)), key=lambda index: targets[index])
     offsets, edge = [], 0.0
     for index in order:
         offsets.append(edge + sizes[index] / 2)
         edge += sizes[index]
-    pools: list[list[float]] = []  # [sum of wanted stack bottoms, members]
+    pools: list[list[float]] = []  # stacks of touching items, each as [sum of wanted bottoms, number of items]
     for index, offset in zip(order, offsets, strict=True):
         pools.append([targets[index] - offset, 1])
         while len(pools) > 1 and pools[-2][0] / pools[-2][1] >= pools[-1][0] / pools[-1][1]:
@@ -255,9 +255,9 @@ def label_lines(
     looks: Sequence[Look],
     above: float = 0.1,
 ) -> None:
-    """Writes each line's name at the right of the axes, with its marker and a leader to the line's last point.
+    """Writes each line's name to the right of the axes, with its marker and a leader to the line's last point.
 
-    The names stand no higher than `above` inches over the axes. Call it when the limits are final: it works in inches.
+    Names stand at most `above` inches over the axes. The axis limits must be final, as positions are in inches.
     """
     box = axes.get_position()
     right = box.x1 * page.width
@@ -283,12 +283,12 @@ def label_lines(
 
 
 def marker_at(page: Page, x: float, y: float, style: Look) -> Line2D:
-    """A lone marker at inches from the body's lower left corner, to stand before a name."""
+    """A marker in front of a name, at a position in inches from the body's lower left corner."""
     return _line([x / page.width], [(y + page.bottom) / page.height], style, marker=style.marker, linestyle="")
 
 
 def draw_line(axes: Axes, xs: Sequence[float], estimates: Sequence[Estimate], style: Look) -> None:
-    """Draws a line of medians with their intervals."""
+    """Draws a line through medians, with their confidence intervals."""
     values = [estimate.value for estimate in estimates]
     axes.plot(xs, values, color=style.colour, marker=style.marker, linestyle=style.line, zorder=3, clip_on=False)
     whiskered = [(x, e) for x, e in zip(xs, estimates, strict=True) if e.low is not None and e.high is not None]
@@ -296,7 +296,7 @@ def draw_line(axes: Axes, xs: Sequence[float], estimates: Sequence[Estimate], st
         axes.errorbar(
             [x for x, _ in whiskered],
             [e.value for _, e in whiskered],
-            # A percentile interval always holds the median but for rounding.
+            # A percentile interval contains the median, except for rounding.
             yerr=[[max(e.value - e.low, 0) for _, e in whiskered], [max(e.high - e.value, 0) for _, e in whiskered]],
             fmt="none",
             ecolor=style.colour,
@@ -306,19 +306,19 @@ def draw_line(axes: Axes, xs: Sequence[float], estimates: Sequence[Estimate], st
 
 
 def draw_ring(axes: Axes, x: float, y: float, style: Look) -> None:
-    """Draws a ring round a point that the text speaks of."""
+    """Draws a ring around a point that the caption mentions."""
     axes.plot([x], [y], marker="o", markersize=13, markerfacecolor="none", markeredgecolor=style.colour, zorder=5)
 
 
 def draw_row(axes: Axes, y: float, estimate: Estimate, style: Look) -> None:
-    """Draws a median and its interval on a horizontal row."""
+    """Draws a median with its interval in a horizontal row."""
     if estimate.low is not None and estimate.high is not None:
         axes.plot([estimate.low, estimate.high], [y, y], color=style.colour, linewidth=1.4, zorder=3)
         axes.plot([estimate.low, estimate.high], [y, y], color=style.colour, linestyle="", marker="|", zorder=3)
     axes.plot([estimate.value], [y], color=style.colour, linestyle="", marker=style.marker, zorder=4, clip_on=False)
 
 
-LABEL_GAP = 0.42  # inches between the axes and the text of a line's label
+LABEL_GAP = 0.42  # inches between the axes and the label of a line
 
 
 def _line(x, y, style: Look, **properties) -> Line2D:

@@ -1,8 +1,8 @@
-"""Time to an image by samples a pixel: a better tree takes longer to build and less to trace.
+"""Time to an image over samples per pixel: a better tree takes longer to build and less time to trace.
 
-A line a builder: building + encoding + spp x the time of a sample, over the same of `sah_binned`. Builders that run on
-the GPU have a second line where the folder `rays` beside the result has the same mesh built and encoded there without a
-copy: the suite's own encoding runs on the host.
+Each builder has a line: building + encoding + spp x the time per sample, over the same for `sah_binned`. Builders on
+the GPU have a second line where the folder `rays` beside the result has the same mesh built and encoded on the GPU
+without a copy, because the suite's own encoding runs on the host.
 """
 
 from collections.abc import Iterable, Sequence
@@ -22,9 +22,9 @@ from ptbench.stats.estimates import Estimate, median_estimate
 from ptbench.studies.notes import notes_of
 from ptbench.studies.rows import measure
 
-# The choices of variants/builder that only CUDA has.
+# Choices of the axis builder that only CUDA supports.
 GPU_BUILDERS = ("hploc", "lbvh_gpu")
-# The box round the mesh that `ptbench rays` adds: two triangles a side.
+# Triangles of the enclosing box that `ptbench rays` adds to a mesh, two per side.
 BOX_TRIANGLES = 12
 SPPS = tuple(2**n for n in range(15))
 BASELINE = "sah_binned"
@@ -32,7 +32,7 @@ BASELINE = "sah_binned"
 
 @dataclass(frozen=True)
 class Way:
-    """One way to an image: what comes before the first sample, ms, and what each takes, ms."""
+    """A builder's time to an image in two parts: milliseconds before the first sample, and per sample."""
 
     scene: str
     label: str
@@ -41,7 +41,7 @@ class Way:
     sample: Estimate
 
     def time(self, spp: float) -> Estimate:
-        """ms to an image of so many samples a pixel; the interval is the tracing's, a build was timed once."""
+        """Milliseconds to an image with `spp` samples per pixel; the interval is that of the samples."""
         low, high = self.sample.low, self.sample.high
         return Estimate(
             self.before_ms + spp * self.sample.value,
@@ -53,7 +53,7 @@ class Way:
 
 @dataclass(frozen=True)
 class Crossing:
-    """A crossing of two ways: from `spp` samples a pixel on `later` is there first, before it `sooner`."""
+    """A crossing of two builders' lines: below `spp` samples per pixel `sooner` is faster, above it `later`."""
 
     sooner: Way
     later: Way
@@ -61,7 +61,7 @@ class Crossing:
 
 
 def ways(cells: Iterable[Cell], meshes: Sequence[RayMesh] = ()) -> list[Way]:
-    """Every measured cell's way, and the GPU's own where `meshes` has it."""
+    """The time parts of every measured cell, also with encoding on the GPU where `meshes` has that."""
     found = []
     for cell in cells:
         if not cell.measured or cell.meshes is None or cell.meshes.nodes == 0:
@@ -80,17 +80,17 @@ def ways(cells: Iterable[Cell], meshes: Sequence[RayMesh] = ()) -> list[Way]:
 
 
 def _is_of(mesh: RayMesh, cell: Cell) -> bool:
-    """Whether a scene shows that mesh in a room: by its name, and by its number of triangles."""
+    """Whether a cell's scene shows that mesh in a room, by its name and number of triangles."""
     name = cell.scene.rpartition("/")[2].lower()
     return name == f"{mesh.name.lower()}_room" and mesh.triangles == cell.meshes.triangles + BOX_TRIANGLES
 
 
 def crossings(of_scene: Sequence[Way]) -> list[Crossing]:
-    """Who is there first, by samples: from the way that starts soonest to each that overtakes it, in order."""
+    """The builders that are fastest as samples increase: from the one that starts soonest to each that overtakes it."""
     found: list[Crossing] = []
     first = min(of_scene, key=lambda way: way.before_ms)
     while overtaking := [one for way in of_scene if (one := _overtakes(first, way)) is not None]:
-        # If two overtake at once, the one with the quicker samples stays in front.
+        # When two builders overtake at once, the one with the faster samples stays ahead.
         found.append(min(overtaking, key=lambda one: (one.spp, one.later.sample.value)))
         first = found[-1].later
     return found
@@ -98,7 +98,7 @@ def crossings(of_scene: Sequence[Way]) -> list[Crossing]:
 
 def _overtakes(first: Way, way: Way) -> Crossing | None:
     spp = series.crossing((first.before_ms, way.before_ms), (first.sample.value, way.sample.value))
-    # A difference of slopes within their intervals is none: no claim can stand on it.
+    # A difference of times per sample within their intervals does not count as overtaking.
     is_quicker = way.sample.value < first.sample.value and _differ(first.sample, way.sample)
     return Crossing(first, way, spp) if spp is not None and is_quicker else None
 
@@ -109,7 +109,7 @@ def _differ(one: Estimate, other: Estimate) -> bool:
 
 
 def sibling_meshes(path: Path) -> list[RayMesh]:
-    """The meshes of the folder `rays` beside a result file, if there is one."""
+    """The meshes in the folder `rays` beside a result file; none if there is no such folder."""
     folder = path.parent / "rays"
     if not folder.is_dir():
         return []
@@ -118,7 +118,7 @@ def sibling_meshes(path: Path) -> list[RayMesh]:
 
 
 def collect(result: Result, study: Study) -> series.Data:
-    """A panel a scene, accelerator and integrator; raises NotDrawable."""
+    """Collects one panel per scene, accelerator and integrator; raises NotDrawable."""
     rows = measure(result, study)
     cells = [row.cell for row in rows if row.cell.measured and row.cell.meshes is not None]
     found = ways(cells, sibling_meshes(result.path))

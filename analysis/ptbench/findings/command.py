@@ -1,7 +1,7 @@
 """`findings`: renders the pages of findings and the README from their templates, and draws the overview.
 
-A page is written only if every number of it is found and every verdict holds. `--check` writes nothing and says which
-pages on disk are not what their results say.
+A page is written only if all its numbers are found and all its verdicts hold. `--check` writes nothing and tells which
+pages on disk differ from what their results give.
 """
 
 import json
@@ -22,26 +22,26 @@ _DPI = 130
 
 @dataclass(frozen=True)
 class House:
-    """Where templates, pages and results lie in a checkout."""
+    """The folders of templates, pages and results in a checkout."""
 
     root: Path
 
     @property
     def templates(self) -> Path:
-        """Where the templates lie."""
+        """The folder of the page templates."""
         return self.root / "docs" / "templates"
 
     @property
     def results(self) -> Path:
-        """Where the results lie."""
+        """The folder of results in the checkout."""
         return self.root / "results"
 
     def target(self, template: Path) -> Path:
-        """README.md lies at the root, all other pages in docs/findings."""
+        """The file of a page: README.md at the root, all other pages in docs/findings."""
         return self.root / "README.md" if template.stem == "README" else self.root / "docs/findings" / template.name
 
     def pages(self, names: Sequence[str] = ()) -> list[Page]:
-        """Every template, or those of these names; raises InputError for one that is not there."""
+        """Every template, or those named; raises InputError for a missing one."""
         templates = sorted(self.templates.glob("*.md"))
         if not templates:
             raise bad_value(self.templates, "folder", "no template", "the root of a checkout as --root")
@@ -52,7 +52,7 @@ class House:
 
 
 def findings(root: Path, names: Sequence[str], *, check: bool) -> int:
-    """Exit code: 0 all is as its results say, 1 something is not. Every fault is told, a line each."""
+    """Writes or checks the pages; exit code 0: all agree with their results, 1: some do not. Prints each fault."""
     house = House(root)
     if not check:
         (root / "docs/findings").mkdir(parents=True, exist_ok=True)

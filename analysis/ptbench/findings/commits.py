@@ -1,7 +1,7 @@
-"""How many commits have changed the kernels since a result's commit.
+"""Counts the commits that changed the kernels since a result's commit.
 
-results/lost_commits.json names those of results' commits that no history has any more, each with the commit of the
-history that their work is part of, which counts in their place, and why they are lost.
+results/lost_commits.json lists commits of results that are in no history any more, each with the commit that contains
+their work and counts in their place, and the reason.
 """
 
 import json
@@ -14,13 +14,13 @@ LOST = "lost_commits.json"
 
 
 def lost_commits(results: Path) -> dict[str, dict[str, str]]:
-    """Lost commits by their whole hash: the commit that has the work (`within`), and `why` it is lost."""
+    """Lost commits by full hash: the commit that contains the work (`within`), and `why` it is lost."""
     file = results / LOST
     return json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
 
 
 def standing_for(results: Path, commit: str) -> str:
-    """The commit of the history that counts for a result's, which may be shortened."""
+    """The commit in the history that stands for a result's commit, which may be abbreviated."""
     for lost, about in lost_commits(results).items():
         if lost.startswith(commit):
             return about["within"]
@@ -28,13 +28,13 @@ def standing_for(results: Path, commit: str) -> str:
 
 
 def commit_of(version: str) -> str:
-    """What `ptbench --version` says of its commit; empty where it says none."""
+    """The commit in the output of `ptbench --version`; empty where there is none."""
     found = re.search(r"commit ([0-9a-f]{40})", version)
     return found[1] if found else ""
 
 
 def shown_commit(results: Path, commit: str) -> str:
-    """Seven digits, and what stands for it where it is lost."""
+    """The abbreviated commit, with the one that stands for it if it is lost."""
     within = standing_for(results, commit)
     if within == commit:
         return commit[:7]
@@ -42,18 +42,18 @@ def shown_commit(results: Path, commit: str) -> str:
 
 
 def has_whole_history(repository: Path) -> bool:
-    """Whether this is a git repository in which every commit of the history lies."""
+    """Whether `repository` is a git repository with its full history."""
     return git(repository, "rev-parse", "--is-shallow-repository") == "false"
 
 
 def commits_since(repository: Path, commit: str) -> int | None:
-    """Commits to kernels/ and variants/ since `commit`; None where git or the commit is not there."""
+    """The number of commits to kernels/ and variants/ since `commit`; None where git or the commit is missing."""
     count = git(repository, "rev-list", "--count", f"{commit}..HEAD", "--", "kernels", "variants")
     return None if count is None else int(count)
 
 
 def age_fault(repository: Path, results: Path, commit: str, allowed: int) -> str:
-    """Why a result of this commit is too old, or of no age that can be told; empty where it is not."""
+    """Why a result of a commit is too old, or of unknown age; empty where it is recent enough."""
     behind = commits_since(repository, standing_for(results, commit))
     if behind is None:
         if not has_whole_history(repository):

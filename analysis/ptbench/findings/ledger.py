@@ -1,4 +1,4 @@
-"""What folders of generated pages share: how a call names them, how a page is rendered, which of them are stale."""
+"""Common parts of commands that keep generated pages: options, rendering of templates, finding stale pages."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -18,12 +18,12 @@ _PAGES = (".md", ".svg")
 
 @dataclass(frozen=True)
 class Call:
-    """The options of a command that keeps pages of what was measured (ptbench.command.add_ledger)."""
+    """The options of a command that keeps pages of measurements (ptbench.command.add_ledger)."""
 
     root: Path = Path()
     names: Sequence[str] = ()
-    results: Path | None = None  # None: the checkout's own
-    binary: Path | None = None  # None: the checkout's own
+    results: Path | None = None  # folder of benchmark results; None: the checkout's own
+    binary: Path | None = None  # path of the ptbench program; None: the checkout's own
     run: bool = False
     write: bool = False
     check: bool = False
@@ -35,17 +35,17 @@ class Call:
 
     @property
     def program(self) -> Program:
-        """The program that measures."""
+        """The ptbench program that measures."""
         return Program(self.binary or self.root / "build" / "ptbench")
 
 
 def rendered(template: str, **names: object) -> str:
-    """A template's text with these names, and `confidence`; raises TemplateError."""
+    """Renders a template with these variables and `confidence`; raises TemplateError."""
     return _ENVIRONMENT.from_string(template).render(confidence=percent(CONFIDENCE), **names)
 
 
 def rendered_file(template: Path, **names: object) -> str:
-    """The text of a template's file with these names, and `confidence`; raises FindingError."""
+    """Renders a template's file with these variables and `confidence`; raises FindingError."""
     try:
         return rendered(template.read_text(encoding="utf-8"), **names)
     except (OSError, TemplateError) as error:
@@ -53,7 +53,7 @@ def rendered_file(template: Path, **names: object) -> str:
 
 
 def write_pages(folder: Path, pages: Mapping[str, str]) -> None:
-    """Writes the pages by their names, and removes what else is a page or a figure there."""
+    """Writes pages by name, and removes other pages and figures from the folder."""
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in pages.items():
         write_text(folder / name, text)
@@ -62,7 +62,7 @@ def write_pages(folder: Path, pages: Mapping[str, str]) -> None:
 
 
 def stale_pages(folder: Path, pages: Mapping[str, str], of: str, command: str) -> list[str]:
-    """What of the folder is not as it would be written; `of` is what each page is of, a claim or a map."""
+    """Complaints on pages that differ from what would be written; `of` is what a page is about, a claim or a map."""
     there, advice = _there(folder), f"run python3 -m ptbench {command} --write"
     faults = [f"{folder / name}: no {of} has it; {advice}" for name in sorted(there - pages.keys())]
     for name, text in pages.items():

@@ -1,4 +1,4 @@
-"""The command line of `findings`."""
+"""The command line options of `findings`."""
 
 import argparse
 

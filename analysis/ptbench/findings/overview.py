@@ -1,4 +1,4 @@
-"""The figure of the README: every optimisation studied, one row each, its ratio in an open and in a closed box."""
+"""The figure of the README: one row per optimisation studied, with its time ratio in an open and a closed box."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -17,7 +17,7 @@ from ptbench.stats.estimates import CONFIDENCE, FASTER, SAME, SLOWER, THRESHOLD,
 
 _COLOURS = {FASTER: style.COLOURS[1], SLOWER: style.COLOURS[2], SAME: style.COLOURS[0], UNSURE: "#6e6e6e"}
 _WORDS = {FASTER: "pays", SLOWER: "costs", SAME: "same", UNSURE: "unsure"}
-_BOXES = (("open box", "none", 0.17), ("closed box", "full", -0.17))  # marker's fill, offset from the row's middle
+_BOXES = (("open box", "none", 0.17), ("closed box", "full", -0.17))  # name, marker's fill, offset from row's middle
 _ROW, _HEAD, _GAP = 0.36, 0.3, 0.08
 _PLOT = 4.0
 _TICKS = (0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3)
@@ -25,16 +25,16 @@ _TICKS = (0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3)
 
 @dataclass(frozen=True)
 class Line:
-    """A row of the figure."""
+    """A row of the overview figure."""
 
     label: str
-    ratios: tuple[Ratio, Ratio]  # open and closed box
-    same_films: tuple[bool, bool]  # whether the two sides of each left the same film
+    ratios: tuple[Ratio, Ratio]  # ratios of time in the open box and in the closed box
+    same_films: tuple[bool, bool]  # whether variant and baseline left the same film, in either box
 
 
 @dataclass(frozen=True)
 class Area:
-    """Rows under one heading."""
+    """The rows of the overview under one heading."""
 
     title: str
     lines: tuple[Line, ...]
@@ -42,7 +42,7 @@ class Area:
 
 @dataclass(frozen=True)
 class Overview:
-    """All that the figure shows."""
+    """The contents of the overview figure."""
 
     title: str
     areas: tuple[Area, ...]
@@ -50,7 +50,7 @@ class Overview:
 
 
 def overview_of(file: Path, results: Path) -> Overview:
-    """The rows that the file names, looked up in the results; raises FindingError where one is not there."""
+    """The rows that `file` names, looked up in the results; raises FindingError where one is missing."""
     head = json.loads(file.read_text(encoding="utf-8"))
     sources = {name: source_of(results, about) for name, about in head["sources"].items()}
 
@@ -67,7 +67,7 @@ def overview_of(file: Path, results: Path) -> Overview:
 
 
 def draw(overview: Overview) -> Figure:
-    """One row an optimisation, two markers a row: hollow for the open box, filled for the closed one."""
+    """Draws a row per optimisation with two markers: hollow for the open box, filled for the closed one."""
     lines = [line for area in overview.areas for line in area.lines]
     left = style.MARGIN + max(style.text_width(line.label, style.LABEL_SIZE) for line in lines) + 0.3
     texts = {id(line): [_text(*pair) for pair in zip(line.ratios, line.same_films, strict=True)] for line in lines}

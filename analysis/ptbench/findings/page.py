@@ -1,15 +1,15 @@
-"""Renders one page from its template.
+"""Renders one page of findings from its template.
 
 A template begins with a JSON object between two lines of `---`:
 
     {"title": "...", "sources": {"compaction": {"file": "nvidia-h200/compaction.json", "where": "arithmetic=exact",
      "kernels_behind": 250}}, "constants": {"aim": "0.05"}}
 
-Every source is a variable of the page (findings/sources), and so is every constant: a number that nobody measured, an
-aim or a version, which a page may not hold in any other way. A folder is one of `ptbench rays`; a source with
-"against": [files of other GPUs], "inspect": [files] and "models": [GPUs that nobody has] is a fleet; a source with
-"optional": true that is not there is None. `kernels_behind` is how many commits to kernels/ and
-variants/ there may be since the result's (findings/commits.py); more, and the page must be looked at again.
+Every source is a variable of the page (findings/sources), and so is every constant: an unmeasured number, such as an
+aim or a version, which a page may not contain otherwise. A folder is a source of `ptbench rays`; a source with
+"against": [files of other GPUs], "inspect": [files] and "models": [unmeasured GPUs] is a fleet; a missing source with
+"optional": true is None. `kernels_behind` is the number of commits to kernels/ and variants/ allowed since the result's
+commit (findings/commits.py); beyond it the page must be reviewed.
 """
 
 import json
@@ -33,7 +33,7 @@ _HEAD = re.compile(r"\A---\n(\{.*?\n\})\n---\n", re.DOTALL)
 _EXPRESSION = re.compile(r"\{\{.*?\}\}|\{%.*?%\}|\{#.*?#\}", re.DOTALL)
 _FILE = r"(?![\w.]*\.(?:json|md|py|png|svg|txt))"
 _DECIMAL = re.compile(rf"(?<![\w.=])\d+(?:[.,]\d+)+{_FILE}")
-# What is measured has a unit; a whole number may have one, too.
+# Numbers with a decimal point or a unit of measurement, which a page must not contain literally.
 _MEASURED = re.compile(
     rf"(?<![\w.])\d+(?:[.,]\d+)+{_FILE}|(?<![\w.,])\d+ ?(?:%|(?:ns|µs|ms|s|times|[kMG]?rays/s|[MG]Hz)\b)"
 )
@@ -44,7 +44,7 @@ _TARGET = re.compile(r"\]\([^)]*\)")
 
 @dataclass(frozen=True)
 class Page:
-    """A template, read: its head and its text."""
+    """The template of a page: its JSON head and its text."""
 
     template: Path
     head: Mapping
@@ -52,12 +52,12 @@ class Page:
 
     @property
     def sources(self) -> Mapping[str, Mapping]:
-        """The result files by their names on the page, as the head has them."""
+        """The sources of a page by their names, as the template's head declares them."""
         return self.head.get("sources", {})
 
 
 def read_page(template: Path) -> Page:
-    """The template at that path; raises FindingError where its head is not as it should be."""
+    """Reads a template; raises FindingError where its head is malformed."""
     text = template.read_text(encoding="utf-8")
     match = _HEAD.match(text)
     if not match:
@@ -70,7 +70,7 @@ def read_page(template: Path) -> Page:
 
 
 def render(page: Page, results: Path) -> str:
-    """The page as Markdown; raises FindingError where a number is not there or a sentence contradicts the data."""
+    """The page as Markdown; raises FindingError where a number is missing or a sentence contradicts the data."""
     names = {name: source_of(results, about) for name, about in page.sources.items()}
     try:
         constants = page.head.get("constants", {})
@@ -80,15 +80,15 @@ def render(page: Page, results: Path) -> str:
 
 
 def measured_in(prose: str) -> list[str]:
-    """Numbers of Markdown's running text that look measured: decimals, percentages, and those with a unit of time."""
+    """Numbers in Markdown prose that look measured: decimals, percentages, and numbers with a unit."""
     return _MEASURED.findall(_CODE.sub("", _TARGET.sub("]", prose)))
 
 
 def typed_by_hand(page: Page) -> list[str]:
-    """Measured numbers and verdict words of the template that no expression makes; there ought to be none.
+    """Measured numbers and verdict words that a template contains literally; a valid template has none.
 
-    Nor may an expression hold one: a number that nobody measured is a constant of the head. In code a decimal may be
-    an option's value, a=0.03, and nothing else.
+    Expressions must not contain such numbers either: an unmeasured number is a constant of the head. In code a decimal
+    is allowed only as an option's value, such as a=0.03.
     """
     prose = _EXPRESSION.sub("", page.text)
     typed = [number for made in _EXPRESSION.findall(page.text) for number in _DECIMAL.findall(made[2:-2])]
@@ -97,7 +97,7 @@ def typed_by_hand(page: Page) -> list[str]:
 
 
 def too_old(page: Page, results: Path, repository: Path) -> list[str]:
-    """What the page shows although more commits than it allows have changed the kernels since."""
+    """Complaints on sources of a page that are older, in commits to the kernels, than the page allows."""
     found = []
     for name, about in page.sources.items():
         source = source_of(results, about)

@@ -1,7 +1,7 @@
-"""What a page has of a file by a name of its own, and how the kind of a file is found.
+"""The source of a page's numbers: a file under a name, and how the class for a file's kind is found.
 
-Each kind is a class in a module of findings/sources, or in the source.py of a folder of extras, and says by
-`form` which files are its own. The modules are found where they lie: one more kind is one more file.
+Each kind is a class in a module of findings/sources, or in the source.py of a folder of extras, and declares by `form`
+which files it reads. Modules are discovered, so that a new kind needs only a new file.
 """
 
 from __future__ import annotations
@@ -17,22 +17,22 @@ from ptbench.findings.quantities import link_to
 from ptbench.found import modules
 from ptbench.io.nodes import Node, read_json
 
-# Forms of files that have no schema's name.
+# Forms of files that are not identified by a schema's name.
 SEVERAL, TEXT, FOLDER, LIST, SUITE, OTHER = "several files", "text", "a folder", "a list", "ptbench run", "other JSON"
-# Form of the files of `ptbench stability`, whose schema has this name.
+# The schema name that identifies files of `ptbench stability`.
 STABILITY = "ptbench-stability-1"
 _MODULES = ("findings/sources/*.py", "extras/*/source.py")
 _NO_PART_OF_IT = ("kernels_behind", "optional")
 
 
 class Source:
-    """A file of results/; every public method and property of a kind may stand in a page."""
+    """A file of results/ as a source for pages, which may use every public method and property of its class."""
 
-    commit = ""  # of the program that wrote it; empty: such a file does not say, or needs none
+    commit = ""  # commit of the program that wrote the file; empty: the file does not say, or needs none
     _kinds: ClassVar[dict[str, type[Source]]] = {}
 
     def __init_subclass__(cls, form: str = "", **others: object) -> None:
-        """`form`: a schema's name, or one of the forms above; a class without one is a part of others."""
+        """Registers a class for `form`, a schema's name or one of the constants above; without one it is a base."""
         super().__init_subclass__(**others)
         if form and Source._kinds.setdefault(form, cls) is not cls:
             raise TypeError(f"two kinds of source for {form}: {Source._kinds[form].__name__} and {cls.__name__}")
@@ -42,7 +42,7 @@ class Source:
 
     @classmethod
     def of(cls, results: Path, about: Mapping) -> Source:
-        """Made of a page's entry in "sources"."""
+        """Makes the source for a page's entry in "sources"."""
         return cls(results, about["file"])
 
     @cached_property
@@ -56,19 +56,19 @@ class Source:
 
     @property
     def provenance(self) -> str:
-        """A line of a list: the file and what it is."""
+        """A Markdown list item with the file and what it is."""
         raise FindingError(f"{self._shown}: such a file has no line in a list of sources")
 
 
 @cache
 def kinds() -> Mapping[str, type[Source]]:
-    """Every kind of source by its form."""
+    """Every class of source, by its form."""
     modules(*_MODULES)
     return Source._kinds
 
 
 def form_of(results: Path, about: Mapping) -> str:
-    """By which its kind is found."""
+    """The form of a page's source, by which its class is found."""
     file: str = about["file"]
     if "against" in about:
         return SEVERAL
@@ -93,9 +93,9 @@ def _opened(results: Path, about: str) -> Source:
 
 
 def source_of(results: Path, about: Mapping) -> Source | None:
-    """What a source of a page's head stands for, by what its file holds; None for one that may be missing and is."""
+    """The source for an entry of a page's head; None for an optional file that is missing."""
     file = results / about["file"]
     if about.get("optional") and not file.exists() and not Path(f"{file}.gz").exists():
         return None
-    # One file is a source of several pages, whatever age each of them allows.
+    # The cache ignores how old a page allows its source to be, so that pages share an opened file.
     return _opened(results, json.dumps({key: value for key, value in about.items() if key not in _NO_PART_OF_IT}))

@@ -1,1 +1,1 @@
-"""Rows of result files as one table."""
+"""Export of result files as one flat table."""

@@ -11,12 +11,12 @@ from ptbench.tidy.columns import CATEGORY, FLAG, INTEGER, NUMBER
 from ptbench.tidy.descriptions import meaning_of
 from ptbench.tidy.rows import Rows, load_files, table_of
 
-PYARROW = "pyarrow==22.0.0"  # as the extra `parquet` in pyproject.toml has it
+PYARROW = "pyarrow==22.0.0"  # requirement of the extra `parquet` in pyproject.toml
 _LARGEST_SIGNED = (1 << 63) - 1
 
 
 def flat(results: Sequence[Path], out: Path, table: str) -> int:
-    """Writes the rows, one table's, and says how many; raises InputError. `table` empty: as `table_of` chooses."""
+    """Writes the rows of one table, and prints their number; raises InputError. No `table`: as by `table_of`."""
     write = _writer(out)
     check_output_file(out)
     rows = table_of(load_files(find_sources(results).paths), table)
@@ -39,7 +39,7 @@ def _writer(out: Path):
 
 
 def write_csv(rows: Rows, path: Path) -> None:
-    """UTF-8 with a head; a value that is not there is empty, numbers read back as the same ones."""
+    """Writes rows as CSV in UTF-8 with a header; a missing value is empty, and numbers survive a round trip."""
     with open(path, "w", encoding="utf-8", errors="backslashreplace", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(rows.types)
@@ -56,7 +56,7 @@ def _text(value: object, kind: str) -> str:
 
 
 def write_parquet(rows: Rows, path: Path) -> None:
-    """Names and choices are dictionaries of strings, what is missing is null, each column says what it is."""
+    """Writes rows as Parquet: strings as dictionaries, missing values as null, a description with each column."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
@@ -74,6 +74,6 @@ def _arrow_type(values: Sequence, kind: str):
 
     if kind == NUMBER:
         return pa.float64()
-    if kind == INTEGER:  # a seed may need the 64th bit
+    if kind == INTEGER:  # a 64-bit seed may exceed the signed range
         return pa.uint64() if max((v for v in values if v is not None), default=0) > _LARGEST_SIGNED else pa.int64()
     return pa.bool_() if kind == FLAG else pa.string()

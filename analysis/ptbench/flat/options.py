@@ -1,4 +1,4 @@
-"""The command line of `flat`."""
+"""The command line options of `flat`."""
 
 import argparse
 from pathlib import Path

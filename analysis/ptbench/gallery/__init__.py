@@ -1,1 +1,1 @@
-"""Pairs of pictures on one labelled sheet."""
+"""The gallery: pairs of pictures to compare, on one labelled sheet."""

@@ -1,4 +1,4 @@
-"""`python3 -m ptbench gallery`: renders picture pairs with `ptbench render` onto one labelled sheet."""
+"""`python3 -m ptbench gallery`: renders pairs of pictures with `ptbench render` onto one labelled sheet."""
 
 import io
 import json
@@ -30,16 +30,16 @@ from ptbench.program import Program, said_by
 from ptbench.terminal import say, visible
 
 _COLUMNS = 4
-_PICTURE = 2.0  # inches
+_PICTURE = 2.0  # width of a picture in inches
 _GAP = 0.18
 _LEAST_DPI = 128.0
-# Faults that a render may report, which are shown where they are not zero.
+# Fault counters of a render that are shown below its picture unless zero.
 _COUNTERS = ("nonfinite", "negative", "unfinished_walks")
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A scene in a variant: the axes that are not at the program's own choices."""
+    """A scene rendered in a variant; `axes` are those that differ from the program's defaults."""
 
     label: str
     scene: str
@@ -53,26 +53,26 @@ class Picture:
 
 @dataclass(frozen=True)
 class Row:
-    """One row of a gallery: pictures that are held against each other."""
+    """One row of a gallery: pictures that are to be compared."""
 
     title: str
     pictures: tuple[Picture, ...]
-    resolution: tuple[int, int] | None  # None: the sheet's
-    pixels: bool  # show the pixels as they are: the row is about them
+    resolution: tuple[int, int] | None  # size of each picture; None: the sheet's resolution
+    pixels: bool  # whether to show pixels without interpolation, for a row about single pixels
 
 
 @dataclass(frozen=True)
 class Rendered:
-    """A picture as it came out: `image` and `remarks`, or `failure`."""
+    """The outcome of a render: `image` and `remarks`, or `failure`."""
 
     image: np.ndarray | None
     remarks: tuple[str, ...]
     failure: str = ""
-    scene_hash: str = ""  # of what was rendered
+    scene_hash: str = ""  # hash of the scene that was rendered
 
 
 def load_spec(path: Path) -> tuple[str, tuple[Row, ...]]:
-    """The title and rows of a gallery file, checked; raises InputError."""
+    """Reads the title and the rows of a gallery file; raises InputError."""
     root = read_json(path, LARGEST_INPUT)
     _only(root, "title", "rows")
     rows = tuple(_row(node) for node in root.need("rows").items())
@@ -113,7 +113,7 @@ def _picture(node: Node) -> Picture:
 
 
 def render(binary: Path, picture: Picture, spp: int, resolution: tuple[int, int], folder: Path) -> Rendered:
-    """Runs `ptbench render`; the picture gets its name in `folder` only when it is whole."""
+    """Renders a picture with `ptbench render`; its file appears in `folder` only when complete."""
     with scratch_folder(folder) as scratch:
         target = scratch / "picture.png"
         axes = [word for axis, choice in picture.axes.items() for word in ("--axis", f"{axis}={choice}")]
@@ -143,7 +143,7 @@ def _remarks(report: dict) -> tuple[str, ...]:
 
 
 def gallery(binary: Path, spec: Path, out: Path, spp: int, resolution: tuple[int, int]) -> int:
-    """Renders and writes the sheet; 0, or 1 where a render failed. Raises InputError."""
+    """Renders the pictures and writes the sheet; returns 0, or 1 where a render failed. Raises InputError."""
     title, rows = load_spec(spec)
     Program(binary).check()
     make_folder(out)
@@ -167,12 +167,12 @@ def gallery(binary: Path, spec: Path, out: Path, spp: int, resolution: tuple[int
 
 
 def sheet_dpi(resolution: tuple[int, int]) -> float:
-    """A pixel of a picture is one of the sheet: more would only make the file larger. But letters need some."""
+    """A resolution at which a picture's pixel is one of the sheet's, but at least what text needs."""
     return min(max(resolution[0] / _PICTURE, _LEAST_DPI), DPI)
 
 
 def packed(widths: Sequence[int]) -> list[list[int]]:
-    """Row indices by line of the sheet: neighbours share a line while they fit."""
+    """Distributes gallery rows over lines of the sheet: neighbours share a line while they fit."""
     lines: list[list[int]] = []
     room = 0
     for index, width in enumerate(widths):
@@ -187,14 +187,14 @@ def packed(widths: Sequence[int]) -> list[list[int]]:
 def draw_sheet(
     title: str, rows: Sequence[Row], shown: Sequence[Sequence[Rendered]], spp: int, resolution: tuple[int, int]
 ) -> Figure:
-    """The sheet; `shown` are the pictures of each row, `resolution` is width and height in pixels."""
+    """Draws the sheet; `shown` are the pictures of each row, `resolution` is width and height in pixels."""
     lines = packed([len(row.pictures) for row in rows])
     captions = [
         [_caption(picture, rendered, spp) for picture, rendered in zip(row.pictures, of_row, strict=True)]
         for row, of_row in zip(rows, shown, strict=True)
     ]
     head = style.text_height(style.BASE_SIZE + 0.5) + 0.06
-    # A line is as high as its tallest picture and its longest caption.
+    # Each line of the sheet is as high as its tallest picture and longest caption.
     picture_heights = [max(_PICTURE * min(_aspect(rows[index], resolution), 2.0) for index in line) for line in lines]
     caption_lines = [max(len(caption) for index in line for caption in captions[index]) for line in lines]
     heights = [

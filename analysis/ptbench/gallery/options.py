@@ -1,4 +1,4 @@
-"""The command line of `gallery`."""
+"""The command line options of `gallery`."""
 
 import argparse
 from pathlib import Path

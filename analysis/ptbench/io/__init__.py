@@ -1,1 +1,1 @@
-"""Files: what ptbench wrote is read, checked and told as objects; what is written is written whole."""
+"""Files: what ptbench wrote is read and validated as typed objects; output files are written atomically."""

@@ -1,12 +1,12 @@
-"""Which figure a study is drawn as, told by what it compares and along what.
+"""The figure that a study is drawn as, derived from what the study compares and along what.
 
-Files of before 1.1 name the figure itself.
+Files older than version 1.1 name the figure itself.
 """
 
 LIVE_PATHS = "live_paths"
 CONVERGENCE = "convergence"
-# What studies of older files compare, and along what, by the figure that they name. Any other figure of those files is
-# along nothing, and is called as what it compares.
+# For figures named by older files: what their studies compare, and along what. Any other figure of such files is along
+# nothing and has the name of what is compared.
 _OLDER = {
     "sorting_by_depth": ("sorting", "depth"),
     "first_bounce_by_depth": ("first_bounce", "depth"),
@@ -18,7 +18,7 @@ _OLDER = {
 
 
 def figure_of(compares: str, along: str, *, is_convergence: bool) -> str:
-    """The figure's name; empty where nothing is compared. An axis may have one of its own along something."""
+    """The name of a study's figure; empty where nothing is compared. An axis may have a figure along a parameter."""
     if is_convergence:
         return CONVERGENCE
     if compares == LIVE_PATHS:
@@ -27,5 +27,5 @@ def figure_of(compares: str, along: str, *, is_convergence: bool) -> str:
 
 
 def asked_by_older(figure: str) -> tuple[str, str]:
-    """What an older file's study compares along something, and along what; empty: it does not say, or nothing."""
+    """What a study of an older file compares, and along what; empty where the file does not say."""
     return _OLDER.get(figure, ("", ""))

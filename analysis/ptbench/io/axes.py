@@ -1,6 +1,6 @@
-"""The axes as the program has them: axes.json is what `build/ptbench list axes --json` prints.
+"""The axes of a variant as ptbench has them: axes.json is the output of `build/ptbench list axes --json`.
 
-A test holds the two equal, and `./run lists` writes the file.
+`./run lists` writes the file, and a test checks it.
 """
 
 import json
@@ -13,28 +13,28 @@ FILE = Path(__file__).with_name("axes.json")
 
 @dataclass(frozen=True)
 class Axis:
-    """One axis; variants/axis.h says what its members mean."""
+    """An axis of a variant; variants/axis.h documents its fields."""
 
     name: str
     what: str
     decides_error: bool
     decides_samples: bool
-    since: str = ""  # the commit that brought it; empty: every result file has it
-    as_before: str = ""  # what every variant was until then
+    since: str = ""  # commit that introduced the axis; empty: every result file has it
+    as_before: str = ""  # choice that all variants implicitly had before the axis existed
 
 
 @cache
 def known_axes() -> dict[str, Axis]:
-    """Every axis by its name, in the order in which a variant's name spells them."""
+    """Every axis by name, in the order in which variants' names list them."""
     return {facts["name"]: Axis(**facts) for facts in json.loads(FILE.read_text(encoding="utf-8"))}
 
 
 def described(axis: Axis) -> str:
-    """What a schema says of an axis."""
+    """The description of an axis in a schema."""
     text = f"{axis.what[0].upper()}{axis.what[1:]}."
     return f"{text} Since commit {axis.since}; before, `{axis.as_before}`." if axis.since else text
 
 
 def schema_properties() -> dict[str, dict[str, str]]:
-    """The choice on each axis as JSON Schema has it."""
+    """The JSON Schema properties for the choice on each axis."""
     return {name: {"$ref": "#/$defs/choice", "description": described(axis)} for name, axis in known_axes().items()}

@@ -1,4 +1,4 @@
-"""What a result file holds, as small typed objects: cells with their samples, studies, and what was left out.
+"""The contents of a result file as small typed objects: cells with their samples, studies, and what was left out.
 
 `ptbench.io.results` reads them. Times are milliseconds of wall time unless a name says otherwise.
 """
@@ -18,7 +18,7 @@ RUN_STATUSES = ("completed", "interrupted")
 STUDY_TYPES = ("time", "convergence")
 CLAIMS = ("bitwise", "statistical", "biased")
 WORDS = ("FASTER", "SLOWER", "SAME", "UNSURE")
-# Why a comparison's word is UNSURE or none.
+# Reason codes for a comparison whose word is UNSURE or missing.
 COMPARISON_REASONS = (
     "",
     "few_samples",
@@ -30,13 +30,13 @@ COMPARISON_REASONS = (
     "baseline_not_measured",
 )
 GPU_BACKEND = "cuda"
-# Counters that a sample may have of its own, as "pt_NAME".
+# Counters that each sample may have, in fields named "pt_NAME".
 WORK_COUNTERS = ("launches", "graph_nodes", "host_waits")
-# A render on a GPU that took no more than this beyond the device's own time was not kept waiting by a busy host.
+# Share of a GPU render's wall time beyond device time up to which a busy host did not delay it.
 MOST_HOST_SHARE = limit("most_host_share")
 
-# The harness's reasons for what is not applicable in a study that is written for more than one backend or choice: their
-# codes, and their texts for files that are older than the codes.
+# The harness's reasons why a variant is inapplicable in a study for several backends or choices: codes, and the texts
+# in files older than the codes.
 _ELSEWHERE_CODE = "not_on_backend"
 _NOTHING_TO_TUNE_CODE = "no_such_tunable"
 _ELSEWHERE = re.compile(r"(\S+=\S+) is not there on the backend \S+")
@@ -45,7 +45,7 @@ _NOTHING_TO_TUNE = " tunes none of the variant's choices"
 
 @dataclass(frozen=True)
 class Sample:
-    """One timed render of a cell: `wall_ms` holds for `spp` samples in every pixel."""
+    """One timed render of a cell; `wall_ms` is for all of `spp` samples per pixel."""
 
     repetition: int
     wall_ms: float
@@ -62,53 +62,53 @@ class Sample:
     low_clock: bool = False
     contended: bool = False
     cpu_ms: float | None = None
-    foreign_cpu_ms: float | None = None  # that other processes took meanwhile; below zero where clocks round
-    throttled_periods: int | None = None  # in which a quota of CPU time was used up meanwhile
+    foreign_cpu_ms: float | None = None  # CPU time of other processes during the render; negative by rounding
+    throttled_periods: int | None = None  # scheduling periods during the render in which a CPU quota was exhausted
     throttled_ms: float | None = None
     involuntary_switches: int | None = None
-    checkpoints: tuple[Checkpoint, ...] = ()  # of a convergence cell
-    film_hash: str = ""  # of its film; older files have none
-    work: dict[str, float] = field(default_factory=dict)  # "launches" and its like, where the file has them a sample
-    own_device_ms: tuple[float, ...] = ()  # of a render on several GPUs: each one's time without the reduction
-    slowest_device_ms: float | None = None  # until the last of them had rendered
-    device_reduce_ms: float | None = None  # from there to the sum of their films
+    checkpoints: tuple[Checkpoint, ...] = ()  # checkpoints of a convergence cell's sample
+    film_hash: str = ""  # hash of the sample's film; empty in older files
+    work: dict[str, float] = field(default_factory=dict)  # counters such as "launches", if the file has them per sample
+    own_device_ms: tuple[float, ...] = ()  # render on several GPUs: time of each without the reduction
+    slowest_device_ms: float | None = None  # time until the slowest GPU had rendered
+    device_reduce_ms: float | None = None  # time of the film reduction after the slowest GPU
 
     @property
     def ms_per_spp(self) -> float:
-        """Milliseconds of wall time a sample per pixel."""
+        """Milliseconds of wall time per sample per pixel."""
         return self.wall_ms / self.spp
 
     @property
     def render_ms(self) -> float:
-        """Wall time without the reduction of several GPUs' films."""
+        """Wall time of a render without the film reduction of several GPUs."""
         return self.slowest_device_ms or self.wall_ms
 
     @property
     def host_share(self) -> float:
-        """What of the render's time the device did not work; all of it where there is no device's clock."""
+        """Share of a render's wall time in which the device was idle; 1 where no device time is known."""
         return 1.0 if self.device_ms is None else max(0.0, 1 - self.device_ms / self.wall_ms)
 
     @property
     def mega_rays_per_second(self) -> float:
-        """Millions of rays a second of wall time."""
+        """Rate of rays over wall time, in millions per second."""
         return self.rays / self.wall_ms / 1e3
 
     @property
     def clock(self) -> float | None:
-        """MHz, the mean of the clock before and after the render; None where it is unknown."""
+        """Clock frequency in MHz, the mean of before and after the render; None where it is unknown."""
         if not self.clock_mhz_before or not self.clock_mhz_after:
             return None
         return 0.5 * (self.clock_mhz_before + self.clock_mhz_after)
 
     @property
     def mega_cycles_per_spp(self) -> float | None:
-        """Time in cycles of the clock as sampled round the render; None where the clock is unknown."""
+        """Clock cycles per sample per pixel, in millions, at the sampled clock; None where the clock is unknown."""
         return None if self.clock is None else self.ms_per_spp * self.clock / 1e3
 
 
 @dataclass(frozen=True)
 class Instrumented:
-    """The separate pass that counts; its times are never mixed with the samples'."""
+    """The separate counting pass of a cell, whose times are never mixed with those of the timed samples."""
 
     live_paths: tuple[int, ...]
     paths: int
@@ -118,13 +118,13 @@ class Instrumented:
     unaccounted_ms: float | None
 
     def live_share(self, depth: int) -> float | None:
-        """Share of live paths in the slots of all rounds, paths times depth, if ended paths stay; None: not counted."""
+        """The share of live paths in the queue slots of all bounces, if ended paths stay in it; None: not counted."""
         return sum(self.live_paths) / (self.paths * depth) if self.live_paths and self.paths else None
 
 
 @dataclass(frozen=True)
 class Kernel:
-    """What the compiler made of one CUDA kernel, a thread; shared memory is a block's."""
+    """The compiler's resource usage of a CUDA kernel per thread; shared memory per block."""
 
     registers: int
     local_bytes: int
@@ -133,7 +133,7 @@ class Kernel:
 
 @dataclass(frozen=True)
 class Cuda:
-    """A cell's facts on the device."""
+    """Facts about a cell on a CUDA device."""
 
     block: int | None
     device_bytes: int | None
@@ -141,25 +141,25 @@ class Cuda:
     prepare_ms: float | None
     options: tuple[str, ...]
     kernels: dict[str, Kernel]
-    path_state_bytes: int | None = None  # of path_bytes, one copy of the path itself
+    path_state_bytes: int | None = None  # bytes of one copy of a path's state, part of path_bytes
 
 
 @dataclass(frozen=True)
 class MeshFacts:
-    """A cell's meshes and their trees, built once before any clock of a sample; bytes and triangles are of all."""
+    """A cell's meshes and trees, built once before the timed samples; bytes and triangles are totals."""
 
     triangles: int
     nodes: int
     node_bytes: int
     leaf_bytes: int
     sah_cost: float
-    build_ms: float  # on the host's clock, with all copies where the GPU builds
-    encode_ms: float  # on the host
+    build_ms: float  # build time on the host's clock, including copies where the GPU builds
+    encode_ms: float  # encoding time on the host
 
 
 @dataclass(frozen=True)
 class Cell:
-    """Scene x backend x variant x settings, with its samples."""
+    """One variant on one scene, backend and settings, with its timed samples."""
 
     name: str
     studies: tuple[str, ...]
@@ -183,19 +183,19 @@ class Cell:
     instrumented: Instrumented | None
     samples: tuple[Sample, ...]
     errors: tuple[str, ...]
-    tunables: dict[str, int] = field(default_factory=dict)  # all that its choices have, at the values that they had
-    counters: dict[str, int] = field(default_factory=dict)  # of the instrumented pass, `spp` samples a pixel
+    tunables: dict[str, int] = field(default_factory=dict)  # all tunables of the variant's choices, with their values
+    counters: dict[str, int] = field(default_factory=dict)  # instrumented pass's counters, for `spp` samples per pixel
     cuda: Cuda | None = None
-    meshes: MeshFacts | None = None  # of a scene with meshes
-    scene_file: str = ""  # of a scene that did not come with the program, on the host of the run
+    meshes: MeshFacts | None = None  # facts about meshes; None for a scene without any
+    scene_file: str = ""  # path of a scene file that is not shipped with ptbench, on the host of the run
     convergence: Convergence | None = None
-    tuned: dict[str, str] = field(default_factory=dict)  # the tunables that are not at their choice's default
-    variant_in_file: str = ""  # older files spell every choice
-    failed_repetitions: tuple[int, ...] = ()  # of `errors`, one each
+    tuned: dict[str, str] = field(default_factory=dict)  # tunables that differ from their choice's default
+    variant_in_file: str = ""  # variant's name in its file; older files list every choice
+    failed_repetitions: tuple[int, ...] = ()  # repetitions that failed, one for each of `errors`
 
     @property
     def shown(self) -> str:
-        """The cell's name as files since version 1.0 have it, whatever its own file calls it."""
+        """The cell's name in the style of files since version 1.0, whatever its own file calls the cell."""
         variant = self.variant.replace(" ", "/").replace("=", ":")
         checkpoints = "" if self.convergence is None else "/checkpoints:octaves"
         return (
@@ -210,62 +210,62 @@ class Cell:
 
     @property
     def failure(self) -> str:
-        """Why it failed."""
+        """The reason why the cell failed."""
         return self.reason or next((error for error in self.errors if error), "") or "no reason given"
 
     @property
     def measured(self) -> bool:
-        """There are times that may be shown. A failed cell's are not: nobody knows what they timed."""
+        """Whether the cell has valid times. A failed cell has none, as nobody knows what its samples timed."""
         return not self.failed and bool(self.samples)
 
     @property
     def ms_per_spp(self) -> np.ndarray:
-        """Milliseconds of wall time a sample per pixel, one value a sample."""
+        """Milliseconds of wall time per sample per pixel, one value per timed sample."""
         return np.array([sample.ms_per_spp for sample in self.samples])
 
     @property
     def mega_cycles_per_spp(self) -> np.ndarray | None:
-        """Millions of clock cycles a sample per pixel, one value a sample; None where a clock is unknown."""
+        """Millions of clock cycles per sample per pixel, one value per timed sample; None where a clock is unknown."""
         cycles = [sample.mega_cycles_per_spp for sample in self.samples]
         return None if not cycles or None in cycles else np.array(cycles)
 
     @property
     def low_clock_samples(self) -> int:
-        """How many samples ran at a low clock."""
+        """The number of timed samples that ran at a low clock."""
         return sum(sample.low_clock for sample in self.samples)
 
     @property
     def contended_samples(self) -> int:
-        """How many samples other processes, or a quota, took CPU time from."""
+        """The number of timed samples from which other processes, or a quota, took CPU time."""
         return sum(sample.contended for sample in self.samples)
 
     @property
     def throttled_samples(self) -> int:
-        """How many of the disturbed ones a quota of CPU time held up."""
+        """The number of disturbed samples that a CPU quota delayed."""
         return sum(self.is_disturbed(sample) and bool(sample.throttled_periods) for sample in self.samples)
 
     @property
     def disturbed_samples(self) -> int:
-        """Contended ones whose time may be wrong for it: on a GPU the device's clock tells.
+        """The number of contended samples whose time may be wrong; on a GPU the device's clock shows whether it is.
 
-        Other processes can only make the host late, and then the render takes longer than the device worked. Where the
-        device waits for the host within the render, its clock goes on and cannot tell: all contended ones count.
+        Other processes can only delay the host, and then the render takes longer than the device worked. Where the
+        device waits for the host within the render, its clock cannot show that, and all contended samples count.
         """
         return sum(self.is_disturbed(sample) for sample in self.samples)
 
     def is_disturbed(self, sample: Sample) -> bool:
-        """Whether the sample's time may be wrong, because other processes took processors."""
+        """Whether a sample's time may be wrong, because other processes took CPU time."""
         was_late = sample.host_share > MOST_HOST_SHARE or sample.work.get("host_waits", 0) > 0
         return sample.contended and (self.backend != GPU_BACKEND or was_late)
 
     @property
     def resolution_text(self) -> str:
-        """ "WIDTHxHEIGHT" in pixels."""
+        """The resolution as text, "WIDTHxHEIGHT" in pixels."""
         return f"{self.resolution[0]}x{self.resolution[1]}"
 
     @property
     def pixels(self) -> int:
-        """Width times height."""
+        """The number of pixels."""
         return self.resolution[0] * self.resolution[1]
 
     @property
@@ -275,15 +275,15 @@ class Cell:
 
     @property
     def device_share(self) -> float | None:
-        """Device time over render wall time, the median of the samples'."""
+        """Device time over render wall time, the median over timed samples."""
         shares = [sample.device_ms / sample.wall_ms for sample in self.samples if sample.device_ms is not None]
         return float(np.median(shares)) if shares and len(shares) == len(self.samples) else None
 
     def work_per_spp(self, counter: str) -> float | None:
-        """How often the timed renders did `counter` a sample per pixel; None where the file does not say.
+        """How often the timed renders did `counter` per sample per pixel; None where the file does not say.
 
-        The samples' own counts where they have them. Otherwise the instrumented pass's, but not a graph launch's: the
-        events that time stages cannot be captured, so that pass runs without a graph.
+        The timed samples' own counts are used where present, else the instrumented pass's. The latter does not count
+        for graph launches: stage-timing events cannot be captured in a graph, so that pass runs without one.
         """
         counts = [sample.work.get(counter) for sample in self.samples]
         if counts and None not in counts:
@@ -297,35 +297,35 @@ class Cell:
 
 @dataclass(frozen=True)
 class Study:
-    """A question that a suite asks: which cells, drawn how."""
+    """A study: a question that a suite asks, with the cells that answer it and their figure."""
 
     name: str
     figure: str
     title: str
     type: str = "time"
-    # The axis or tunable that is compared; empty where nothing is, and where an older file does not say.
+    # The axis or tunable that a study compares; empty where nothing is, or where an older file does not say.
     compares: str = ""
-    along: str = ""  # what else varies, so that the comparison is followed along it; empty: nothing
+    along: str = ""  # parameter along which the comparison is followed; empty: none
 
     @property
     def is_convergence(self) -> bool:
-        """Whether the study is about error, not time alone."""
+        """Whether the study is about error rather than time alone."""
         return self.type == "convergence"
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """What a run says at its end of a cell against the baseline of its study; the names are those of the file."""
+    """The comparison of a cell with its study's baseline that a run prints at its end; names are the file's."""
 
     study: str
     cell: str
-    baseline: str  # a cell; empty: there is none
+    baseline: str  # name of the comparison's baseline cell; empty: there is none
     ratio: float | None
     interval: tuple[float, float] | None
-    word: str  # empty: there is no ratio
+    word: str  # word of the verdict; empty: there is no ratio
     reason_code: str
     in_time: str
-    in_cycles: str  # empty: a clock is unknown
+    in_cycles: str  # word of the verdict by clock cycles; empty: a clock is unknown
 
 
 @dataclass(frozen=True)
@@ -337,13 +337,13 @@ class NotApplicable:
     variant: str
     axes: dict[str, str]
     reason: str
-    reason_code: str = ""  # empty in older files
-    tuned: dict[str, str] = field(default_factory=dict)  # the tunables that were not at their choice's default
-    reason_axis: str = ""  # of the choice that does not apply; empty in older files, and where it is no choice's own
+    reason_code: str = ""  # code of why the variant was left out; empty in older files
+    tuned: dict[str, str] = field(default_factory=dict)  # tunables that differed from their choice's default value
+    reason_axis: str = ""  # axis of the inapplicable choice; empty in older files, and where no choice is to blame
 
     @property
     def elsewhere(self) -> str:
-        """ "axis=choice" where the reason is that only another backend has that choice."""
+        """The choice as "axis=choice" that only another backend has, if that is the reason; else empty."""
         if self.reason_code:
             if self.reason_code != _ELSEWHERE_CODE:
                 return ""
@@ -368,20 +368,20 @@ class Result(OfARun):
     studies: tuple[Study, ...]
     cells: tuple[Cell, ...]
     not_applicable: tuple[NotApplicable, ...]
-    baselines: dict[str, str] = field(default_factory=dict)  # by axis, on the file's backend; empty in older files
-    retaken: int = 0  # disturbed samples whose places others took
-    comparisons: dict[tuple[str, str], Comparison] | None = None  # by study and cell; None: the file has none
+    baselines: dict[str, str] = field(default_factory=dict)  # the backend's baseline by axis; empty in older files
+    retaken: int = 0  # disturbed samples that were replaced by repeated ones
+    comparisons: dict[tuple[str, str], Comparison] | None = None  # comparisons by study and cell; None: not in the file
 
     @property
     def suite(self) -> str:
-        """The suite's name; empty where there was none."""
+        """The suite's name; empty where the run had none."""
         return self.context.get("ptbench.suite", "")
 
     @property
     def interrupted(self) -> bool:
-        """Whether the run was interrupted: cells and samples may be missing."""
+        """Whether the run was interrupted, so that cells and samples may be missing."""
         return self.context.get("ptbench.status") == "interrupted"
 
     def cells_of(self, study: Study) -> tuple[Cell, ...]:
-        """The study's cells, in the file's order."""
+        """The cells of a study, in the file's order."""
         return tuple(cell for cell in self.cells if study.name in cell.studies)

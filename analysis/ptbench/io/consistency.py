@@ -1,6 +1,6 @@
-"""What contradicts itself in a file whose every value may be: samples twice or missing, times and films that differ.
+"""Contradictions within a result file of valid values: duplicate or missing samples, inconsistent times and films.
 
-The types have to be right; a complaint names the place, the cell, what was found and what is allowed.
+Value types must have been checked before; a complaint names the place, the cell, what was found and what is allowed.
 """
 
 import math
@@ -12,22 +12,22 @@ from dataclasses import dataclass
 from ptbench.io.limits import limit
 from ptbench.io.nodes import Node, shown
 
-# Google Benchmark appends how it ran a benchmark to its name; ours is the part before.
+# Suffixes that Google Benchmark appends to a benchmark's name; the part before is the cell's name.
 _BENCHMARK_SUFFIX = re.compile(
     r"(/(iterations|repeats|min_time|min_warmup_time|threads):[^/]*|/(manual|real|process)_time)+$"
 )
-# Fields of a sample that are times: a render takes longer than no time.
+# Fields of a sample that are times, and must be above 0.
 TIMES = ("real_time", "pt_wall_ms", "pt_device_ms", "pt_end_to_end_ms")
 _CLOCKS_DIFFER = limit("clocks_differ")
-# Fields each of which tells a sample from the others of its cell.
+# Fields that must differ between the samples of a cell.
 _OWN = ("repetition_index", "pt_seed", "pt_order")
 _MOST_NAMED = 3
-_ROUNDING = 1e-12  # of a ratio that C++ and Python compute of the same medians
+_ROUNDING = 1e-12  # relative rounding difference allowed between ratios computed by C++ and by Python
 
 
 @dataclass(frozen=True)
 class Contradiction:
-    """A place of a file that another place rules out."""
+    """A value in a file that another value of the file rules out."""
 
     place: str
     found: str
@@ -38,7 +38,7 @@ class Contradiction:
 
 
 def cell_of(row: Node, known: Mapping[str, object]) -> str:
-    """The name of the row's cell, one of `known`; raises InputError."""
+    """The name of a row's cell, one of `known`; raises InputError."""
     named = row.maybe("run_name") or row.need("name")
     cell = named.name() if named.name() in known else _BENCHMARK_SUFFIX.sub("", named.name())
     if cell not in known:
@@ -47,14 +47,14 @@ def cell_of(row: Node, known: Mapping[str, object]) -> str:
 
 
 def is_failure(row: Node) -> bool:
-    """Whether a row stands for a cell or a repetition that failed, and has no times."""
+    """Whether a row stands for a cell or repetition that failed, and therefore has no times."""
     occurred = row.maybe("error_occurred")
     return occurred is not None and occurred.value is not False
 
 
 @dataclass(frozen=True)
 class _Cell:
-    """A cell, the rows of its samples, and those of their medians."""
+    """A cell with the rows of its samples, and of their medians."""
 
     node: Node
     samples: Sequence[Node]
@@ -71,7 +71,7 @@ class _Cell:
 
 
 def contradictions(root: Node) -> Iterator[Contradiction]:
-    """All of a result whose fields have their types; raises InputError where one has not."""
+    """All contradictions of a result whose value types are valid; raises InputError where a type is not."""
     names: set[str] = set()
     for node in root.need("ptbench").need("cells").items():
         name = node.need("cell")
@@ -108,13 +108,13 @@ def contradictions(root: Node) -> Iterator[Contradiction]:
 
 
 def _median(cell: _Cell) -> float | None:
-    """The median of the milliseconds that a sample per pixel took; None: the cell has no samples."""
+    """The median milliseconds per sample per pixel over the cell's samples; None: the cell has none."""
     times = [row.need("real_time").value / row.need("pt_spp").value for row in cell.samples]
     return statistics.median(times) if times else None
 
 
 def _ratio(comparison: Node, medians: Mapping[str, float | None]) -> Iterator[Contradiction]:
-    """The comparison's ratio where it is not that of the cells' medians."""
+    """The contradiction of a comparison whose ratio is not that of the cells' medians."""
     for key in ("cell", "baseline"):
         if (node := comparison.need(key)).value not in medians and (key == "cell" or node.value is not None):
             yield Contradiction(node.place, shown(node.value), "a cell of the file")
@@ -145,7 +145,7 @@ def _cells(root: Node) -> list[_Cell]:
 
 
 def times_of(row: Node, cell: str) -> Iterator[Contradiction]:
-    """The row's times that are none, or contradict each other; whether they are numbers, others say."""
+    """Contradictions in a row's times: not positive, or impossible together; value types are checked elsewhere."""
     times = {key: row.fields()[key] for key in TIMES if _is_number(row.fields().get(key))}
     wrong = [key for key, value in times.items() if not value > 0]
     for key in wrong:
@@ -153,7 +153,7 @@ def times_of(row: Node, cell: str) -> Iterator[Contradiction]:
     wall = times.get("pt_wall_ms")
     if wall is None or wrong:
         return
-    limits = {  # (least, most, in words)
+    limits = {  # bounds of each time as (least, most, in words)
         "real_time": (wall, wall, f"{shown(wall)}, its pt_wall_ms"),
         "pt_device_ms": (0, wall * (1 + _CLOCKS_DIFFER), f"at most {shown(wall)}, its pt_wall_ms"),
         "pt_end_to_end_ms": (wall, math.inf, f"at least {shown(wall)}, its pt_wall_ms"),
@@ -168,7 +168,7 @@ def _is_number(value: object) -> bool:
 
 
 def _retaken(retaken: Node, cells: Sequence[_Cell]) -> Iterator[Contradiction]:
-    """A sample whose place another took has that one's seed and film, and times that can be."""
+    """Contradictions of a replaced sample: it must have its replacement's seed and film, and possible times."""
     name, index = retaken.need("cell"), retaken.need("repetition_index")
     sample = retaken.need("sample")
     rows = [row for cell in cells if cell.node.need("cell").value == name.value for row in cell.samples]
@@ -184,14 +184,14 @@ def _retaken(retaken: Node, cells: Sequence[_Cell]) -> Iterator[Contradiction]:
 
 
 def _medians(cell: _Cell) -> Iterator[Contradiction]:
-    """Rows of medians that are not those of the cell's samples."""
+    """Contradictions of rows of medians that do not match the cell's samples."""
     for row in cell.medians:
         for key in ("real_time", "cpu_time"):
             values = [sample.fields().get(key) for sample in cell.samples]
             if not values or not all(map(_is_number, [*values, row.fields().get(key)])):
                 continue
             median, found = statistics.median(values), row.need(key)
-            # Two values in the middle may be added or halved first.
+            # Two middle values may be added or halved first, which rounds differently.
             if not math.isclose(found.value, median, rel_tol=1e-14):
                 allowed = f"{shown(median)}, the median of its {len(values)} samples"
                 yield Contradiction(found.place, f"{shown(found.value)} in {cell.shown}", allowed)
@@ -211,7 +211,7 @@ def _twice(cell: _Cell) -> Iterator[Contradiction]:
 
 
 def _missing(cell: _Cell, asked: int | None, most: int | None) -> Iterator[Contradiction]:
-    """An `ok` cell has all samples, or more up to `most`, an interrupted one the first ones."""
+    """Contradictions of a sample count: `ok` cells have all samples, or up to `most`, interrupted ones the first."""
     wanted = asked
     for row in cell.samples:
         named = row.maybe("repetitions")
@@ -243,20 +243,20 @@ def _missing(cell: _Cell, asked: int | None, most: int | None) -> Iterator[Contr
         yield Contradiction(cell.node.place, found, f"samples 0 to {limit - 1}: {limit} were asked for")
 
 
-# A film: what must leave the same one, the seed, and the samples in every pixel so far.
+# Key of films that must be equal: group of cells, seed, and samples per pixel so far.
 _Film = tuple[object, int | None, int | None]
 
 
 def _films(cells: Iterable[_Cell], first_seed: int | None) -> Iterator[Contradiction]:
-    """Films that must be equal bit for bit and are not.
+    """Contradictions of films that must be equal bit for bit and are not.
 
-    Cells that claim the reference's bits leave one film where scene, backend, size, depth and samples agree, seed by
-    seed. A variant that rounds freely claims a mean, so it is held to no other; only its sample's film to the last
-    checkpoint's, which is the same film.
+    Cells that claim bitwise equality leave equal films where scene, backend, size, depth and samples agree, for each
+    seed. A variant that claims only an equal mean is compared with no other; only its final film is compared with that
+    of its last checkpoint, which must be equal.
     """
     known: dict[_Film, tuple[str, _Cell]] = {}
     for cell in cells:
-        if cell.failed:  # that its film differs may be why
+        if cell.failed:  # a wrong film may be the reason why the cell failed
             continue
         bitwise = cell.node.need("claim").value == "bitwise" if cell.node.maybe("claim") is not None else False
         group: object = _settings(cell.node) if bitwise else cell.node.need("cell").text()
@@ -277,7 +277,7 @@ def _settings(cell: Node) -> tuple:
 
 
 def _films_of(row: Node) -> Iterator[tuple[tuple[int | None, int | None], Node]]:
-    """The films of a sample: its last one, and those at its checkpoints."""
+    """The film hashes of a sample: the final one, and those at its checkpoints."""
     seed = row.optional_integer("pt_seed")
     if seed is None:
         return
@@ -291,7 +291,7 @@ def _films_of(row: Node) -> Iterator[tuple[tuple[int | None, int | None], Node]]
 
 
 def _first_film(cell: _Cell, first_seed: int | None) -> list[tuple[tuple[int | None, int | None], Node]]:
-    """The film hash of the instrumented pass, which has the run's first seed."""
+    """The film hash of the instrumented pass, which uses the run's first seed."""
     if not cell.node.optional_text("film_hash"):
         return []
     if first_seed is None:
@@ -307,7 +307,7 @@ def _first_film(cell: _Cell, first_seed: int | None) -> list[tuple[tuple[int | N
 
 
 class JournalBook:
-    """All that a journal's lines say together; they are entered in their order."""
+    """Checks the lines of a journal, entered in order, against each other."""
 
     def __init__(self) -> None:
         self._identity: Node | None = None
@@ -326,7 +326,7 @@ class JournalBook:
             yield from self._retake(line.need("cell").text(), line.need("sample"))
 
     def _sample(self, name: str, sample: Node) -> Iterator[Contradiction]:
-        """A cell's samples have the seeds from the run's first one on, in their order."""
+        """Contradictions of a sample's seed: a cell's samples count up from the run's first seed."""
         cell = f'the cell "{name}"'
         seeds = self._seeds.setdefault(name, {})
         seed = sample.need("pt_seed")
@@ -345,7 +345,7 @@ class JournalBook:
         seeds.setdefault(seed.integer(), sample)
 
     def _retake(self, name: str, sample: Node) -> Iterator[Contradiction]:
-        """Takes a sample that was taken again: it has an earlier one's place, and its film."""
+        """Contradictions of a repeated sample, which must have an earlier sample's place and film."""
         cell, seed = f'the cell "{name}"', sample.need("pt_seed")
         before = self._seeds.get(name, {}).get(seed.integer())
         if before is None:

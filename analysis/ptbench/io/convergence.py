@@ -1,7 +1,7 @@
-"""What a result file says of a convergence cell: its errors at checkpoints, its reference, its declared biases.
+"""Convergence data of a cell in a result file: errors at checkpoints, the reference, declared biases.
 
-A checkpoint's times are the render's so far, without what happens at checkpoints; its errors are those of the samples
-so far. An error is None where the harness gave none: a pixel was not finite, or the metric is not defined there.
+The times of a checkpoint are the render's until then, without work done at checkpoints; its errors are those of the
+samples until then. An error is None where the harness gave none: a pixel was not finite, or the metric is undefined.
 """
 
 import re
@@ -20,8 +20,8 @@ class Checkpoint:
     """A checkpoint: the state of one render after `spp` of its samples."""
 
     spp: int
-    times: dict[str, float]  # by clock, milliseconds; wall_ms always
-    errors: dict[str, float | None]  # by metric
+    times: dict[str, float]  # render time until the checkpoint, ms by clock; wall_ms is always present
+    errors: dict[str, float | None]  # error by metric, such as mse_dual
     mean_error: tuple[float, float, float] | None
     nonfinite: int = 0
     shared: bool = False
@@ -30,17 +30,17 @@ class Checkpoint:
 
 @dataclass(frozen=True)
 class Reference:
-    """What the errors are taken against: the mean of two independent halves, or a closed form."""
+    """The reference of the errors: the mean of two independently rendered halves, or a closed form."""
 
     name: str
-    kind: str  # "rendered" or "closed_form"
+    kind: str  # kind of reference: "rendered" or "closed_form"
     scene: str
-    variance: float  # of the mean of the halves, over pixels and channels
+    variance: float  # variance of the mean of the halves, averaged over pixels and channels
     mean_square: float
     spp_per_half: int = 0
     variant: str = ""
     formula: str = ""
-    dual_error: float | None = None  # the standard error that it alone gives to every dual error
+    dual_error: float | None = None  # standard error that the reference's noise gives every dual error
     depth: int | None = None
 
     @property
@@ -51,7 +51,7 @@ class Reference:
 
 @dataclass(frozen=True)
 class Picture:
-    """An image of the first seed; its file is named from the result file's folder."""
+    """An image of the first seed; the file's name is relative to the result file's folder."""
 
     spp: int
     file: str
@@ -59,7 +59,7 @@ class Picture:
 
 @dataclass(frozen=True)
 class Convergence:
-    """The facts that only a cell with checkpoints has."""
+    """The convergence data of a cell with checkpoints."""
 
     checkpoints: tuple[int, ...]
     reference: Reference
@@ -72,7 +72,7 @@ class Convergence:
 
 
 def checkpoints_of(row: Node) -> tuple[Checkpoint, ...]:
-    """The checkpoints of one sample; none where the row has none."""
+    """The checkpoints of one sample; empty where the row has none."""
     array = row.maybe("pt_checkpoints")
     if array is None:
         return ()
@@ -106,7 +106,7 @@ def _checkpoint(node: Node) -> Checkpoint:
 
 
 def _error(node: Node, metric: str) -> float | None:
-    """Dual errors may come out below zero: they are unbiased, not positive."""
+    """An error by metric; dual errors may be negative, as they are unbiased but not positive."""
     value = node.maybe(metric)
     return None if value is None else value.number(signed=metric.endswith("dual") or metric == "bias2")
 
@@ -116,7 +116,7 @@ def _signed(node: Node) -> float | None:
 
 
 def convergence_of(cell: Node) -> Convergence | None:
-    """The cell's part on convergence; None: it is an ordinary cell."""
+    """The convergence data of a cell; None: the cell has no checkpoints."""
     node = cell.maybe("convergence")
     if node is None:
         return None
@@ -166,7 +166,7 @@ def _pictures(node: Node) -> tuple[Picture, ...]:
 
 
 def _file_name(node: Node) -> str:
-    """A file in a folder beside the result file, and nowhere else."""
+    """The name of a file that must lie in a folder beside the result file."""
     name = node.name()
     if not re.fullmatch(r"[^/\\]*[^/\\.][^/\\]*/[^/\\]*[^/\\.][^/\\]*", name):
         raise node.wrong("FOLDER/FILE, beside the result file")
@@ -174,7 +174,7 @@ def _file_name(node: Node) -> str:
 
 
 def check_checkpoints(node: Node, convergence: Convergence, samples: list) -> None:
-    """Every sample of the cell has to have the cell's checkpoints: its first ones, if it was cut short."""
+    """Checks that every sample has the cell's checkpoints, or the first of them if it was interrupted."""
     for sample in samples:
         found = tuple(checkpoint.spp for checkpoint in sample.checkpoints)
         if found != convergence.checkpoints[: len(found)]:

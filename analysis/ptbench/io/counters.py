@@ -1,10 +1,10 @@
-"""What ncu counted of a kernel, as files of `ptbench inspect` and of `ptbench rays` have it."""
+"""Hardware counters of a kernel by ncu, as files of `ptbench inspect` and `ptbench rays` contain them."""
 
 from dataclasses import dataclass
 
 from ptbench.io.nodes import Node
 
-# A ray's, or shares; files of commit ede9627 and before have X_a_Y for X_per_Y.
+# Counters per ray, or fractions; files up to commit ede9627 name X_per_Y as X_a_Y.
 MEASURED = (
     "achieved_occupancy",
     "active_lanes",
@@ -16,7 +16,7 @@ MEASURED = (
 
 @dataclass(frozen=True)
 class Counters:
-    """The counters of one kernel; what came after commit 14df631 is None in older files."""
+    """The hardware counters of one kernel; those added after commit 14df631 are None in older files."""
 
     achieved_occupancy: float
     active_lanes: float
@@ -24,14 +24,14 @@ class Counters:
     thread_instructions_per_ray: float
     memory_bytes_per_ray: float
     of_ceiling: dict[str, float]
-    bound: str  # the nearest ceiling
+    bound: str  # name of the throughput ceiling that the kernel is nearest to
     l1_hit_rate: float | None = None
     l2_hit_rate: float | None = None
     memory_stalls: float | None = None
 
 
 def counters_of(node: Node) -> Counters:
-    """Reads the counters of a kernel from an object; raises InputError."""
+    """Reads the counters of a kernel from a JSON object; raises InputError."""
     of_ceiling = node.optional_numbers("of_ceiling")
     return Counters(
         **{name: node.need(name).number() for name in MEASURED},

@@ -17,18 +17,18 @@ Written by `python3 -m ptbench.io.fields` from the schemas in [schema](schema).
 A field that is not required is there where its meaning says so. "Since commit": files of earlier programs lack it.
 `[]` is each item of an array, `NAME` each key of an object whose keys are names.
 """
-_MOST_SHOWN = 9  # values of an enumeration in a table
+_MOST_SHOWN = 9  # most values of an enumeration that a table lists
 _LIMITS = {"minimum": "from", "exclusiveMinimum": "above", "maximum": "to"}
 
 
 def tables() -> str:
-    """All schemas as Markdown: a section a file, a table an object."""
+    """All schemas as Markdown: one section per file, one table per object."""
     return _HEAD + "".join(_Schema(name).section() for name in (*KINDS, "common"))
 
 
 @dataclass(frozen=True)
 class Field:
-    """A row of a table of fields."""
+    """A row of a table of schema fields."""
 
     path: str
     kind: str
@@ -36,14 +36,14 @@ class Field:
     meaning: str
 
     def line(self) -> str:
-        """The row as Markdown."""
+        """The schema field as a row of Markdown."""
         cells = (f"`{self.path}`", self.kind, "yes" if self.required else "", self.meaning)
         return f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |\n"
 
 
 @dataclass(frozen=True)
 class _Schema:
-    """One schema, whose references without a file are to itself."""
+    """One schema, to which references without a file name refer."""
 
     name: str
 
@@ -53,7 +53,7 @@ class _Schema:
         if "properties" in root:
             parts.append(self._table("", root))
         for key, node in root.get("$defs", {}).items():
-            if node.get("deprecated"):  # what it is of earlier programs, the file's description says
+            if node.get("deprecated"):  # deprecated definitions are only mentioned in the file's description
                 continue
             if "properties" in node:
                 parts.append(self._table(key, node))
@@ -69,7 +69,7 @@ class _Schema:
         return f"\n{about}| field | type | required | meaning |\n|---|---|---|---|\n{lines}"
 
     def _fields(self, node: dict, prefix: str) -> Iterator[Field]:
-        """The fields of an object, and of objects within it that have no table of their own."""
+        """The fields of an object, and of nested objects that have no table of their own."""
         for key, child in node.get("properties", {}).items():
             path = f"{prefix}{key}"
             required = key in node.get("required", ())

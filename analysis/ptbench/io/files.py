@@ -1,6 +1,6 @@
-"""Reads regular files of a limited size, and writes regular files whole or not at all.
+"""Reads regular files of limited size, and writes regular files atomically.
 
-A file is written under a temporary name in the same folder first, then renamed.
+A file is written under a temporary name in the same folder, and then renamed.
 """
 
 import errno
@@ -18,11 +18,11 @@ from pathlib import Path
 
 from ptbench.errors import InputError, MachineError, bad_value
 
-# The largest files that are read, as in the program: the largest committed result has 20 MB, and parsed a result takes
-# about ten times its size in memory.
+# Largest files that are read, as in the ptbench program: the largest committed result has 20 MB, and a parsed result
+# takes about ten times its file size in memory.
 LARGEST_RESULT = 1 << 30
 LARGEST_INPUT = 64 << 20
-# Most bytes of a file of floats: 9459x9459 pixels of three.
+# Largest image file in bytes: 9459x9459 pixels of three floats.
 LARGEST_IMAGE = 1 << 30
 
 _NO_REGULAR_FILE = "no regular file (a device, a pipe or a socket)"
@@ -36,12 +36,12 @@ _IN_WORDS = {
 }
 
 
-# The errors of a disk that is full or broken: no other name would help.
+# Error codes of a full or failing disk or machine, for which another file name would not help.
 _OF_THE_MACHINE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.ENOMEM, errno.EMFILE, errno.ENFILE)
 
 
 def _write_failure(target: Path, place: str, error: OSError, allowed: str) -> InputError | MachineError:
-    """The error of a file that cannot be written, as the call's fault or the machine's."""
+    """The exception for a failed write: InputError if the call is to blame, MachineError for the machine."""
     reason = _reason(target, error)
     if error.errno in _OF_THE_MACHINE:
         return MachineError(f"{target}: cannot be written: {reason}")
@@ -49,26 +49,26 @@ def _write_failure(target: Path, place: str, error: OSError, allowed: str) -> In
 
 
 def package_file(*parts: str) -> Path:
-    """A file or folder that comes with the package, in a checkout and where pip put it."""
+    """A file or folder of the package, in a checkout or an installation."""
     return Path(str(resources.files("ptbench").joinpath(*parts)))
 
 
 def read_whole(path: Path, largest: int = LARGEST_INPUT) -> bytes:
-    """The content of the regular file that `path` names or links to; raises InputError."""
+    """The contents of the regular file that `path` names or links to; raises InputError."""
     try:
-        # The kind of file is checked before it is opened: opening a device may do something.
+        # The file type is checked before opening, because opening a device may have side effects.
         _check_kind(path, os.stat(path), largest)
-        # The file is opened without waiting for a writer, should a pipe have taken the name since.
+        # O_NONBLOCK avoids waiting for a writer if a pipe has taken the name since.
         with open(path, "rb", opener=lambda name, flags: os.open(name, flags | os.O_NONBLOCK)) as file:
             status = os.fstat(file.fileno())
             _check_kind(path, status, largest)
-            # The whole file and one byte more, at which its end shows; then piece by piece if it has grown.
+            # Reading one byte more than the size detects the end; a file that has grown is read on piece by piece.
             data = file.read(status.st_size + 1)
             while len(data) > status.st_size and len(data) <= largest and (more := file.read(1 << 16)):
                 data += more
     except OSError as error:
         raise _unreadable(path, _reason(path, error), largest) from error
-    except ValueError as error:  # a null character in the name
+    except ValueError as error:  # a file name with a null character raises ValueError
         raise _unreadable(path, "a name that no file can have", largest) from error
     if len(data) > largest:
         raise _unreadable(path, "more bytes than when it was opened, too large", largest)
@@ -76,15 +76,15 @@ def read_whole(path: Path, largest: int = LARGEST_INPUT) -> bytes:
 
 
 def stored_file(path: Path) -> Path:
-    """FILE.json, or FILE.json.gz where only that is there."""
+    """The path of FILE.json, or of FILE.json.gz where only that exists."""
     packed = path if path.suffix == ".gz" else Path(f"{path}.gz")
     return path if os.path.lexists(path) or not os.path.isfile(packed) else packed
 
 
 def read_stored(path: Path, largest: int = LARGEST_INPUT) -> tuple[Path, bytes]:
-    """The content of FILE.json, or of FILE.json.gz where only that is there, and the name without `.gz`.
+    """The contents of FILE.json, or of FILE.json.gz where only that exists, and the name without `.gz`.
 
-    Large results are committed compressed: whoever names one names it either way. Raises InputError.
+    Large results are committed compressed, and may be named either way. Raises InputError.
     """
     packed = stored_file(path)
     if packed.suffix != ".gz":
@@ -119,7 +119,7 @@ def _unreadable(path: Path, found: str, largest: int) -> InputError:
 
 
 def named_files(folder: Path, names: Iterable[str], what: str) -> list[Path]:
-    """Every JSON file of a folder, or those of these names; raises InputError for one that is not there."""
+    """Every JSON file of a folder, or those named; raises InputError for a missing one."""
     files = {path.stem: path for path in sorted(folder.glob("*.json"))}
     if not files:
         raise bad_value(folder, "folder", f"no {what}", "the root of a checkout as --root")
@@ -129,7 +129,7 @@ def named_files(folder: Path, names: Iterable[str], what: str) -> list[Path]:
 
 
 def make_folder(folder: Path) -> None:
-    """Makes the folder and those above it; raises InputError."""
+    """Makes a folder with its parents; raises InputError."""
     check_output_folder(folder)
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -138,14 +138,14 @@ def make_folder(folder: Path) -> None:
 
 
 def check_output_folder(folder: Path) -> None:
-    """Raises InputError where something else has the name already."""
+    """Raises InputError if the output folder's name is taken by something else."""
     if os.path.lexists(folder) and not os.path.isdir(folder):
         found = "a link to nothing" if not os.path.exists(folder) else "a file, which is no folder"
         raise bad_value(folder, "output folder", found, "a folder that can be made")
 
 
 def check_output_file(target: Path, sources: Iterable[Path | str] = ()) -> None:
-    """Raises InputError where something that is no regular file has the name already, or a source of the same call."""
+    """Raises InputError if the output file's name is taken by something that is no regular file, or by an input."""
     try:
         mode = os.stat(target).st_mode
     except OSError as error:
@@ -159,9 +159,9 @@ def check_output_file(target: Path, sources: Iterable[Path | str] = ()) -> None:
 
 
 def write_whole(target: Path, write: Callable[[Path], None]) -> Path:
-    """Lets `write` fill a temporary file that becomes `target` only when it is complete.
+    """Lets `write` fill a temporary file that becomes `target` only when complete.
 
-    A link stays, and the file that it leads to is replaced: who keeps results elsewhere by a link means that place.
+    If `target` is a link, the file that it points to is replaced and the link stays.
     """
     check_output_file(target)
     final = _behind_links(target)
@@ -173,7 +173,7 @@ def write_whole(target: Path, write: Callable[[Path], None]) -> Path:
     temporary = Path(name)
     try:
         write(temporary)
-        # mkstemp makes private files; figures are meant to be shared like any other file.
+        # mkstemp makes private files, so the usual permissions are set, for figures to be shared like other files.
         umask = os.umask(0)
         os.umask(umask)
         temporary.chmod(0o666 & ~umask)
@@ -186,7 +186,7 @@ def write_whole(target: Path, write: Callable[[Path], None]) -> Path:
 
 
 def move_whole(source: Path, target: Path) -> None:
-    """Gives a finished file its name, as write_whole does."""
+    """Renames a finished file to its final name, following links as `write_whole` does."""
     check_output_file(target)
     try:
         os.replace(source, _behind_links(target))
@@ -200,7 +200,7 @@ def _behind_links(target: Path) -> Path:
 
 @contextmanager
 def scratch_folder(folder: Path) -> Iterator[Path]:
-    """A folder in `folder` for files that are not finished, which is gone afterwards."""
+    """A temporary folder inside `folder` for unfinished files, removed on exit."""
     try:
         made = tempfile.TemporaryDirectory(dir=folder, prefix=".render-")
     except OSError as error:
@@ -210,23 +210,23 @@ def scratch_folder(folder: Path) -> Iterator[Path]:
 
 
 def write_text(target: Path, text: str) -> Path:
-    """Writes the file whole, in UTF-8, and returns its path; raises InputError."""
-    # A file's name on the command line need not be UTF-8.
+    """Writes a UTF-8 text file atomically, and returns its path; raises InputError."""
+    # File names from the command line need not be valid UTF-8.
     data = text.encode("utf-8", "backslashreplace")
     return write_whole(target, lambda temporary: temporary.write_bytes(data) and None)
 
 
 def safe_name(text: str) -> str:
-    """`text` as a file name: a study or suite name must not reach another folder."""
+    """The text as a safe file name, so that a study or suite name cannot reach another folder."""
     return re.sub(r"[^A-Za-z0-9_.-]+", "_", text).strip(".") or "unnamed"
 
 
 def one_line(text: str) -> str:
-    """`text` with each run of white space as one space."""
+    """The text with each run of white space replaced by one space."""
     return " ".join(text.split())
 
 
 def picked(value: object, names: str) -> dict:
-    """The attributes of these names as JSON has them, which knows no tuples."""
+    """The named attributes of an object for JSON, with tuples as lists."""
     found = {name: getattr(value, name) for name in names.split()}
     return {name: list(one) if isinstance(one, tuple) else one for name, one in found.items()}

@@ -1,4 +1,4 @@
-"""PFM images as arrays, and what is shown and said of them: display values, signed errors, FLIP."""
+"""PFM images as arrays, and their display values, signed errors and FLIP."""
 
 import re
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from ptbench.errors import InputError, NotDrawable, bad_value
 from ptbench.io.files import LARGEST_IMAGE, read_whole
 
 _HEADER = re.compile(rb"(PF|Pf)\s+(\d{1,6})\s+(\d{1,6})\s+(-?\d+(?:\.\d*)?(?:[eE][+-]?\d+)?)\s")
-# Pinned for whoever compares numbers: 0.7 m in front of a 0.7 m wide display of 3840 pixels.
+# FLIP's viewing condition, fixed so that numbers are comparable: 0.7 m from a 0.7 m wide display of 3840 pixels.
 PIXELS_PER_DEGREE = 67.02064514160156
 _EXPOSURES = 2
 
@@ -31,18 +31,18 @@ def read_pfm(path: Path) -> np.ndarray:
 
 
 def faulty_pixels(image: np.ndarray) -> int:
-    """How many have a channel that is infinite or no number: every comparison with those is false."""
+    """The number of pixels with an infinite or NaN channel, which every comparison treats as false."""
     return int((~np.isfinite(image)).any(axis=-1).sum())
 
 
 def exposure_of(reference: np.ndarray) -> float:
-    """What the 99th percentile of the reference's brightest channels is shown white with."""
+    """The exposure that maps the 99th percentile of the reference's brightest channels to white."""
     white = float(np.percentile(reference.max(axis=2), 99))
     return 1 / white if white > 0 else 1.0
 
 
 def displayed(image: np.ndarray, exposure: float) -> np.ndarray:
-    """An image for display: exposed, cut to [0, 1] and sRGB encoded."""
+    """An image for display: exposed, clamped to [0, 1] and sRGB encoded."""
     linear = np.clip(np.nan_to_num(image * exposure, nan=0.0, posinf=1.0), 0, 1)
     return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
 
@@ -54,7 +54,7 @@ TONE_MAPPING = (
 
 @dataclass(frozen=True)
 class Flip:
-    """HDR-FLIP of an image: the mean over pixels, and with which settings."""
+    """HDR-FLIP of an image, averaged over pixels, with the settings used."""
 
     mean: float
     start_exposure: float
@@ -62,7 +62,7 @@ class Flip:
 
     @property
     def settings(self) -> str:
-        """What FLIP was computed with, in words."""
+        """The settings of FLIP, in words."""
         return (
             f"HDR-FLIP (flip-evaluator), tone-mapped by ACES at {_EXPOSURES} exposures from {self.start_exposure:.3f} "
             f"to "
@@ -71,7 +71,7 @@ class Flip:
 
 
 def flip(reference: np.ndarray, image: np.ndarray) -> Flip:
-    """The exposures are the reference's, so that all images of one reference are measured alike."""
+    """Computes FLIP with exposures from the reference, so that all images of one reference are comparable."""
     evaluator = _evaluator()
     if reference.shape != image.shape:
         raise InputError(
@@ -82,7 +82,7 @@ def flip(reference: np.ndarray, image: np.ndarray) -> Flip:
     if not np.array_equal(reference, np.zeros_like(reference)):
         settings = {"ppd": PIXELS_PER_DEGREE, "numExposures": _EXPOSURES, "tonemapper": "aces"}
     else:
-        # A black reference gives no exposures.
+        # FLIP cannot derive exposures from a black reference, so fixed ones are set.
         settings = {"ppd": PIXELS_PER_DEGREE, "numExposures": _EXPOSURES, "startExposure": 0.0, "stopExposure": 1.0}
     arrays = (np.ascontiguousarray(array, dtype=np.float32) for array in (reference, image))
     _, mean, used = evaluator.evaluate(*arrays, "HDR", True, False, True, settings)

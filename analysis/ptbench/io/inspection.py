@@ -1,8 +1,8 @@
-"""Loads what `ptbench inspect --counters` measured of a variant's kernels, and what in it makes a ray dearer.
+"""Loads files of `ptbench inspect --counters` for a variant's kernels, and tells what makes a ray more expensive.
 
-A kernel's time a ray is its warp instructions a ray over the rate at which they are issued, and its warp instructions
-are thread instructions over active lanes. So the ratio of two kernels' times a ray is exactly the product of three:
-thread instructions a ray, 1 / active lanes, 1 / issued of the ceiling.
+A kernel's time per ray is its warp instructions per ray over their issue rate, and warp instructions are thread
+instructions over active lanes. So the ratio of two kernels' times per ray is exactly the product of three ratios:
+thread instructions per ray, 1 / active lanes, 1 / fraction of the issue ceiling.
 """
 
 import itertools
@@ -19,17 +19,17 @@ from ptbench.io.names import tuned_in
 from ptbench.io.nodes import Node, read_json, shown
 from ptbench.io.older import filled_in
 
-# What older files may lack at the end of their choices, the last axis first.
+# Implied choices of the most recent axes, last first, which older files omit at the end of a variant's name.
 _LAST = tuple(
     axis.as_before for axis in itertools.takewhile(lambda axis: axis.as_before, reversed(known_axes().values()))
 )
-# A field that is so much a ray or the like: X_per_Y, in files of commit ede9627 and before X_a_Y.
+# Names of counters that are rates: X_per_Y, in files up to commit ede9627 X_a_Y.
 _RATE = re.compile(r"_(a|per)_(?:ray|block|multiprocessor|second)$")
 
 
 @dataclass(frozen=True)
 class KernelCounters:
-    """One kernel of one variant; counters are None where inspect ran without a GPU."""
+    """Counters of one kernel of a variant; None where inspect ran without a GPU."""
 
     name: str
     registers: int
@@ -42,28 +42,28 @@ class KernelCounters:
     memory_bytes_per_ray: float | None = None
     of_ceiling: dict[str, float] | None = None
     bound: str = ""
-    milliseconds: float | None = None  # of all its launches in one render, under ncu
-    instructions: int | None = None  # of its machine code, where nvdisasm was there
+    milliseconds: float | None = None  # total time of the kernel's launches in one render, under ncu
+    instructions: int | None = None  # machine instructions in the kernel's code, where nvdisasm was available
 
 
 @dataclass(frozen=True)
 class Inspected:
-    """What `ptbench inspect` says of a variant in a scene."""
+    """A variant's entry in a file of `ptbench inspect`, for one scene."""
 
     scene: str
     variant: str
     kernels: tuple[KernelCounters, ...]
     file: Path
-    choices: tuple[str, ...] = ()  # in the order of the axes that the file knows
-    tuned: dict[str, str] = field(default_factory=dict)  # the tunables that are not at their choice's default
-    others: tuple[KernelCounters, ...] = ()  # libraries' kernels that ran
+    choices: tuple[str, ...] = ()  # choices of the variant, in the order of the file's axes
+    tuned: dict[str, str] = field(default_factory=dict)  # tunables that differ from their choice's default
+    others: tuple[KernelCounters, ...] = ()  # kernels of libraries that ran in the render
     architecture: str = ""
-    rays_per_spp: float | None = None  # of the render that was counted, a sample in every pixel
-    ceilings: dict[str, float] = field(default_factory=dict)  # as the file has them, whatever their unit
+    rays_per_spp: float | None = None  # rays of the counted render, per sample of all pixels
+    ceilings: dict[str, float] = field(default_factory=dict)  # measured throughput ceilings, in the file's units
 
 
 def load_inspected(path: Path) -> list[Inspected]:
-    """The file's entries; raises InputError."""
+    """Reads the entries of an inspection file; raises InputError."""
     root = read_json(path)
     word = _word_of_rates(root)
     return [_inspected(node, word, path) for node in root.items()]
@@ -77,7 +77,7 @@ def _inspected(node: Node, word: str, path: Path) -> Inspected:
         variant=name,
         kernels=tuple(_kernel(kernel, word) for kernel in node.need("kernels").items()),
         file=path,
-        # An older file has no axes: its name spells the choices.
+        # An older file has no axes, so the variant's name is split into choices.
         choices=tuple(named.values()) if named else tuple(name.partition("+")[0].split(".")),
         tuned=tuned_in(name, named),
         others=_others(node, word),
@@ -103,7 +103,7 @@ def _rays_per_spp(node: Node) -> float | None:
 
 
 def _word_of_rates(root: Node) -> str:
-    """Which of "a" and "per" the file's fields have; raises InputError where some have one and some the other."""
+    """Whether the file spells rates with "a" or with "per"; raises InputError where both occur."""
     word = ""
     for node in _with_rates(root):
         for rate in filter(None, map(_RATE.search, node.fields())):
@@ -115,7 +115,7 @@ def _word_of_rates(root: Node) -> str:
 
 
 def _with_rates(root: Node) -> Iterator[Node]:
-    """The objects of a file that have fields of rates."""
+    """The JSON objects of a file that contain rates."""
     for report in root.items():
         kernels = list(report.need("kernels").items())
         yield from kernels
@@ -149,8 +149,8 @@ def _counted(counters: Node, word: str) -> dict:
 
 
 def inspected_of(cell: Cell, entries: list[Inspected]) -> Inspected | None:
-    """The entry of the cell's scene and variant, whichever axes the two files are too old to name."""
-    # The axes that a file lacks stand after the same one in every name, but for the last ones.
+    """The entry for a cell's scene and variant, even where either file is too old to name some axes."""
+    # Variants' names list axes in one order, so that those a file lacks can be skipped, and last ones stripped.
     later, choices = filled_in(), tuple(cell.axes.values())
     without = tuple(choice for name, choice in cell.axes.items() if later.get(name) != choice)
     known = {_plain(choices), _plain(without)}
@@ -160,7 +160,7 @@ def inspected_of(cell: Cell, entries: list[Inspected]) -> Inspected | None:
 
 
 def _plain(choices: tuple[str, ...]) -> tuple[str, ...]:
-    """Without the last choices that are what every variant was before there were their axes."""
+    """A variant's choices without trailing ones that were implied before their axes existed."""
     for before_it in _LAST:
         if choices[-1:] == (before_it,):
             choices = choices[:-1]
@@ -169,20 +169,20 @@ def _plain(choices: tuple[str, ...]) -> tuple[str, ...]:
 
 @dataclass(frozen=True)
 class PriceOfARay:
-    """Ratios that the price of a ray is made of, B over A; their product is `time`."""
+    """The factors of the time per ray of kernel B over A; their product is `time`."""
 
     instructions: float
-    lanes: float  # of 1 / active lanes
-    issue: float  # of 1 / the share of the issue ceiling
+    lanes: float  # ratio of 1 / active lanes, kernel B over A
+    issue: float  # ratio of 1 / fraction of the issue ceiling, kernel B over A
 
     @property
     def time(self) -> float:
-        """Time a ray, B over A."""
+        """The time per ray of B over A."""
         return self.instructions * self.lanes * self.issue
 
 
 def price_of_a_ray(a: Inspected, b: Inspected) -> PriceOfARay | None:
-    """Why a ray costs more in B; None unless each is one kernel with counters."""
+    """The factors that make a ray more expensive in B than in A; None unless each has one kernel with counters."""
     if len(a.kernels) != 1 or len(b.kernels) != 1:
         return None
     one, other = a.kernels[0], b.kernels[0]
@@ -198,5 +198,5 @@ def price_of_a_ray(a: Inspected, b: Inspected) -> PriceOfARay | None:
     if not all(values):
         return None
     threads_a, warps_a, issue_a, threads_b, warps_b, issue_b = values
-    # Lanes from the two instruction counts, so that the product is exact.
+    # Lanes are computed from the two instruction counts, so that the product is exact.
     return PriceOfARay(threads_b / threads_a, (warps_b / threads_b) / (warps_a / threads_a), issue_a / issue_b)

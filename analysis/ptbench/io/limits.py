@@ -1,4 +1,4 @@
-"""The limits that the program and this package both judge by: limits.json, of which CMake makes a header for C++."""
+"""Limits shared by the C++ program and this package: limits.json, from which CMake generates a C++ header."""
 
 import json
 from functools import cache
@@ -13,10 +13,10 @@ def _limits() -> dict[str, dict]:
 
 
 def limit(name: str) -> float | int:
-    """The limit of that name; limits.json says what it is of."""
+    """The value of a limit; limits.json documents each by name."""
     return _limits()[name]["is"]
 
 
 def limit_said(name: str) -> str:
-    """The limit as sentences have it: "a tenth"."""
+    """The limit as a phrase, such as "a tenth"."""
     return _limits()[name]["said"]

@@ -1,7 +1,7 @@
-"""Lines of JSON that carry a checksum, as harness/bench/line_seal.h writes them.
+"""Lines of JSON with a chained checksum, as harness/bench/line_seal.h writes them.
 
-The last member of a line, "check", is the FNV-1a of the line's text without it, begun with the checksum of the line
-before: a line that was changed, lost, moved or doubled is found.
+A line's last member, "check", is the FNV-1a hash of the line's text without it, seeded with the previous line's
+checksum, so that a changed, lost, moved or duplicated line is detected.
 """
 
 import re
@@ -12,7 +12,7 @@ OTHER_TEXT = "another text than its checksum's: it was changed, or a line before
 
 
 def fnv1a(data: bytes, start: int = 0xCBF29CE484222325) -> int:
-    """FNV-1a, 64 bit, of bytes."""
+    """The 64-bit FNV-1a hash of bytes."""
     value = start
     for byte in data:
         value = (value ^ byte) * 0x100000001B3 & 0xFFFFFFFFFFFFFFFF
@@ -20,20 +20,20 @@ def fnv1a(data: bytes, start: int = 0xCBF29CE484222325) -> int:
 
 
 class LineSeal:
-    """The checksum of the last line, with which the next one's begins."""
+    """The checksum of the last line, which seeds that of the next line."""
 
     def __init__(self) -> None:
         self._before = fnv1a(b"")
 
     def seal(self, text: bytes) -> bytes:
-        """The next line of a journal, made of the text of an object that has a member."""
+        """Appends the checksum to a line, the text of a JSON object with at least one member."""
         self._before = fnv1a(text, self._before)
         return text[:-1] + b',"check":"%016x"}' % self._before
 
     def fault(self, line: bytes) -> str:
-        """The fault of `line` as the next one of a journal, in words, or "".
+        """What is wrong with `line` as the next one of a journal, in words, or "".
 
-        Lines after a changed one are good if they follow on what it says of itself, so that one change is told once.
+        Lines after a changed one are checked against its own checksum, so that one change is reported once.
         """
         ending = _ENDING.search(line)
         if ending is None:

@@ -1,6 +1,6 @@
-"""Names of variants: the integrator and what differs from the baseline, whatever the file that says so is called in.
+"""Names of variants: the integrator and the differences from the baseline, whatever a file's own format.
 
-Files since version 1.0 hold such names; older ones spell every choice, joined by dots, and are named from their axes.
+Files since version 1.0 contain such names; older ones join all choices by dots, and get a name from their axes.
 """
 
 import re
@@ -13,9 +13,9 @@ _SPELLED_OUT = re.compile(r"\w+(?:\.\w+){3,}(?:\+\w+=\w+)*")
 
 
 def tuned_in(name: str, axes: Mapping[str, str]) -> dict[str, str]:
-    """The tunables that are not at their choice's default, of a variant's name in a file: it says those and no others.
+    """The tunables in a variant's name, which are those that differ from their choice's default.
 
-    "wavefront layout=soa jitters=4" or, in an older file, "wavefront.none. ... .robust+jitters=4".
+    Examples of names are "wavefront layout=soa jitters=4" and, in older files, "wavefront.none. ... .robust+jitters=4".
     """
     parts = name.split("+")[1:] if "+" in name or "." in name else name.split()
     pairs = (part.partition("=") for part in parts)
@@ -23,9 +23,9 @@ def tuned_in(name: str, axes: Mapping[str, str]) -> dict[str, str]:
 
 
 def shown_name(axes: Mapping[str, str], tuned: Mapping[str, str], baselines: Mapping[str, str]) -> str:
-    """The integrator, the axes that are not at their baseline, and the tunables that are not at their default.
+    """The name of a variant: its integrator, the axes off their baseline, and the tunables off their default.
 
-    An axis without a known baseline is told where it is not what every variant was before there was the axis.
+    An axis without a known baseline is included unless it has the choice that was implied before the axis existed.
     """
     differing = [
         f"{axis}={choice}"
@@ -36,13 +36,13 @@ def shown_name(axes: Mapping[str, str], tuned: Mapping[str, str], baselines: Map
 
 
 def axes_spelled_out(name: str, order: Sequence[str]) -> dict[str, str]:
-    """The choices of an older file's name, by the axes that the file has; empty where it is no such name."""
+    """The choices in an older file's variant name, by the file's axes; empty where the name is of another form."""
     choices = name.partition("+")[0].split(".")
     return with_later_axes(dict(zip(order, choices, strict=True))) if len(choices) == len(order) > 1 else {}
 
 
 def with_shown_names(text: str, order: Sequence[str], baselines: Mapping[str, str]) -> str:
-    """A message of a file with the variants that it names called as they are shown."""
+    """A message of a file in which variants are renamed to their displayed names."""
 
     def shown(match: re.Match) -> str:
         axes = axes_spelled_out(match[0], order)

@@ -1,4 +1,4 @@
-"""JSON values that know where they stand, so that every complaint about a file names the file and the place."""
+"""JSON values that know their file and path, so that every error message can name both."""
 
 from __future__ import annotations
 
@@ -13,77 +13,77 @@ from ptbench.io.files import LARGEST_RESULT, read_stored
 
 
 def shown(value: object, *, whole: bool = False) -> str:
-    """A JSON value as a short piece of one line, or as a long one."""
+    """A JSON value as one line of text, abbreviated unless `whole`."""
     text = json.dumps(value, ensure_ascii=False)
     return text if whole or len(text) <= 60 else text[:57] + "..."
 
 
 class Node:
-    """A JSON value that knows its file and its place, so that every complaint can name both."""
+    """A JSON value with its file and path, for error messages."""
 
     __slots__ = ("_key", "_place", "file", "value")
 
     def __init__(self, file: Path, value: object, place: str | Node = "$", key: str | int = ""):
-        """`place`: as it is to be told; or the object or the array that has the value at `key`."""
-        # Almost no place is ever told, and there are millions: a text is made where one is.
+        """Makes a node; `place` is its JSON path, or the node of the object or array that contains it at `key`."""
+        # A JSON path is computed only when needed: there are millions of nodes, and few appear in messages.
         self.file, self.value, self._place, self._key = file, value, place, key
 
     @property
     def place(self) -> str:
-        """The JSON path, "$.benchmarks[3].name"."""
+        """The JSON path of the value, such as "$.benchmarks[3].name"."""
         if isinstance(self._place, Node):
             key = f"[{self._key}]" if isinstance(self._key, int) else f".{self._key}"
             self._place = self._place.place + key
         return self._place
 
     def wrong(self, allowed: str) -> InputError:
-        """The error that says what was found here and what is `allowed`."""
+        """The error for a bad value, with what was found and what is `allowed`."""
         return bad_value(self.file, self.place, shown(self.value), allowed)
 
     def need(self, key: str) -> Node:
-        """The value of a key; raises InputError where there is none."""
+        """The node of a required key; raises InputError if the key is missing."""
         fields = self.fields()
         if key not in fields:
             raise bad_value(self.file, f"{self.place}.{key}", "nothing", "this key is required")
         return Node(self.file, fields[key], self, key)
 
     def maybe(self, key: str) -> Node | None:
-        """The value of a key; None where there is none or null."""
+        """The node of an optional key; None where it is missing or null."""
         value = self.fields().get(key)
         return None if value is None else Node(self.file, value, self, key)
 
     def fields(self) -> dict:
-        """The object; raises InputError for anything else."""
+        """The value as an object; raises InputError for anything else."""
         if not isinstance(self.value, dict):
             raise self.wrong("an object")
         return self.value
 
     def items(self) -> Iterator[Node]:
-        """The array's values; raises InputError for anything else."""
+        """The nodes of an array; raises InputError for anything else."""
         if not isinstance(self.value, list):
             raise self.wrong("an array")
         return (Node(self.file, item, self, index) for index, item in enumerate(self.value))
 
     def text(self) -> str:
-        """The string; raises InputError for anything else."""
+        """The value as a string; raises InputError for anything else."""
         if not isinstance(self.value, str):
             raise self.wrong("a string")
         return self.value
 
     def name(self) -> str:
-        """The string that is not empty; raises InputError for anything else."""
+        """The value as a non-empty string; raises InputError for anything else."""
         if not self.text():
             raise self.wrong("a string that is not empty")
         return self.text()
 
     def one_of(self, choices: tuple[str, ...]) -> str:
-        """The value, which is one of `choices`; raises InputError for anything else."""
+        """The value if it is among `choices`; raises InputError for anything else."""
         if self.value not in choices:
             raise self.wrong(" or ".join(shown(choice) for choice in choices))
         return self.value
 
     def number(self, *, above_zero: bool = False, signed: bool = False) -> float:
-        """The finite number, of at least 0 unless `signed`; raises InputError for anything else."""
+        """The value as a finite number, at least 0 unless `signed`; raises InputError for anything else."""
         allowed = "a finite number" + ("" if signed else " above 0" if above_zero else " of at least 0")
         value = self._finite(allowed)
         if (value < 0 and not signed) or (above_zero and value == 0):
@@ -91,13 +91,13 @@ class Node:
         return value
 
     def integer(self, minimum: int = 0) -> int:
-        """The integer of at least `minimum`; raises InputError for anything else."""
-        # Google Benchmark writes every counter as a double: 4.0 is the integer 4.
+        """The value as an integer of at least `minimum`; raises InputError for anything else."""
+        # Google Benchmark writes every counter as a double, so that 4.0 counts as the integer 4.
         allowed = f"an integer of at least {minimum}"
         value = self._finite(allowed)
         if value != int(value) or value < minimum:
             raise self.wrong(allowed)
-        # A seed of 64 bits is more than a double holds.
+        # An integer is kept as it is, because a 64-bit seed exceeds a double's precision.
         return self.value if isinstance(self.value, int) else int(value)
 
     def _finite(self, allowed: str) -> float:
@@ -105,45 +105,45 @@ class Node:
             raise self.wrong(allowed)
         try:
             value = float(self.value)
-        except OverflowError:  # an integer of hundreds of digits
+        except OverflowError:  # an integer with hundreds of digits overflows a double
             value = math.inf
         if not math.isfinite(value):
             raise self.wrong(allowed)
         return value
 
     def texts(self) -> dict[str, str]:
-        """The object's strings by key; raises InputError for anything else."""
+        """The value as an object of strings, by key; raises InputError for anything else."""
         return {key: Node(self.file, value, self, key).text() for key, value in self.fields().items()}
 
     def integers(self) -> dict[str, int]:
-        """The object's integers by key; raises InputError for anything else."""
+        """The value as an object of integers, by key; raises InputError for anything else."""
         return {key: Node(self.file, value, self, key).integer() for key, value in self.fields().items()}
 
     def optional_numbers(self, key: str) -> dict[str, float]:
-        """The numbers of at least 0 of the key's object, by their keys; empty where there is none."""
+        """The numbers of at least 0 in an optional key's object, by their keys; empty where the key is missing."""
         node = self.maybe(key)
         return {} if node is None else {name: node.need(name).number() for name in node.fields()}
 
     def optional_text(self, key: str, default: str = "") -> str:
-        """The key's string, or `default`; raises InputError for anything else."""
+        """The string of an optional key, or `default`; raises InputError for anything else."""
         node = self.maybe(key)
         return default if node is None else node.text()
 
     def optional_integer(self, key: str) -> int | None:
-        """The key's integer, or None; raises InputError for anything else."""
+        """The integer of an optional key, or None; raises InputError for anything else."""
         node = self.maybe(key)
         return None if node is None else node.integer()
 
     def optional_number(self, key: str) -> float | None:
-        """The key's number of at least 0, or None; raises InputError for anything else."""
+        """The number of at least 0 of an optional key, or None; raises InputError for anything else."""
         node = self.maybe(key)
         return None if node is None else node.number()
 
 
 def read_json(path: Path, largest: int = LARGEST_RESULT) -> Node:
-    """Parses strictly: Python's parser takes NaN, Infinity, halves of characters, and of a key's values the last.
+    """Parses JSON strictly: NaN, Infinity, lone surrogates and duplicate keys are errors, unlike in Python's parser.
 
-    FILE.json.gz is read for FILE.json (read_stored).
+    For FILE.json, FILE.json.gz is read where only that exists (`read_stored`).
     """
 
     def refuse(constant: str) -> None:
@@ -169,14 +169,14 @@ def read_json(path: Path, largest: int = LARGEST_RESULT) -> Node:
 
 
 class _Ambiguous:
-    """What an object is read as that has a key twice."""
+    """The placeholder that an object with a duplicate key is parsed to."""
 
     def __init__(self, key: str):
         self.key = key
 
 
 def parse(text: str, refuse: Callable[[str], object]) -> tuple[object, tuple[str, str, str] | None]:
-    """(the JSON value, where an object has a key twice, what was found there and what is allowed; or None)."""
+    """Parses JSON: (the value, and for a duplicate key its place, what was found and what is allowed, else None)."""
     ambiguous = []
 
     def object_of(members: list[tuple[str, object]]) -> object:
@@ -203,12 +203,12 @@ def _key_twice(value: object, place: str) -> tuple[str, str, str] | None:
     return next((found for where, item in items if (found := _key_twice(item, where)) is not None), None)
 
 
-# Matches an escape of half a character; whole characters have two in a row.
+# Matches the escape of a surrogate, which must come in pairs.
 _HALF_ESCAPED = re.compile(r"\\u[dD][89a-fA-F]")
 
 
 def _half_of_a_character(value: object) -> str:
-    """The first half of a character in the value's strings, escaped; empty: there is none."""
+    """The first lone surrogate in the strings of a value, escaped; empty: there is none."""
     try:
         json.dumps(value, ensure_ascii=False).encode("utf-8")
     except UnicodeEncodeError as error:

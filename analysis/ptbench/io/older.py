@@ -1,7 +1,6 @@
-"""What files of a schema version leave unsaid of the axes.
+"""What files of an older schema version imply about axes that they do not name.
 
-A file names its axes, and all but the oldest their baselines. What is here holds for what a file of that version does
-not name; a file that names it is believed.
+A file names its axes, and all but the oldest their baselines. The tables below apply only to what a file does not name.
 """
 
 from collections.abc import Mapping
@@ -12,7 +11,7 @@ from ptbench.io.axes import known_axes
 SCHEMA_VERSIONS = ("1",)
 
 
-# The baselines of a file that names none, in the order of its axes, by its schema's version.
+# Baselines for files that name none, in the order of axes, by schema version.
 _BASELINES: dict[str, dict[str, str]] = {
     "1": {
         "integrator": "wavefront",
@@ -30,32 +29,32 @@ _BASELINES: dict[str, dict[str, str]] = {
         "precision": "float",
     },
 }
-# Axes that the first files of a version lack, by the axis behind which their cells get what every variant was then.
+# Axes missing in the first files of a version, each inserted behind the axis that is its value here.
 _FILLED_AFTER: dict[str, dict[str, str]] = {"1": {"russian_roulette": "direct_light", "sampler": "direct_light"}}
-# The plainest formulas for files of `ptbench stability`, which name no baselines, by their schema.
+# The plainest formulas of files of `ptbench stability`, which name no baselines, by schema.
 _PLAINEST: dict[str, dict[str, str]] = {
     "ptbench-stability-1": {"precision": "float", "arithmetic": "exact", "robustness": "robust"},
 }
 
 
 def usual_baselines(named: Mapping[str, str], version: str = SCHEMA_VERSIONS[0]) -> dict[str, str]:
-    """Every axis's baseline, in the order of the axes: the ones `named` by the file, the version's for the others."""
+    """The baseline of every axis, in the axes' order: as `named` by the file, else the version's."""
     return _BASELINES.get(version, {}) | dict(named)
 
 
 def before(axis: str, version: str = SCHEMA_VERSIONS[0]) -> str | None:
-    """What every variant was before there was the axis; None: the version always had it, or does not know it."""
+    """The choice that all variants implicitly had before an axis existed; None: the version always had the axis."""
     known = known_axes().get(axis) if version in SCHEMA_VERSIONS else None
     return known.as_before or None if known is not None else None
 
 
 def filled_in(version: str = SCHEMA_VERSIONS[0]) -> dict[str, str]:
-    """The axes that `with_later_axes` fills in, with what a cell gets."""
+    """The axes that `with_later_axes` fills in, with the implied choice."""
     return {axis: before(axis, version) or "" for axis in _FILLED_AFTER.get(version, {})}
 
 
 def with_later_axes(named: Mapping[str, str], version: str = SCHEMA_VERSIONS[0]) -> dict[str, str]:
-    """A variant's choices by axis; those of axes that the file is too old to name are the ones that there were."""
+    """A variant's choices by axis, with the implied choices of axes that the file is too old to name."""
     axes: dict[str, str] = {}
     for axis, choice in named.items():
         axes[axis] = choice
@@ -66,5 +65,5 @@ def with_later_axes(named: Mapping[str, str], version: str = SCHEMA_VERSIONS[0])
 
 
 def plainest_formulas(schema: str) -> dict[str, str]:
-    """The plainest choice of each axis that says how a stability file's numbers are computed."""
+    """The plainest choice of each axis that affects how numbers of a stability file are computed."""
     return _PLAINEST.get(schema, {})

@@ -1,6 +1,6 @@
 """Reads files of `ptbench rays`, and those of a peer that traced the same rays (tools/rays/optix_peer.py).
 
-Times are milliseconds of a whole batch. A peer's file is named for its mesh: `optix_tori_4M.json` holds OptiX's times
+Times are milliseconds of a whole batch. A peer's file is named after its mesh: `optix_tori_4M.json` holds OptiX's times
 for the rays of the mesh `tori_4M`.
 """
 
@@ -18,24 +18,24 @@ from ptbench.io.run import OfARun
 SCHEMA = "ptbench-rays-1"
 QUERIES = ("closest", "any")
 _PEER_KEYS = {"mesh", "batches"}
-# The key of the version in a file says what traced the rays; a reader is told so before the version.
+# Words to put before the version of a peer, by the key of the version in the peer's file.
 _PEER_PROGRAMS = {"mitsuba": "through Mitsuba ", "optix": ""}
 
 
 @dataclass(frozen=True)
 class Batch:
-    """One kernel on one class of rays: `ms` of every repetition."""
+    """The times `ms` of one kernel on one class of rays, one value per repetition."""
 
     ray_class: str
     kernel: str
     query: str
     rays: int
     ms: tuple[float, ...]
-    checksum: str = ""  # of all hits
+    checksum: str = ""  # checksum over all hits of the batch
     nodes_per_ray: float | None = None
     boxes_per_ray: float | None = None
     triangles_per_ray: float | None = None
-    counters: Counters | None = None  # of `ptbench rays --counters`
+    counters: Counters | None = None  # hardware counters, in files of `ptbench rays --counters`
 
     @property
     def giga_rays_per_second(self) -> np.ndarray:
@@ -45,36 +45,36 @@ class Batch:
 
 @dataclass(frozen=True)
 class Tree:
-    """One accelerator over one builder's tree."""
+    """The tree of one builder encoded for one accelerator."""
 
     accelerator: str
-    builder: str  # empty: the accelerator needs no tree
+    builder: str  # name of the builder; empty: the accelerator needs no tree
     nodes: int
     node_bytes: int
     leaf_bytes: int
     sah_cost: float
     build_ms: float
     encode_ms: float
-    device_build_ms: tuple[float, ...]  # without the copies; empty: not built on the GPU
+    device_build_ms: tuple[float, ...]  # build times on the GPU without copies; empty: not built on the GPU
     device_encode_ms: tuple[float, ...]
     batches: tuple[Batch, ...]
 
 
 @dataclass(frozen=True)
 class RayMesh:
-    """One mesh with its rays' classes and trees."""
+    """One mesh with its classes of rays and its trees."""
 
     name: str
     triangles: int
     hash: str
-    rays: dict[str, int]  # by class
-    agree: dict[str, bool]  # by class: all batches left the same hits, and brute force's where they were held to it
+    rays: dict[str, int]  # number of rays in a batch, by class of rays
+    agree: dict[str, bool]  # by class, whether all batches have equal hits, and also brute force where that ran
     trees: tuple[Tree, ...]
 
 
 @dataclass(frozen=True)
 class Rays(OfARun):
-    """One file of `ptbench rays`."""
+    """The contents of one file of `ptbench rays`."""
 
     path: Path
     context: dict[str, str]
@@ -85,7 +85,7 @@ class Rays(OfARun):
 
     @property
     def suite(self) -> str:
-        """The suite of the file; None, since ray batches belong to no suite."""
+        """The empty suite name of a file of `ptbench rays`, since ray batches belong to no suite."""
         return ""
 
 
@@ -96,24 +96,24 @@ class Peer:
     path: Path
     name: str
     mesh: str
-    by: str  # "through Mitsuba 3.9.1", or its own version
-    hits_differ: int  # by how many the numbers of hits differ, over all batches
+    by: str  # program and version, such as "through Mitsuba 3.9.1"
+    hits_differ: int  # difference between the peer's and ptbench's numbers of hits, over all batches
     batches: tuple[Batch, ...]
 
 
 def is_rays(root: Node) -> bool:
-    """Whether a parsed file is one of `ptbench rays`."""
+    """Whether a parsed JSON file is one of `ptbench rays`."""
     return isinstance(root.value, dict) and root.value.get("schema") == SCHEMA
 
 
 def is_peer(root: Node) -> bool:
-    """Whether a parsed file is a peer's."""
+    """Whether a parsed JSON file holds a peer's times for rays."""
     keys = root.value.keys() if isinstance(root.value, dict) else set()
     return keys >= _PEER_KEYS and not keys.isdisjoint(_PEER_PROGRAMS)
 
 
 def rays_of(root: Node) -> Rays:
-    """The file's content, checked; raises InputError."""
+    """Reads and checks a file of `ptbench rays`; raises InputError."""
     root.need("schema").one_of((SCHEMA,))
     fields = root.need("context").fields()
     context = {key: root.need("context").need(key).text() for key in fields}
@@ -129,7 +129,7 @@ def rays_of(root: Node) -> Rays:
 
 
 def peer_of(root: Node) -> Peer:
-    """A peer's file, checked; raises InputError."""
+    """Reads and checks the file of a peer's ray times; raises InputError."""
     name, _, mesh = root.file.stem.partition("_")
     written = Path(root.need("mesh").name()).stem
     if not mesh or mesh != written:
@@ -156,7 +156,7 @@ def peer_of(root: Node) -> Peer:
 
 
 def load_rays_folder(folder: Path) -> tuple[tuple[Rays, ...], tuple[Peer, ...]]:
-    """Every file of `ptbench rays` in a folder, and every peer's, by name; raises InputError where there is none."""
+    """Reads every file of `ptbench rays` and of peers in a folder, by name; raises InputError where there is none."""
     roots = [read_json(path) for path in sorted(folder.glob("*.json*"))]
     found = tuple(rays_of(root) for root in roots if is_rays(root))
     if not found:
@@ -222,7 +222,7 @@ def _maybe_times(node: Node, key: str) -> tuple[float, ...]:
 
 
 def peer_batch(peers: Sequence[Peer], mesh: str, ray_class: str) -> tuple[Peer, Batch] | None:
-    """The peer's times for a mesh and a class of rays; None where no peer traced them."""
+    """The peer's batch for a mesh and a class of rays, with its peer; None where no peer traced it."""
     for peer in peers:
         for batch in peer.batches:
             if (peer.mesh, batch.ray_class) == (mesh, ray_class):

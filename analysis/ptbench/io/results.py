@@ -1,8 +1,8 @@
 """Loads a ptbench result file (schema version 1) into the objects of `ptbench.io.cells`.
 
-A result file is Google Benchmark JSON plus a top-level key "ptbench". Everything that a figure or a table says comes
-from here. What is wrong in a file is told with the file, the JSON path, what was found and what is allowed; keys that
-this version does not know are ignored, so that a newer harness may add some.
+A result file is Google Benchmark JSON plus a top-level key "ptbench", and the only input of figures and tables. Errors
+name the file, the JSON path, what was found and what is allowed; unknown keys are ignored, so that a newer harness may
+add some.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -40,17 +40,17 @@ from ptbench.io.older import SCHEMA_VERSIONS, usual_baselines, with_later_axes
 
 
 def load(path: Path | str) -> Result:
-    """The result file at `path`, checked; raises InputError."""
+    """Reads and checks the result file at `path`; raises InputError."""
     return result_of(read_json(Path(path)))
 
 
-_KEPT: dict[bytes, dict[Path, Result]] = {}  # by the digest of the file's bytes
+_KEPT: dict[bytes, dict[Path, Result]] = {}  # cache of loaded results, by digest of the file's bytes and path
 
 
 def load_kept(path: Path) -> Result:
-    """What `load` gives, read once a process however often it is asked for: pages ask one file many times.
+    """Loads a result file like `load`, but only once per process, because pages use the same file many times.
 
-    A file that has other bytes than before is read again, and a copy of one that was read is not.
+    A file whose bytes have changed is read again.
     """
     there = stored_file(path)
     kept = _KEPT.setdefault(blake2b(read_whole(there, LARGEST_RESULT)).digest(), {})
@@ -61,7 +61,7 @@ def load_kept(path: Path) -> Result:
 
 
 def result_of(root: Node) -> Result:
-    """The file's content, checked; raises InputError."""
+    """Checks a parsed result file and makes its objects; raises InputError."""
     context = _context(root.need("context"))
     ptbench = root.need("ptbench")
     studies = tuple(_study(node) for node in ptbench.need("studies").items())
@@ -152,7 +152,7 @@ def _context(node: Node) -> dict[str, str]:
 
 
 def _text_of(node: Node) -> str:
-    """A context value; the hosts of several ranks are an array."""
+    """A context value as text; the hosts of several ranks, an array, are joined by commas."""
     return ", ".join(item.text() for item in node.items()) if isinstance(node.value, list) else node.text()
 
 
@@ -182,7 +182,7 @@ def _study(node: Node) -> Study:
 
 
 def _samples(rows: Node, cells: Node) -> tuple[dict[str, list[Sample]], dict[str, list[tuple[int, str]]]]:
-    """Samples, and (repetition, error message), by cell name; Google Benchmark's own aggregates are left alone."""
+    """Samples, and (repetition, error message), by cell name; Google Benchmark's aggregate rows are skipped."""
     known = [cell.need("cell").name() for cell in cells.items()]
     samples: dict[str, list[Sample]] = {name: [] for name in known}
     errors: dict[str, list[tuple[int, str]]] = {name: [] for name in known}
@@ -237,7 +237,7 @@ def _sample(row: Node) -> Sample:
 
 
 def _cpu_ms(row: Node) -> float | None:
-    """The process's CPU time of the render, all threads: Google Benchmark's own key, if it is in milliseconds."""
+    """The process's CPU time of the render over all threads, by Google Benchmark's own key, if in milliseconds."""
     return row.optional_number("cpu_time") if row.optional_text("time_unit") == "ms" else None
 
 
@@ -290,7 +290,7 @@ def _cell(
         negative=node.optional_integer("negative") or 0,
         saturated=node.optional_integer("saturated") or 0,
         unfinished_walks=node.optional_integer("unfinished_walks") or 0,
-        # A cell that never got to its counting pass has none, or an empty object.
+        # A cell that was interrupted before its counting pass has no object for that pass, or an empty one.
         instrumented=None if instrumented is None or instrumented.value == {} else _instrumented(instrumented),
         samples=tuple(samples[name]),
         errors=tuple(with_shown_names(message, order, usual) for _, message in errors[name]),
@@ -306,7 +306,7 @@ def _cell(
 def _with_named_reference(
     convergence: Convergence | None, order: Sequence[str], usual: Mapping[str, str]
 ) -> Convergence | None:
-    """Convergence with the reference's variant by its name; older files spell its choices in the order of the axes."""
+    """Convergence data whose reference variant is renamed to its displayed name; older files list its choices."""
     if convergence is None:
         return None
     axes = axes_spelled_out(convergence.reference.variant, order)
@@ -350,7 +350,7 @@ def _instrumented(node: Node) -> Instrumented:
         spp=node.need("spp").integer(minimum=1),
         stage_ms=node.optional_numbers("stage_ms"),
         wall_ms=node.optional_number("wall_ms"),
-        # May be below zero: stages that overlap add up to more than the wall time.
+        # Unaccounted time is negative where overlapping stages add up to more than the wall time.
         unaccounted_ms=None if unaccounted is None else unaccounted.number(signed=True),
     )
 

@@ -1,4 +1,4 @@
-"""Loads a result of `ptbench stability`: stiff cases with exact answers, and how far from them each variant came."""
+"""Loads a result of `ptbench stability`: numerically stiff cases with exact answers, and each variant's error."""
 
 import math
 from dataclasses import dataclass, field
@@ -14,13 +14,13 @@ SCHEMA = "ptbench-stability-1"
 PASSED, FAILED, KNOWN_LIMIT, NOT_APPLICABLE, BROKEN = STATUSES = ("passed", "failed", "known limit", "n/a", "broken")
 RELATIONS = ("equal", "at most", "at least")
 KINDS = ("render", "identity", "direct", "missing")
-# JSON has no infinity and no NaN: their names stand for them.
+# JSON has no infinity or NaN, so that strings stand for them.
 _NOT_FINITE = {"nan": math.nan, "inf": math.inf, "-inf": -math.inf}
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of a case, and its value where it is not swept."""
+    """A parameter of a stability case, with its value where it is not swept."""
 
     name: str
     standard: float
@@ -29,14 +29,14 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Case:
-    """A case: what is stiff in it, and where the exact value comes from."""
+    """A stability case: what makes it stiff, and where its exact value comes from."""
 
     name: str
     catalogue: str
     family: str
     title: str
     kind: str
-    sweep: str = ""  # the parameter that its points vary; empty: none
+    sweep: str = ""  # parameter that varies between the case's points; empty: none
     stiff: str = ""
     formula: str = ""
     missing_feature: str = ""
@@ -44,13 +44,13 @@ class Case:
 
     @property
     def shown(self) -> str:
-        """The catalogue's name and the case's."""
+        """The case's number in the catalogue and its name."""
         return f"{self.catalogue} {self.name}".strip()
 
 
 @dataclass(frozen=True)
 class Measured:
-    """One number that came out, and how far it may be from what is exact."""
+    """A measured quantity of a case, its exact value, and the allowed error."""
 
     quantity: str
     relation: str
@@ -58,11 +58,11 @@ class Measured:
     exact: float
     error: float
     allowed: float
-    standard_error: float  # 0: no estimate
+    standard_error: float  # standard error of the measured value; 0: no estimate
 
     @property
     def over_allowed(self) -> float:
-        """1 and less is good. An error where none is allowed is infinitely much of what is."""
+        """The error over the allowed error, good up to 1; infinite for an error where none is allowed."""
         if self.error == 0:
             return 0.0
         if self.allowed == 0 or not math.isfinite(self.error):
@@ -72,7 +72,7 @@ class Measured:
 
 @dataclass(frozen=True)
 class Row:
-    """One check of one variant at one point of a case; without `measured`, `reason` says why."""
+    """One check of a variant at a point of a case; without `measured`, `reason` tells why."""
 
     case: Case
     point: tuple[tuple[str, float], ...]
@@ -92,7 +92,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Stability(OfARun):
-    """One result file of `ptbench stability`."""
+    """The contents of one result file of `ptbench stability`."""
 
     path: Path
     context: dict[str, str]
@@ -100,13 +100,13 @@ class Stability(OfARun):
     seed: int | None
     cases: tuple[Case, ...]
     rows: tuple[Row, ...]
-    paths: int | None = None  # asked for with --paths; 0: each case's own number
+    paths: int | None = None  # value of --paths; 0: each case's own number of paths
 
     suite = "stability"
 
     @property
     def is_complete(self) -> bool:
-        """Whether all checks were run."""
+        """Whether all checks of the stability run were done."""
         return self.context.get("ptbench.status", "completed") == "completed"
 
     @property
@@ -116,12 +116,12 @@ class Stability(OfARun):
 
 
 def is_stability(root: Node) -> bool:
-    """Whether a file is one of these: benchmark results have no schema's name."""
+    """Whether a file is a stability result, the only kind of result whose file names a schema."""
     return "schema" in root.fields()
 
 
 def stability_of(root: Node) -> Stability:
-    """The file's content, checked; raises InputError."""
+    """Reads and checks a result of `ptbench stability`; raises InputError."""
     root.need("schema").one_of((SCHEMA,))
     context = root.need("context")
     cases: dict[str, Case] = {}
@@ -171,7 +171,7 @@ def _variant(node: Node) -> tuple[str, dict[str, str]]:
 
 
 def _variant_of(row: Node, variants: dict[str, tuple[str, dict[str, str]]]) -> tuple[str, dict[str, str]]:
-    """Name and choices: by the row's identity, or of the row itself in a file that is older than identities."""
+    """The name and choices of a row's variant: by the row's variant id, or in older files from the row itself."""
     identity = row.maybe("variant_id")
     if identity is not None:
         if identity.text() not in variants:

@@ -1,6 +1,6 @@
-"""Holds files that ptbench writes against their JSON Schemas (draft 2020-12), which lie in the folder schema.
+"""Validates files that ptbench writes against their JSON Schemas (draft 2020-12) in the folder schema.
 
-Of a result or a journal that is as its schema says, samples and films are held against each other.
+In results and journals that are valid, samples and films are also checked against each other.
 
 `docs/results.md` is the guide to these files.
 """
@@ -36,7 +36,7 @@ KINDS = (
     "journal",
     "gpu-tests",
 )
-# Files that people write: checked like the others, no part of the tables of what ptbench writes.
+# Files that people write: validated like the others, but not in the tables of what ptbench writes.
 WRITTEN_BY_HAND = ("claim", "map")
 _BY_SCHEMA = {
     "ptbench-crosscheck-1": "crosscheck",
@@ -54,13 +54,13 @@ _WRITTEN_BY_US = (
 
 @cache
 def schema(name: str) -> dict:
-    """The schema of a kind of file, or `common`, which they share."""
+    """The JSON schema of a kind of file, or the `common` one that they share."""
     return json.loads((SCHEMAS / f"ptbench-{name}.schema.json").read_text(encoding="utf-8"))
 
 
 @cache
 def registry() -> Registry:
-    """All schemas by file name: they refer to each other as files of one folder."""
+    """All schemas by file name: references between them are relative to one folder."""
     names = (*KINDS, *WRITTEN_BY_HAND, "common")
     return Registry().with_resources(
         (f"ptbench-{name}.schema.json", Resource.from_contents(schema(name))) for name in names
@@ -69,13 +69,13 @@ def registry() -> Registry:
 
 @cache
 def validator(kind: str) -> Draft202012Validator:
-    """The schema of a kind of file, ready to be asked."""
-    # The schema is referred to by its name, so that what it refers to is looked up from there, in its own file too.
+    """A validator for a kind of file."""
+    # The schema is referenced by name, so that its own references are resolved in its file.
     return Draft202012Validator({"$ref": f"ptbench-{kind}.schema.json"}, registry=registry())
 
 
 def kind_of(path: Path, value: object) -> str:
-    """Which of KINDS a parsed file is, by what only that kind has. Raises InputError for anything else."""
+    """The kind of a parsed file, one of KINDS, by keys that only that kind has. Raises InputError for anything else."""
     if isinstance(value, list):
         return "inspect"
     if isinstance(value, dict):
@@ -96,12 +96,12 @@ def kind_of(path: Path, value: object) -> str:
 def complaints(value: object, kind: str, place: str = "$") -> Iterator[str]:
     """What is wrong with a value of a kind of file, one line each: "PLACE: found .., allowed: .."."""
     errors = validator(kind).iter_errors(value)
-    # Complaints are listed once, since two rules may ask for one thing.
+    # Duplicate complaints are dropped, since two rules may require the same.
     yield from dict.fromkeys(line for error in errors for line in _lines(error, place))
 
 
 def journal_complaints(path: Path) -> Iterator[str]:
-    """Complaints about a journal, line by line. A last line without its end was cut off by a kill, and is dropped."""
+    """Complaints about a journal by line; an incomplete last line, cut off by a kill, is ignored."""
     whole, _, _ = read_whole(path, LARGEST_RESULT).rpartition(b"\n")
     lines = whole.split(b"\n") if whole else []
     book, seal, is_whole = JournalBook(), LineSeal(), True
@@ -110,7 +110,7 @@ def journal_complaints(path: Path) -> Iterator[str]:
     for number, line in enumerate(lines, start=1):
         place = f"line {number}"
         if damage := seal.fault(line):
-            is_whole = False  # what lines say together would be told of those that follow
+            is_whole = False  # after a damaged line, contradictions between lines would be reported for the wrong ones
             yield f"{place}: found {damage}, allowed: lines as ptbench wrote them"
             continue
         try:
@@ -131,7 +131,7 @@ def journal_complaints(path: Path) -> Iterator[str]:
 
 
 def validate(path: Path) -> list[str]:
-    """All that is wrong with a file, in its order; none: it is as its schema says.
+    """All complaints about a file, in order; empty: the file is valid.
 
     Raises InputError for a file that cannot be read, is no JSON, or is of no kind that ptbench writes.
     """
@@ -146,7 +146,7 @@ def validate(path: Path) -> list[str]:
 def _contradictions(root: Node) -> Iterator[str]:
     try:
         yield from map(str, contradictions(root))
-    except InputError as error:  # a row of no cell
+    except InputError as error:  # raised by a row that belongs to no known cell
         yield str(error).removeprefix(visible(f"{root.file}: "))
 
 
@@ -172,7 +172,7 @@ def _lines(error: ValidationError, start: str) -> Iterator[str]:
 
 
 def _missing(error: ValidationError) -> list[str]:
-    # jsonschema says one key an error; which one stands in its message alone.
+    # jsonschema reports each missing key separately, and names it only in the message.
     if error.validator == "required":
         wanted = error.validator_value
     else:
@@ -185,7 +185,7 @@ def _unknown(error: ValidationError) -> list[str]:
 
 
 def _allowed(error: ValidationError) -> str:
-    """What a keyword of the schema allows, in words; jsonschema's own words for the keywords that have none here."""
+    """What a schema keyword allows, in words; jsonschema's message for keywords that are not listed."""
     value = error.validator_value
     names = {"object": "an object", "array": "an array", "string": "a string", "number": "a finite number"}
     names |= {"integer": "an integer", "boolean": "true or false", "null": "null"}
@@ -201,7 +201,7 @@ def _allowed(error: ValidationError) -> str:
         "minItems": lambda: f"{value} or more",
         "maxItems": lambda: f"at most {value}",
         "uniqueItems": lambda: "each once",
-        # `not` is said of keys that something else in the object rules out.
+        # The schema keyword `not` is used for keys that are excluded by other keys of the object.
         "not": lambda: f"none with {' and '.join(value['required'])}" if "required" in value else "no such key here",
         "anyOf": lambda: " or ".join(_allowed(inner) for inner in error.context),
         "oneOf": lambda: " or ".join(_allowed(inner) for inner in error.context),

@@ -1,1 +1,1 @@
-"""Every study's figure and summary.md, from a result file alone."""
+"""The command `plots`: every study's figure and summary.md, from a result file alone."""

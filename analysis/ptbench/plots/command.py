@@ -26,7 +26,7 @@ from ptbench.terminal import say
 
 
 def default_folder(result: Result | Stability) -> Path:
-    """figures/SUITE beside the file; files of one suite under other names get folders of their own."""
+    """The default output folder figures/SUITE beside the file, or SUITE-FILE for a file with another name."""
     stem = result.path.stem
     name = stem if result.suite in ("", stem) else f"{result.suite}-{stem}"
     return result.path.parent / "figures" / safe_name(name)
@@ -47,9 +47,9 @@ def _save(figure: Figure, folder: Path, name: str, *, is_picture: bool) -> list[
 
 
 def plots(path: Path, out: Path | None) -> int:
-    """Draws and writes into `out` or the folder beside the file; the exit code. Raises InputError.
+    """Draws all figures of a file into `out` or a folder beside the file; the exit code. Raises InputError.
 
-    A folder is one of files of `ptbench rays`.
+    A folder as `path` holds files of `ptbench rays`.
     """
     if path.is_dir():
         return rays_plots(*load_rays_folder(path), out if out is not None else path.parent / "figures" / path.name)
@@ -76,7 +76,7 @@ def plots(path: Path, out: Path | None) -> int:
         for part in parts_of_study(study):
             try:
                 data = collect_study(result, study, part)
-                # Notes are told once, since the figures of one study say much the same.
+                # Duplicate notes are dropped, since the figures of one study have many in common.
                 notes[study.name] = list(dict.fromkeys([*notes.get(study.name, ()), *data.notes]))
             except NotDrawable as reason:
                 what = f"{part}: " if part else ""

@@ -1,4 +1,4 @@
-"""The command line of `plots`."""
+"""The command line options of `plots`."""
 
 import argparse
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The figure of files of `ptbench rays`, and a table of all their rows: of one file, or of a folder with a peer's."""
+"""The figure and the table of files of `ptbench rays`: of one file, or of a folder with a peer's."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -38,7 +38,7 @@ def rays_plots(files: Sequence[Rays], peers: Sequence[Peer], folder: Path) -> in
 
 
 def summary(files: Sequence[Rays], peers: Sequence[Peer], not_drawn: str = "") -> str:
-    """The whole page as Markdown."""
+    """The summary page of ray rates as Markdown."""
     lines: Lines = ["# rays: what was measured", ""]
     for file in files:
         device = file.about("cuda_device" if file.backend == "cuda" else "cpu_model")

@@ -1,4 +1,4 @@
-"""Figures and summary.md of a stability result."""
+"""Draws the figures and writes the summary.md of a stability result."""
 
 from pathlib import Path
 

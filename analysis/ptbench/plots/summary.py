@@ -1,4 +1,4 @@
-"""summary.md: the figures' numbers as tables, with verdicts, and everything that was not measured."""
+"""Writes summary.md: the figures' numbers as tables, with verdicts, and everything that was not measured."""
 
 from collections.abc import Iterable, Sequence
 
@@ -24,7 +24,7 @@ _COLUMNS = (
     "Variant", "Scene", "Depth", "Resolution", "Backend", "spp", "n", "ms/spp", "95 % interval", "Mrays/s",
     "Ratio", "Ratio's 95 % interval", "Verdict", "Remarks",
 )  # fmt: skip
-# This stands before the remarks, where a study ran on a GPU.
+# Columns that a table has before its remarks if the study ran on a GPU.
 _GPU_COLUMNS = ("Device/wall", "Launches/spp", "Host waits/spp", "Hottest kernel's registers")
 _NUMERIC = {
     "Depth", "spp", "n", "ms/spp", "95 % interval", "Mrays/s", "Ratio", "Ratio's 95 % interval",
@@ -38,7 +38,7 @@ GPU_TEXT = (
 
 
 def summary(result: Result, not_drawn: dict[str, Sequence[str]], notes: dict[str, Sequence[Note]]) -> str:
-    """The whole page as Markdown. By study name: `not_drawn`, why a figure is missing; `notes`, what it left unsaid."""
+    """The summary page as Markdown; by study name, `not_drawn` tells why a figure is missing, `notes` is on figures."""
     lines: Lines = [f"# {result.suite or result.path.stem}: what was measured", ""]
     lines += [f"- {key}: {one_line(value)}" for key, value in about(result)]
     lines += [""]
@@ -60,7 +60,7 @@ def summary(result: Result, not_drawn: dict[str, Sequence[str]], notes: dict[str
 
 
 def about(result: Result) -> list[tuple[str, str]]:
-    """What is said of the whole file: what, and the text."""
+    """Facts about the whole result file, as (name, text)."""
     on_gpu = any(cell.on_gpu for cell in result.cells)
     host = f"{result.about('cpu_model')}, {plural(result.about('threads'), 'thread')}"
     return [
@@ -83,7 +83,7 @@ def about(result: Result) -> list[tuple[str, str]]:
 def study_section(
     result: Result, study: Study | None, heading: str, not_drawn: Sequence[str], notes: Sequence[Note] | None
 ) -> Lines:
-    """A study's table and notes; without a study, those of the cells that belong to none."""
+    """The table and notes of a study; without a study, those of the cells that belong to none."""
     rows = measure(result, study)
     lines: Lines = [heading, ""]
     question = question_of(result, study)
@@ -169,14 +169,14 @@ def _remarks(row: Row) -> Iterable[str]:
 
 
 def stages(result: Result) -> Lines:
-    """Where the time of each cell's instrumented pass went; that pass is not a result, its shares are."""
+    """The table of stage times: each stage's share of the instrumented pass, whose total time is no result."""
     cells = [cell for cell in result.cells if cell.instrumented is not None and cell.instrumented.wall_ms]
     if not cells:
         return []
     names = list(dict.fromkeys(name for cell in cells for name in cell.instrumented.stage_ms))
     lines: Lines = ["## Where the time goes", ""]
     lines += ["Shares of the instrumented pass's wall time. Where they miss it by more than 5 %, the row says so.", ""]
-    # A table of an older file stays as it was where the pass says nothing.
+    # Columns are omitted where all cells agree, which keeps summaries of older files unchanged.
     sizes = len({cell.resolution for cell in cells}) > 1
     head = ["Variant", "Scene", "Depth", *(["Resolution"] if sizes else []), *names, "rest", "Remarks"]
     named = table_names(result, cells)
@@ -199,7 +199,7 @@ def stages(result: Result) -> Lines:
 
 
 def on_device(result: Result) -> Lines:
-    """What each cell took of the device and what the compiler made of its kernels."""
+    """The table of device memory and times of each cell, and of the compiler's resource usage for its kernels."""
     cells = [cell for cell in result.cells if cell.cuda is not None]
     if not cells:
         return []
@@ -231,7 +231,7 @@ def on_device(result: Result) -> Lines:
 
 
 def not_applicable(result: Result) -> Lines:
-    """What was left out before the run, and why."""
+    """The section on variants that were left out before the run, with reasons."""
     lines: Lines = ["## Not applicable", ""]
     if not result.not_applicable:
         return [*lines, "None.", ""]
@@ -240,7 +240,7 @@ def not_applicable(result: Result) -> Lines:
 
 
 def failed(cells: Sequence[Cell]) -> Lines:
-    """The cells that failed, and why."""
+    """The section on cells that failed, with reasons."""
     bad = [cell for cell in cells if cell.failed]
     if not bad:
         return ["## Failed", "", "None.", ""]

@@ -1,4 +1,4 @@
-"""One result file's chapter, and what the page as a whole says of the file: plain values, to pass between processes."""
+"""The chapter of a report on one result file, and facts for the other sections: plain values that can be pickled."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -27,7 +27,7 @@ from ptbench.studies.notes import notes_of
 from ptbench.studies.rows import measure
 from ptbench.studies.withdrawn import concerning
 
-# What makes a machine, by context key; a file that lacks one says nothing of it.
+# Facts that describe a machine in a report, by context key; missing keys are omitted.
 _MACHINE_FACTS = (
     ("GPU", "cuda_device"), ("Compute capability", "cuda_compute_capability"),
     ("Multiprocessors", "cuda_multiprocessors"), ("GPU clock, MHz", "cuda_clock_mhz"),
@@ -46,7 +46,7 @@ _RUN_FACTS = (
 
 @dataclass(frozen=True)
 class Counts:
-    """How much a file has of what; `None` where the question does not arise."""
+    """Numbers of cells, samples and the like in a file; `None` where one does not apply."""
 
     measured: str
     failed: int
@@ -58,17 +58,17 @@ class Counts:
 
 @dataclass(frozen=True)
 class LeftOut:
-    """Rows of the page's tables of what is missing or doubtful, without the file's name."""
+    """Rows for the report's tables of missing or doubtful results, without the file's name."""
 
-    not_applicable: tuple[tuple[str, str, str], ...] = ()  # study or case, reason, how many
-    failed: tuple[tuple[str, str], ...] = ()  # what, message
-    not_drawn: tuple[tuple[str, str], ...] = ()  # study, reason
-    doubts: tuple[tuple[str, int, str], ...] = ()  # what, how many, of how many
+    not_applicable: tuple[tuple[str, str, str], ...] = ()  # rows of (study or case, reason, count)
+    failed: tuple[tuple[str, str], ...] = ()  # rows of (cell or check, error message)
+    not_drawn: tuple[tuple[str, str], ...] = ()  # rows of (study, reason for no figure)
+    doubts: tuple[tuple[str, int, str], ...] = ()  # rows of (doubt, count, total)
 
 
 @dataclass(frozen=True)
 class Chapter:
-    """What the report says of one file."""
+    """The contents of a report's chapter on one file."""
 
     title: str
     file: str
@@ -79,7 +79,7 @@ class Chapter:
     status: str
     date: str
     git_sha: str
-    dirty: str  # "true", "false" or empty
+    dirty: str  # whether the program's sources were modified: "true", "false" or empty
     command: str
     counts: Counts
     left_out: LeftOut
@@ -90,11 +90,11 @@ class Chapter:
     has_gpu: bool = False
     has_convergence: bool = False
     stability_cases: int = 0
-    withdrawn: tuple[str, ...] = ()  # of what the file's cells say
+    withdrawn: tuple[str, ...] = ()  # withdrawals that concern the file's cells
 
 
 def chapter_of(path: Path, title: str) -> Chapter:
-    """Reads, judges and draws the file; raises InputError."""
+    """Reads, judges and draws a result file for its chapter; raises InputError."""
     loaded = load(path)
     return _stability_chapter(loaded, title) if isinstance(loaded, Stability) else _timing_chapter(loaded, title)
 
@@ -137,7 +137,7 @@ def _dirty_text(dirty: str) -> str:
     }.get(dirty.lower(), ", clean")
 
 
-# --- results of suites ------------------------------------------------------------------------------------------------
+# The functions that follow make the chapter on a result of `ptbench run`.
 
 
 def _timing_chapter(result: Result, title: str) -> Chapter:
@@ -243,7 +243,7 @@ def _failed_cells(result: Result) -> tuple[tuple[str, str], ...]:
 
 
 def _doubts(result: Result) -> list[tuple[str, int, str]]:
-    """Everything in the file that may make a reader trust a number less; what does not occur is not listed."""
+    """All doubts about a file's numbers that occur, each as (doubt, count, total)."""
     cells = result.cells
     samples = plural(sum(len(cell.samples) for cell in cells), "sample")
     of_cells = plural(len(cells), "cell")
@@ -276,7 +276,7 @@ def _doubts(result: Result) -> list[tuple[str, int, str]]:
     return [row for row in found if row[1]]
 
 
-# --- results of the stability suite -----------------------------------------------------------------------------------
+# The functions that follow make the chapter on a result of `ptbench stability`.
 
 
 def _stability_chapter(stability: Stability, title: str) -> Chapter:
@@ -334,7 +334,7 @@ def _stability_chapter(stability: Stability, title: str) -> Chapter:
 
 
 def _stability_words(stability: Stability) -> str:
-    """What came of what must pass; what is there to compare may fail, and is counted apart."""
+    """The outcome of required checks, and separately of checks that exist for comparison and may fail."""
     groups = {
         "": [row for row in stability.rows if row.must_pass],
         " to compare": [row for row in stability.rows if not row.must_pass],

@@ -1,4 +1,4 @@
-"""The command: reads, draws in as many processes as there are processors, writes report.html and report.md."""
+"""Runs `report`: reads and draws in one process per processor, and writes report.html and report.md."""
 
 import multiprocessing
 import os
@@ -16,9 +16,9 @@ from ptbench.report.scenes import Renderer, scene_pictures
 from ptbench.report.sources import Sources, find_sources
 from ptbench.terminal import say, visible
 
-# Bytes of all files from which on processes are begun: each takes a second or more to load what draws.
+# Total file size in bytes from which on worker processes pay off: each takes a second or more to import matplotlib.
 WORTH_PROCESSES = 1 << 20
-_MADE_BY = "by python3 -m ptbench report."  # the end of each report's subtitle
+_MADE_BY = "by python3 -m ptbench report."  # end of the subtitle, by which earlier reports are recognised
 
 
 def report(named: Sequence[Path], out: Path, binary: Path | None, spp: int, side: int) -> int:
@@ -50,7 +50,7 @@ def report(named: Sequence[Path], out: Path, binary: Path | None, spp: int, side
 
 
 def _refuse_foreign(folder: Path, targets: Sequence[Path]) -> None:
-    """Raises InputError where a file would be replaced, and the folder holds no earlier report."""
+    """Raises InputError if files would be replaced and the folder holds no earlier report."""
     page = folder / "report.md"
     if page.is_file() and _MADE_BY in page.read_text(encoding="utf-8", errors="replace"):
         return
@@ -66,7 +66,7 @@ def _subtitle(sources: Sources) -> str:
 
 
 def _size(path: Path) -> int:
-    """0 of a file that is not there, which its reader says."""
+    """The size of a file in bytes; 0 for a missing file, which is reported when it is read."""
     return path.stat().st_size if os.path.exists(path) else 0
 
 
@@ -74,7 +74,7 @@ def _chapters(sources: Sources) -> list[Chapter]:
     jobs = min(len(sources.paths), len(os.sched_getaffinity(0)))
     if jobs < 2 or sum(map(_size, sources.paths)) < WORTH_PROCESSES:
         return [chapter_of(path, title) for path, title in zip(sources.paths, sources.titles, strict=True)]
-    # The largest files first: the last one to be done should be short.
+    # The largest files start first, so that none of them is last to finish.
     order = sorted(range(len(sources.paths)), key=lambda index: -_size(sources.paths[index]))
     with ProcessPoolExecutor(jobs, mp_context=multiprocessing.get_context("spawn")) as pool:
         started = {index: pool.submit(chapter_of, sources.paths[index], sources.titles[index]) for index in order}

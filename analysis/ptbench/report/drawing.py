@@ -1,4 +1,4 @@
-"""A file's figures, those that `plots` writes, as images to show in a page: SVG, or PNG where that is smaller."""
+"""The figures that `plots` writes as images for a page: SVG, or PNG where that is smaller."""
 
 from dataclasses import dataclass
 
@@ -14,17 +14,17 @@ from ptbench.io.files import one_line, safe_name
 from ptbench.io.stability import Stability
 from ptbench.studies.notes import Note
 
-# An SVG of so many bytes has thousands of points: pixels may take less. Finding out takes seconds.
+# Size in bytes of an SVG, with thousands of points, from which on a PNG is tried, which takes seconds.
 _LARGE_SVG = 500_000
-_PICTURES_DPI = 120  # photographs in pages are looked at, not measured
-_CSS_PIXELS = 96  # an inch
+_PICTURES_DPI = 120  # resolution of pictures of renders, which serve for viewing only
+_CSS_PIXELS = 96  # CSS pixels per inch
 
 
 @dataclass(frozen=True)
 class Drawn:
-    """The figures of a study or of a stability file, what they leave unsaid, and why others were not drawn.
+    """The figures of a study or of a stability file, the notes on them, and why others were not drawn.
 
-    Without a figure there are no notes: nothing was asked what it leaves unsaid.
+    Without a figure there are no notes.
     """
 
     images: tuple[Image, ...]
@@ -33,7 +33,7 @@ class Drawn:
 
 
 def draw_study_figures(result: Result, study: Study, prefix: str) -> Drawn:
-    """`prefix` begins the images' names."""
+    """Draws the figures of a study as images whose names begin with `prefix`."""
     images: list[Image] = []
     notes: dict[Note, None] = {}
     not_drawn = []
@@ -51,7 +51,7 @@ def draw_study_figures(result: Result, study: Study, prefix: str) -> Drawn:
 
 
 def draw_stability_figures(stability: Stability, prefix: str) -> Drawn:
-    """The pages of a stability file's figures; `prefix` begins their file names."""
+    """Draws the pages of a stability file's figures as images whose names begin with `prefix`."""
     images, not_drawn = [], []
     for figure in stability_figures():
         try:
@@ -71,7 +71,7 @@ def _alt(data) -> str:
 
 
 def css_size(figure: Figure) -> tuple[int, int]:
-    """Width and height in CSS pixels."""
+    """The width and height of a figure in CSS pixels."""
     width, height = (round(_CSS_PIXELS * inches) for inches in figure.get_size_inches())
     return width, height
 

@@ -1,4 +1,4 @@
-"""What a report opens with: a run's findings in words, each made from its rows, and the one figure that shows them."""
+"""The opening of a report: a run's findings in sentences made from its rows."""
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -35,29 +35,29 @@ from ptbench.studies.questions import Question, question_of
 from ptbench.studies.rows import Row, measure
 from ptbench.studies.withdrawn import between
 
-_NAMED = 3  # more choices of one outcome are counted, and the two ends named
+_NAMED = 3  # most choices with one outcome that are named; of more, the two extremes
 
 
 @dataclass(frozen=True)
 class Findings:
-    """A sentence on the whole file, and one or a few on each of its studies."""
+    """The findings of a file: a sentence on the whole, and one or more on each study."""
 
     head: str
     items: tuple[str, ...] = ()
 
 
 def is_convergence(result: Result, study: Study) -> bool:
-    """Whether the study asks for errors, and so for no ratios of times."""
+    """Whether a study measures errors, so that it has no ratios of times."""
     return any(cell.convergence is not None for cell in result.cells_of(study))
 
 
 def compared_rows(result: Result, study: Study) -> list[Row]:
-    """The rows that are held against a baseline and have a ratio."""
+    """The rows of a study that have a ratio over a baseline."""
     return [row for row in measure(result, study) if row.verdict is not None and row.ratio is not None]
 
 
 def findings_of(result: Result) -> Findings:
-    """What a file of times or errors says."""
+    """The findings of a result of `ptbench run`."""
     verdicts: list[Verdict] = []
     items = []
     efficiencies = 0
@@ -86,7 +86,7 @@ def findings_of(result: Result) -> Findings:
 
 
 def _unsure(verdicts: Sequence[Verdict]) -> list[str]:
-    """Why nothing firmer is said: UNSURE is not SAME."""
+    """Sentences on why verdicts are UNSURE, which must not be read as SAME."""
     reasons = Counter(_reason(verdict) for verdict in verdicts if verdict.word == UNSURE)
     said = []
     if reasons:
@@ -105,11 +105,11 @@ def _reason(verdict: Verdict) -> str:
     return f"an interval that reaches both sides of the {THRESHOLD:.0%} limit".replace("%", " %")
 
 
-# --- times ------------------------------------------------------------------------------------------------------------
+# The functions that follow word the findings of studies of times.
 
 
 def _times(result: Result, study: Study, question: Question, rows: Sequence[Row]) -> str:
-    """The study's answer, then its choices by outcome, those that pay first; each end with its interval and place."""
+    """The answer of a study of times, then its choices by outcome, best first, with extremes' intervals and places."""
     outcomes: dict[tuple[str, ...], list[str]] = {}
     for choice in dict.fromkeys(question.choice_of(row.cell) for row in rows):
         words = {row.verdict.word for row in rows if question.choice_of(row.cell) == choice}
@@ -129,7 +129,7 @@ def _times(result: Result, study: Study, question: Question, rows: Sequence[Row]
 
 
 def _answer(outcomes: Mapping[tuple[str, ...], Sequence[str]]) -> str:
-    """Whether anything pays, no more firmly than the verdicts say it."""
+    """A sentence on whether any choice pays, no firmer than the verdicts."""
     words = {word for outcome in outcomes for word in outcome}
     if sure := outcomes.get((FASTER,)):
         return _pays(sure)
@@ -159,7 +159,7 @@ def _outcome(words: Sequence[str], has_places: bool) -> str:
 
 
 def _ends(choices: Sequence[str], rows: Sequence[Row], question: Question, where: Callable[[Cell], str]) -> str:
-    """A choice that pays somewhere with a range of its own; of several others the lowest and the highest ratio."""
+    """The range of each choice that pays somewhere; of several others the lowest and the highest ratio."""
     alone = len(choices) == 1 or (len(choices) <= _NAMED and any(row.verdict.word == FASTER for row in rows))
     if not alone:
         named = ", ".join(f"`{choice}`" for choice in choices) if len(choices) <= _NAMED else f"{len(choices)} choices"
@@ -173,23 +173,23 @@ def _mixed(rows: Sequence[Row]) -> str:
     return f" ({counts_text(counts)})" if len(counts) > 1 else ""
 
 
-# --- errors -----------------------------------------------------------------------------------------------------------
+# The functions that follow word the findings of studies of errors.
 
 
 @dataclass(frozen=True)
 class Efficiency:
-    """A variant's efficiency over its baseline's at one place."""
+    """The efficiency of a variant over its baseline, in one scene and setting."""
 
     place: str
     name: str
     baseline: str
     estimate: Estimate
     is_withdrawn: bool
-    word: str  # on which side of 1 the whole interval lies, or why that is not said
+    word: str  # side of 1 on which the whole interval lies, or why there is no verdict
 
 
 def efficiencies_of(result: Result, study: Study) -> list[Efficiency]:
-    """The verdicts of the study that are defined and have an interval, place by place."""
+    """The efficiencies of a study that are defined and have an interval, by scene and setting."""
     assessed = assess(result)
     places = by_place([assessed[cell.name] for cell in result.cells_of(study) if cell.name in assessed])
     found = []
@@ -207,7 +207,7 @@ def efficiencies_of(result: Result, study: Study) -> list[Efficiency]:
 
 
 def _errors(result: Result, study: Study, found: Sequence[Efficiency]) -> str:
-    """How many converge, and which need least and most time for the same noise."""
+    """A sentence on how many variants converge, and which need the least and the most time for equal noise."""
     assessed = assess(result)
     members = [assessed[cell.name] for cell in result.cells_of(study) if cell.name in assessed]
     words = Counter(one.verdict.word for one in members)
@@ -230,11 +230,11 @@ def _said(one: Efficiency) -> str:
     return f"`{one.name}` {ratio(one.estimate.value)} {ends_beside_one(one.estimate)} ({against}{one.place}{mark})"
 
 
-# --- stability --------------------------------------------------------------------------------------------------------
+# The functions that follow word the findings of stability results.
 
 
 def stability_findings(stability: Stability) -> Findings:
-    """What must pass, what is there to compare, and which families have a failure of what must pass."""
+    """The findings of a stability result: required checks, checks for comparison, and families with failures."""
     rows = [row for row in stability.rows if row.status != NOT_APPLICABLE]
     required = [row for row in rows if row.must_pass]
     bad = [row for row in required if row.status in (FAILED, BROKEN)]

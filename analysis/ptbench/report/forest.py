@@ -1,4 +1,4 @@
-"""A run's one overview figure: a row a comparison, its ratio with its interval, the rows of a scene together."""
+"""The overview figure of a run: one row per comparison, its ratio with its interval, grouped by scene."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -25,11 +25,11 @@ from ptbench.studies.questions import Question, dimension, label_of, question_of
 from ptbench.studies.rows import Row, baseline_of
 from ptbench.studies.withdrawn import between
 
-MOST_ROWS = 44  # of one page; more comparisons than that are drawn as means, a row a choice and scene
+MOST_ROWS = 44  # most rows on a page; with more comparisons, rows are means per choice and scene
 
 
 def draw_overview(result: Result, title: str, prefix: str) -> tuple[Image, ...]:
-    """The figure, in pages where it is long; none where nothing is compared. `prefix` begins the images' names."""
+    """Draws the overview figure as pages; empty where nothing is compared. `prefix` begins the images' names."""
     found = [data for data in (_times(result, title), _efficiencies(result, title)) if data is not None]
     return tuple(image for data in found for image in _images(data, prefix))
 
@@ -53,7 +53,7 @@ def _image(figure, name: str, alt: str) -> Image:
     return Image(f"{name}.svg", svg_of(figure).encode(), alt, *css_size(figure))
 
 
-# --- times ------------------------------------------------------------------------------------------------------------
+# The functions that follow draw ratios of times in a report's overview figure.
 
 Compared = tuple[Study, Question, Row]
 
@@ -109,7 +109,7 @@ def _prefixed(told: str, label: str, cells: Sequence[Cell], baselines: Sequence[
 def _each(result: Result, study: Study, question: Question, rows: Sequence[Row], told: str) -> list[Item]:
     cells = result.cells_of(study)
     swept = swept_by(study)
-    # The scene is the group's title.
+    # The scene is omitted from rows' labels because it is their group's title.
     names = [swept] if swept != "scene" and len({dimension(cell, swept) for cell in cells}) > 1 else []
     names += varying_dimensions(cells, question, swept)
     items = []
@@ -121,7 +121,7 @@ def _each(result: Result, study: Study, question: Question, rows: Sequence[Row],
 
 
 def _means(result: Result, study: Study, question: Question, rows: Sequence[Row], told: str) -> list[Item]:
-    """A row a choice: the geometric mean of its ratios in this scene, whose verdict follows the rule of a cell's."""
+    """Rows of geometric means, one per choice, over its ratios in a scene; verdicts follow the rule for cells."""
     cells = result.cells_of(study)
     items = []
     for choice in dict.fromkeys(question.choice_of(row.cell) for row in rows):
@@ -148,7 +148,7 @@ def _mean_verdict(ratio, rows: Sequence[Row], pairs: Sequence[tuple[Cell, Cell]]
     return withheld(verdict, reasons[0]) if reasons else verdict
 
 
-# --- errors -----------------------------------------------------------------------------------------------------------
+# The functions that follow draw efficiencies in a report's overview figure.
 
 
 def _efficiencies(result: Result, title: str) -> Data | None:

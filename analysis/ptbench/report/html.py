@@ -1,4 +1,4 @@
-"""A report as one HTML page that needs nothing else: style, script, images and raw rows are in it."""
+"""A report as one self-contained HTML page, which includes style, script, images and raw rows."""
 
 import base64
 import re
@@ -21,19 +21,19 @@ from ptbench.document.table import Table
 from ptbench.io.files import package_file
 
 _INLINE = re.compile(r"`([^`]+)`|\*\*(.+?)\*\*")
-# Longer words without a space may be broken at their joints; without that, one name is as wide as a page.
+# Words that are long enough to be broken within, so that a long name does not widen the page.
 _LONG_WORD = re.compile(r"[^\s<>&;]{24,}")
-_LONG_TEXT = 44  # characters
-_WIDE = 11  # columns; such a table is printed on a page across
+_LONG_TEXT = 44  # length in characters from which on a column's texts are broken into lines
+_WIDE = 11  # number of columns from which on a table is printed in landscape
 _POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'; connect-src data:"
 
 
 def html_page(title: str, subtitle: str, sections: Sequence[Section]) -> str:
-    """The whole page, which needs nothing else."""
+    """The report as a whole HTML page without external resources."""
     style = package_file("report", "style.css").read_text(encoding="utf-8")
     script = package_file("report", "script.js").read_text(encoding="utf-8")
     body = "".join(_section(section, 2) for section in sections)
-    # The page must ask for nothing; a browser holds it to that.
+    # The content security policy forbids the page to load anything.
     return f"""<!DOCTYPE html>
 <html lang="en">
 <head>
@@ -65,7 +65,7 @@ def html_page(title: str, subtitle: str, sections: Sequence[Section]) -> str:
 
 
 def inline(text: str) -> str:
-    """A block's text, escaped, with its code and bold parts marked and long names breakable."""
+    """A block's text as HTML, with code and bold parts marked up and long names breakable."""
     parts, end = [], 0
     for match in _INLINE.finditer(text):
         parts.append(_breakable(text[end : match.start()]))
@@ -76,7 +76,7 @@ def inline(text: str) -> str:
 
 
 def _words(code: str) -> str:
-    """A command's options stay whole: a line that ends after a hyphen reads as another option."""
+    """Inline code as HTML whose words do not break, as a line that ends after a hyphen would suggest another option."""
     words = code.split(" ")
     if len(words) == 1:
         return _breakable(code)
@@ -134,7 +134,7 @@ def _figure(image: Image) -> str:
     if image.narrow is None:
         return f'<figure class="scroll" tabindex="0">{_image(image)}</figure>\n'
     narrow = image.narrow
-    # Paper is narrow, too, in CSS pixels, and has room for the wide one.
+    # Print media are narrow in CSS pixels but can show the wide image, hence the media type `screen`.
     source = (
         f'<source media="screen and (max-width: 44rem)" srcset="{_data(narrow.media_type, narrow.data)}" '
         f'width="{narrow.width}" height="{narrow.height}">'
@@ -165,7 +165,7 @@ def _table(table: Table) -> str:
     rows = "".join(_row(row, sides) for row in table.rows)
     label = escape("Table: " + ", ".join(table.head[:3]))
     kind = ' class="wide"' if len(table.head) >= _WIDE else ""
-    # A box that scrolls must be reached by the keyboard.
+    # A scrollable box needs a tab stop to be reachable by keyboard.
     return (
         f'<div class="scroll" tabindex="0" role="region" aria-label="{label}"><table{kind}>\n'
         f"<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n"
@@ -173,7 +173,7 @@ def _table(table: Table) -> str:
 
 
 def _is_long(table: Table, column: int) -> bool:
-    """Whether a column's texts need lines to be broken; others are one line each, so that nothing else is squeezed."""
+    """Whether a column's texts are long enough to wrap; short columns stay on one line."""
     return any(len(row[column]) > _LONG_TEXT for row in table.rows)
 
 
@@ -182,7 +182,7 @@ def _row(cells: Iterable[str], sides: Sequence[str]) -> str:
 
 
 def _cell(text: str, side: str) -> str:
-    # A line must not end within a number, after "1.2e-".
+    # Each word of a number gets its own span, so that "1.2e-6" is not broken after its hyphen.
     inside = (
         " ".join(f"<span>{escape(word)}</span>" for word in text.split()) if "e-" in text and "number" in side else ""
     )
@@ -192,7 +192,7 @@ def _cell(text: str, side: str) -> str:
 def _download(download: Download) -> str:
     data = _data("application/gzip", download.compressed)
     kib = max(1, round(len(download.compressed) / 1024))
-    # Without the script it is the compressed file; with it, plain CSV.
+    # The link downloads the compressed file; the page's script turns it into plain CSV.
     return (
         f'<p><a class="csv" download="{escape(download.name)}.gz" href="{data}">{escape(download.name)}.gz</a>: '
         f"{download.rows} rows, one {escape(download.about)}; {kib} KiB, compressed by gzip.</p>\n"

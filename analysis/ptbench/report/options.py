@@ -1,4 +1,4 @@
-"""The command line of `report`."""
+"""The command line options of `report`."""
 
 import argparse
 from pathlib import Path

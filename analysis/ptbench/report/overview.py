@@ -1,4 +1,4 @@
-"""The parts of a report that speak of all its files: machines, what ran, what was left out, scenes, method, rows."""
+"""The sections of a report on all of its files: machines, runs, omissions, scenes, method, raw rows."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -24,7 +24,7 @@ NO_PICTURES = (
 def report_sections(
     chapters: Sequence[Chapter], pictures: Sequence[ScenePicture], passed_over: Sequence[Path]
 ) -> list[Section]:
-    """The page, in order: the answer, what may be wrong with it, all of it, and how it came about."""
+    """The sections of the report, in order: the findings, their doubts, all details, and the method."""
     return [
         _findings(chapters),
         Section("At a glance", "glance", tuple(_glance(chapters))),
@@ -43,7 +43,7 @@ def _listed(values: Sequence[str]) -> str:
 
 
 def _findings(chapters: Sequence[Chapter]) -> Section:
-    """What each file says, after what should make a reader doubt it."""
+    """The section on what each file found, preceded by warnings."""
     warnings = _warnings(chapters)
     blocks: list[Block] = [Bullets(tuple(warnings))] if warnings else []
     if len(chapters) == 1:
@@ -106,7 +106,7 @@ def _glance(chapters: Sequence[Chapter]) -> list[Block]:
 
 
 def _machines(chapters: Sequence[Chapter]) -> list[Block]:
-    """Files whose facts differ get a list of their own, even if their machines are called the same."""
+    """A list of facts for each machine; files whose facts differ get separate lists even for equal machine names."""
     groups: dict[tuple, list[Chapter]] = {}
     for chapter in chapters:
         groups.setdefault((chapter.machine, chapter.machine_facts), []).append(chapter)
@@ -234,6 +234,6 @@ def _raw(chapters: Sequence[Chapter]) -> list[Block]:
 
 
 def title_of(chapters: Sequence[Chapter]) -> str:
-    """The report's title: the machines that its files are of."""
+    """The title of the report, which names the machines of its files."""
     machines = list(dict.fromkeys(chapter.machine for chapter in chapters))
     return f"ptbench report: {', '.join(machines)}"

@@ -1,4 +1,4 @@
-"""A small picture of each scene that was measured: a convergence study's reference, or rendered for the page."""
+"""A small picture of each measured scene: a convergence study's reference, or a render made for the report."""
 
 import io
 import os
@@ -19,15 +19,15 @@ from ptbench.io.images import displayed, exposure_of, read_pfm
 from ptbench.program import Program
 
 _SCENES = Path(__file__).resolve().parents[3] / "scenes"
-_LONGEST_REASON = 160  # characters
+_LONGEST_REASON = 160  # most characters of a reason for a missing picture
 _LESS_NOISE = {"direct_light": "nee_mis"}
 _JPEG_QUALITY = 88
-_SHOWN = 200  # CSS pixels across
+_SHOWN = 200  # width of a picture in CSS pixels
 
 
 @dataclass(frozen=True)
 class SceneUse:
-    """A scene in a file; `reference` is an image file of it that a convergence study left, if any."""
+    """A scene in a result file; `reference` is its image file from a convergence study, if there is one."""
 
     scene: str
     scene_hash: str
@@ -35,12 +35,12 @@ class SceneUse:
     reference: Path | None = None
     reference_variant: str = ""
     reference_spp: int = 0
-    file: str = ""  # of a scene that did not come with the program
+    file: str = ""  # path of a scene file that is not shipped with ptbench
 
 
 @dataclass(frozen=True)
 class Renderer:
-    """How scenes without an image are rendered: by which program, how well; pictures are kept in `folder`."""
+    """The program and quality for rendering pictures of scenes, which are kept in `folder`."""
 
     binary: Path
     spp: int
@@ -48,29 +48,29 @@ class Renderer:
     folder: Path
 
     def check(self) -> None:
-        """Raises InputError unless there is a program that can be run."""
+        """Raises InputError if the program cannot be run."""
         Program(self.binary).check()
 
 
 @dataclass(frozen=True)
 class ScenePicture:
-    """`image` and how it came about, or `failure`: why there is none."""
+    """The picture of a scene and how it was made, or `failure`: why there is none."""
 
     scene: str
     scene_hash: str
-    sizes: str  # at which the scene was measured
+    sizes: str  # resolutions at which the scene was measured
     image: Image | None = None
     how: str = ""
     failure: str = ""
 
     @property
     def caption(self) -> str:
-        """The scene, its hash, its sizes, and how the picture came about."""
+        """The caption of a scene's picture: name, hash, measured resolutions, and how the picture was made."""
         return f"`{self.scene}`, hash `{self.scene_hash}`, measured at {self.sizes}; {self.how}."
 
 
 def scene_uses(result: Result) -> tuple[SceneUse, ...]:
-    """The scenes of a file's cells, in its order. The folder of images lies beside the file."""
+    """The scenes of a file's cells, in order; their reference images lie in a folder beside the file."""
     found: dict[tuple[str, str], list] = {}
     for cell in result.cells:
         found.setdefault((cell.scene, cell.scene_hash), []).append(cell)
@@ -95,7 +95,7 @@ def scene_uses(result: Result) -> tuple[SceneUse, ...]:
 
 
 def scene_pictures(uses: Sequence[SceneUse], renderer: Renderer | None) -> list[ScenePicture]:
-    """One picture a scene and hash, sorted by name."""
+    """One picture per scene and hash, sorted by name."""
     merged: dict[tuple[str, str], list[SceneUse]] = {}
     for use in uses:
         merged.setdefault((use.scene, use.scene_hash), []).append(use)
@@ -124,7 +124,7 @@ def _from_reference(use: SceneUse) -> Image:
 
 
 def _image(use: SceneUse, pixels: np.ndarray) -> Image:
-    """Pixels of 8 bits; grey ones have two axes."""
+    """An image from 8-bit pixels, given as an array with two axes if grey."""
     raster = Raster.fromarray(pixels)
     with io.BytesIO() as written:
         raster.convert("RGB").save(written, "JPEG", quality=_JPEG_QUALITY, subsampling=0, optimize=True)
@@ -139,7 +139,7 @@ def _framed(use: SceneUse, jpeg: bytes) -> Image:
 
 
 def _rendered(known: ScenePicture, use: SceneUse, renderer: Renderer) -> ScenePicture:
-    """Rendered now, or by an earlier report into the same folder: the name says what of, how large and how well."""
+    """A picture rendered now, or kept from an earlier report: its file name tells scene, size and quality."""
     size = _fitting(use.resolutions[0], renderer.side)
     how = f"rendered at {size[0]}×{size[1]}, {renderer.spp} spp, light sampled where that applies"
     name = f"{use.scene}-{known.scene_hash}-{size[0]}x{size[1]}-{renderer.spp}spp"
@@ -148,7 +148,7 @@ def _rendered(known: ScenePicture, use: SceneUse, renderer: Renderer) -> ScenePi
         try:
             return replace(known, image=_framed(use, read_whole(kept, LARGEST_IMAGE)), how=how)
         except (InputError, OSError):
-            pass  # no picture any more: it is rendered again
+            pass  # the kept file cannot be read, so the picture is rendered again
     done = _render(use, size, renderer)
     if done.image is None:
         return replace(known, failure=f"not rendered: {textwrap.shorten(done.failure, _LONGEST_REASON)}")
@@ -162,9 +162,9 @@ def _rendered(known: ScenePicture, use: SceneUse, renderer: Renderer) -> ScenePi
 
 
 def _render(use: SceneUse, size: tuple[int, int], renderer: Renderer) -> gallery.Rendered:
-    """From its own file, by its name, or from the file of that name that has its hash; else the first one's failure."""
+    """Renders a scene from its own file, by name, or from a file of its name with its hash; else the first failure."""
     attempts = []
-    # A suite may name scenes by their files, which the program does not know by name.
+    # Suites may use scene files that the program does not know by name.
     files = sorted(path for path in _SCENES.rglob("*.json") if path.stem == use.scene)
     own = [use.file] if use.file and os.path.isfile(use.file) else []
     for source in (*own, use.scene, *map(str, files)):
@@ -175,7 +175,7 @@ def _render(use: SceneUse, size: tuple[int, int], renderer: Renderer) -> gallery
 
 
 def _render_source(source: str, size: tuple[int, int], renderer: Renderer) -> gallery.Rendered:
-    """With light sampling, which has the same mean and less noise; without it where it does not apply."""
+    """Renders with next-event estimation, which reduces noise at equal mean; without it where it does not apply."""
     program = renderer.binary.resolve()
     with scratch_folder(renderer.folder) as scratch:
         for axes in (_LESS_NOISE, {}):
@@ -187,7 +187,7 @@ def _render_source(source: str, size: tuple[int, int], renderer: Renderer) -> ga
 
 
 def _fitting(resolution: str, side: int) -> tuple[int, int]:
-    """The measured shape, `side` pixels along its longer side."""
+    """The measured resolution scaled to `side` pixels along the longer side."""
     width, height = (int(part) for part in resolution.split("x"))
     longest = max(width, height)
     return max(1, round(side * width / longest)), max(1, round(side * height / longest))

@@ -1,4 +1,4 @@
-"""Which files a report is of: result files as named, and of a folder all that are such files."""
+"""The files that a report covers: those named, and all results in named folders."""
 
 import os
 from collections.abc import Sequence
@@ -12,13 +12,13 @@ from ptbench.io.results import result_of
 from ptbench.io.stability import Stability, is_stability, stability_of
 from ptbench.terminal import visible
 
-# Comparisons with other renderers and searches for leaks lie beside results, and have pages of their own.
+# Schemas of cross-checks, peer comparisons and leak searches, which lie beside results and are not in reports.
 _NO_RESULTS = ("ptbench-crosscheck-", "ptbench-peers-", "ptbench-leaks-")
 
 
 @dataclass(frozen=True)
 class Sources:
-    """`titles` are the files' shortest names that tell them apart; `passed_over` lay in a folder and are no results."""
+    """The files of a report; `titles` are their shortest distinct names, `passed_over` files that are no results."""
 
     paths: tuple[Path, ...]
     titles: tuple[str, ...]
@@ -26,13 +26,13 @@ class Sources:
 
 
 def load(path: Path) -> Result | Stability:
-    """The result file at `path`, of either kind, checked; raises InputError."""
+    """Reads and checks a result of `ptbench run` or `ptbench stability`; raises InputError."""
     root = read_json(path)
     return stability_of(root) if is_stability(root) else result_of(root)
 
 
 def find_sources(named: Sequence[Path]) -> Sources:
-    """Raises InputError where a name is neither a file nor a folder with a result in it."""
+    """The result files that the names stand for; raises InputError for a name without a result."""
     paths: list[Path] = []
     passed_over: list[Path] = []
     for path in named:
@@ -51,7 +51,7 @@ def find_sources(named: Sequence[Path]) -> Sources:
 
 
 def _is_result(root: Node) -> bool:
-    """Whether a JSON file has the keys of a result: a broken result is an error, other JSON beside results is not."""
+    """Whether a JSON file has the keys of a result; others in a folder are skipped, but broken results are errors."""
     value = root.value
     if not isinstance(value, dict):
         return False
@@ -61,7 +61,7 @@ def _is_result(root: Node) -> bool:
 
 
 def _titles(paths: Sequence[Path]) -> list[str]:
-    """ "compaction", or "nvidia-h200/compaction" where two files are called so."""
+    """Titles for files, such as "compaction", or "nvidia-h200/compaction" where two files share a name."""
     names = [
         [*Path(os.path.realpath(path)).parent.parts, visible(path.name.removesuffix(".gz").removesuffix(".json"))]
         for path in paths

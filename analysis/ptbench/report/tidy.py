@@ -1,4 +1,4 @@
-"""Raw rows as CSV: one tidy row a sample, a checkpoint or a check, with all that identifies it in columns."""
+"""Raw rows of a report as CSV: one row per sample, checkpoint or check, with all identifying values in columns."""
 
 import csv
 import gzip
@@ -29,7 +29,7 @@ def _file_values(result: Result | Stability) -> list[str]:
 
 
 def sample_rows(result: Result) -> Iterable[Sequence[object]]:
-    """The head, then a row a sample; samples that failed have an `error` and no times."""
+    """The header and a row per sample; failed samples have an `error` and no times."""
     axes = list(dict.fromkeys(axis for cell in result.cells for axis in cell.axes))
     tunables = list(dict.fromkeys(name for cell in result.cells for name in cell.tunables))
     yield (*_FILE, *_CELL, *axes, *(f"tunable_{name}" for name in tunables), *_SAMPLE, *WORK_COUNTERS, "error")
@@ -57,7 +57,7 @@ def _sample_values(sample: Sample) -> list[object]:
 
 
 def checkpoint_rows(result: Result) -> Iterable[Sequence[object]]:
-    """The head, then a row a checkpoint of a sample; cells and repetitions are those of `sample_rows`."""
+    """The header and a row per checkpoint of each sample, with cell and repetition as in `sample_rows`."""
     yield (*_FILE, "cell", "repetition", "seed", *_CHECKPOINT)
     file = _file_values(result)
     for cell in result.cells:
@@ -71,7 +71,7 @@ def checkpoint_rows(result: Result) -> Iterable[Sequence[object]]:
 
 
 def check_rows(stability: Stability) -> Iterable[Sequence[object]]:
-    """The head, then a row a check; parameters as NAME=VALUE, split by semicolons."""
+    """The header and a row per stability check; parameters as NAME=VALUE, separated by semicolons."""
     axes = list(dict.fromkeys(axis for row in stability.rows for axis in row.axes))
     numbers = ("quantity", "relation", "value", "exact", "error", "allowed", "standard_error")
     yield (
@@ -93,7 +93,7 @@ def _point(row: Row) -> str:
 
 
 def download(name: str, rows: Iterable[Sequence[object]], about: str) -> Download:
-    """Numbers as Python writes them: they read back as the same ones. Without a date, so equal rows are equal bytes."""
+    """Rows as a compressed CSV download; numbers survive a round trip, and equal rows give equal bytes (no date)."""
     with io.StringIO(newline="") as text:
         count = 0
         writer = csv.writer(text, lineterminator="\n")

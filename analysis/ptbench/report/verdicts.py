@@ -1,4 +1,4 @@
-"""A study's verdicts in words, made from its rows: counts, and how far each choice is from its baseline, and where."""
+"""The verdicts of a study in words: counts, and each choice's ratio over its baseline with its extremes' places."""
 
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -27,11 +27,11 @@ NOT_COMPARED = "—"
 
 
 def verdict_counts(result: Result) -> Counter[str]:
-    """How often each verdict was given, over all studies: a cell of two studies counts in both."""
+    """The number of times that each verdict was given, where a cell of two studies counts twice."""
     counts: Counter[str] = Counter()
     for study in result.studies:
         judged = [one for cell in result.cells_of(study) if (one := assess(result).get(cell.name)) is not None]
-        # A study of convergence asks for no ratios of times.
+        # Convergence studies have verdicts on errors, and no ratios of times.
         rows = [] if judged else measure(result, study)
         counts.update(one.verdict.word for one in judged)
         counts.update(row.verdict.word for row in rows if row.verdict is not None)
@@ -39,14 +39,14 @@ def verdict_counts(result: Result) -> Counter[str]:
 
 
 def counts_text(counts: Counter[str]) -> str:
-    """ "2 FASTER, 1 SLOWER"; verdicts that were not given are left out."""
+    """Counts of verdicts as "2 FASTER, 1 SLOWER", without those that do not occur."""
     words = [*WORDS, *(word for word in counts if word not in WORDS)]
     named = {NOT_COMPARED: "without a baseline"}
     return ", ".join(f"{counts[word]} {named.get(word, word)}" for word in words if counts[word]) or "none"
 
 
 def study_verdicts(result: Result, study: Study) -> tuple[str, list[str]]:
-    """A sentence on the whole study and one on each of its choices."""
+    """A sentence on a whole study, and one on each of its choices."""
     if any(cell.convergence is not None for cell in result.cells_of(study)):
         return _convergence(result, study)
     question = question_of(result, study)
@@ -70,7 +70,7 @@ def _of(rows: Sequence[Row], question: Question, choice: str) -> list[Row]:
 
 
 def where_in(result: Result, study: Study, question: Question) -> Callable[[Cell], str]:
-    """What tells a study's cells of one choice apart: scene, depth and whatever else varies."""
+    """A function that tells a study's cells with one choice apart: by scene, depth and whatever else varies."""
     cells = result.cells_of(study)
     swept = swept_by(study)
     names = [name for name in (swept,) if name != "scene" and len({dimension(cell, name) for cell in cells}) > 1]
@@ -101,7 +101,7 @@ def _choice_text(choice: str, rows: Sequence[Row], where: Callable[[Cell], str])
 
 
 def range_text(rows: Sequence[Row], where: Callable[[Cell], str]) -> str:
-    """The ratios, from the lowest to the highest, with their intervals and places."""
+    """The lowest and the highest of the ratios with their intervals and places."""
     ordered = sorted((row for row in rows if row.ratio is not None), key=lambda row: row.ratio.value)
     ends = ordered if len(ordered) < 2 else [ordered[0], ordered[-1]]
     said = ((ratio(row.ratio.value), interval_of_ratio(row.ratio), f"({where(row.cell)})") for row in ends)
@@ -134,7 +134,7 @@ def _judged(group: Sequence[Assessment], names: dict[str, str]) -> str:
 
 
 def _efficiency(group: Sequence[Assessment], names: dict[str, str], baseline: Assessment | None) -> str:
-    """Which cells need more or less time than the baseline for the same noise, by their whole intervals."""
+    """Which cells need more or less time than the baseline for equal noise, by their whole intervals."""
     if baseline is None:
         return ""
     sides: dict[str, list[str]] = {word: [] for word in (HIGHER, LOWER, NOT_TOLD_APART, DISTURBED, "not defined")}

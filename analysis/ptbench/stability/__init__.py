@@ -1,1 +1,1 @@
-"""What stiff cases came out as: layout and words of a stability file."""
+"""The results of numerically stiff cases: layout and words for a stability file."""

@@ -1,4 +1,4 @@
-"""How a stability result is laid out: the columns that its variants are, the places that its cases are looked at."""
+"""The layout of a stability result as a table: variants as columns, cases at points as rows."""
 
 import math
 from collections.abc import Sequence
@@ -8,14 +8,14 @@ from ptbench.io.axes import known_axes
 from ptbench.io.older import plainest_formulas
 from ptbench.io.stability import BROKEN, KNOWN_LIMIT, SCHEMA, Case, Row, Stability
 
-# How numbers are computed; a variant's other axes say who computes what when.
+# Axes that affect how numbers are computed; other axes affect only the order of computation.
 FORMULA_AXES = ("precision", "arithmetic", "robustness")
-# How samples are drawn: a case has these for rows of their own, since each case is run with those that matter to it.
+# Axes that affect how samples are drawn: they are part of a row, as each case is run with the relevant ones.
 ESTIMATOR_AXES = tuple(name for name, axis in known_axes().items() if axis.decides_samples)
 
 
 def number(value: float) -> str:
-    """A parameter in few characters; powers of two as such where they are tiny or huge."""
+    """A parameter's value in few characters; tiny and huge powers of two as such."""
     mantissa, exponent = math.frexp(value)
     if abs(mantissa) == 0.5 and not -10 < exponent - 1 < 20:
         return f"{'-' if value < 0 else ''}2^{exponent - 1}"
@@ -23,13 +23,13 @@ def number(value: float) -> str:
 
 
 def short_power(text: str) -> str:
-    """A power of ten without a leading zero: "1e-6" for "1e-06"."""
+    """A power of ten without leading zeros: "1e-6" for "1e-06"."""
     return text.replace("e-0", "e-").replace("e+0", "e").replace("e+", "e")
 
 
 @dataclass(frozen=True)
 class Column:
-    """A variant as far as the file's variants differ, but for estimators."""
+    """A column: a variant, described by what differs between the file's variants, without estimators."""
 
     label: str
     must_pass: bool
@@ -37,7 +37,7 @@ class Column:
 
 @dataclass(frozen=True)
 class Place:
-    """A case at a point with an estimator."""
+    """A row of the table: a case at a point with an estimator."""
 
     case: Case
     point: tuple[tuple[str, float], ...]
@@ -45,17 +45,17 @@ class Place:
 
     @property
     def label(self) -> str:
-        """The case, the point, the estimator."""
+        """The label of the row: case, point and estimator."""
         return " ".join(part for part in (self.case.shown, self.where) if part)
 
     @property
     def where(self) -> str:
-        """The point and the estimator."""
+        """The point and the estimator of the row."""
         return " ".join(part for part in (point_label(self.case, self.point), self.estimator) if part)
 
 
 def point_label(case: Case, point: Sequence[tuple[str, float]]) -> str:
-    """The swept parameter and those that are not at their standards."""
+    """A point as text: the swept parameter, and parameters that are off their standard."""
     parts = []
     for name, value in sorted(point, key=lambda item: item[0] != case.sweep):
         parameter = case.parameters.get(name)
@@ -65,7 +65,7 @@ def point_label(case: Case, point: Sequence[tuple[str, float]]) -> str:
 
 
 class Layout:
-    """The names of all that the file has."""
+    """The labels of all columns and rows of a stability file."""
 
     def __init__(self, stability: Stability):
         choices: dict[str, dict[str, None]] = {}
@@ -91,7 +91,7 @@ class Layout:
         self.places = sorted(places, key=lambda place: order[place.case.name])
 
     def column_of(self, row: Row) -> str:
-        """ "float", "double naive", "wavefront": what differs from the plainest, its precision where nothing else."""
+        """A row's column label, such as "float" or "double naive": the differences from the plainest variant."""
         if row.variant not in self._labels:
             self._labels[row.variant] = self._column_of(row)
         return self._labels[row.variant]
@@ -107,7 +107,7 @@ class Layout:
         return " ".join([*scheduling, *formulas]) or row.variant
 
     def place_of(self, row: Row) -> Place:
-        """The case, point and estimator of a row."""
+        """The case, point and estimator of a check."""
         estimator = [
             row.axes[axis]
             for axis in ESTIMATOR_AXES
@@ -116,24 +116,24 @@ class Layout:
         return Place(row.case, row.point, " ".join(estimator))
 
     def is_formula(self, row: Row, **formula: str) -> bool:
-        """Whether the row is of the plainest scheduler with these formulas; those not named are the plain ones."""
+        """Whether a check is of the plainest scheduler with these formulas; other axes have their plainest choice."""
         wanted = {**{axis: self.plain.get(axis) for axis in row.axes if axis not in ESTIMATOR_AXES}, **formula}
         return all(row.axes.get(axis) == choice for axis, choice in wanted.items())
 
 
 @dataclass(frozen=True)
 class HeatCell:
-    """The worst of a place's quantities in one column."""
+    """The worst quantity of a row in one column."""
 
-    kind: str  # "value", "n/a", "broken", "missing"
+    kind: str  # kind of a heat map's cell: "value", "n/a", "broken" or "missing"
     over_allowed: float = math.nan
     quantity: str = ""
     is_limit: bool = False
-    is_failure: bool = False  # of what must pass
+    is_failure: bool = False  # whether a check that must pass failed
 
 
 def heat_cell(rows: Sequence[Row]) -> HeatCell:
-    """The heat cell of one place and column, from its rows; without rows it was not run."""
+    """The heat map's cell for the checks of one row and column; "missing" if there are none."""
     if not rows:
         return HeatCell("missing")
     is_failure = any(row.must_pass and row.is_failure for row in rows)
@@ -149,10 +149,10 @@ def heat_cell(rows: Sequence[Row]) -> HeatCell:
 
 
 def count(rows: Sequence[Row], status: str) -> int:
-    """How many rows have that status."""
+    """The number of checks with a status."""
     return sum(row.status == status for row in rows)
 
 
 def failures(rows: Sequence[Row]) -> list[Row]:
-    """What failed or broke though it must pass."""
+    """The required checks that failed or broke."""
     return [row for row in rows if row.must_pass and row.is_failure]

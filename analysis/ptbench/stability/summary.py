@@ -1,4 +1,4 @@
-"""summary.md of a stability result: a sentence or two a family, known limits, and what failed."""
+"""Writes the summary.md of a stability result: a sentence or two per family, known limits, and failures."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -36,7 +36,7 @@ def setting(stability: Stability) -> str:
 
 
 def summary(stability: Stability, not_drawn: Sequence[str]) -> str:
-    """The whole page as Markdown."""
+    """The summary page of a stability result as Markdown."""
     layout = Layout(stability)
     lines: Lines = ["# Stability: what came out of stiff cases", ""]
     lines += [f"- Result file: {stability.path.name}", f"- {setting(stability)}"]
@@ -57,7 +57,7 @@ def _plural(n: int, what: str) -> str:
 
 
 def family_text(stability: Stability, layout: Layout, family: str) -> str:
-    """What passed, what naive failed, and how near to its bound each precision came."""
+    """A paragraph on a family of cases: passes, failures of naive formulas, how near each precision is to a bound."""
     rows = [row for row in stability.rows if row.case.family == family]
     cases = [case for case in stability.cases if case.family == family]
     run = dict.fromkeys(row.case for row in rows if row.status != NOT_APPLICABLE)
@@ -133,7 +133,7 @@ def _variant(layout: Layout, row: Row) -> str:
 
 
 def limits(stability: Stability, layout: Layout) -> Lines:
-    """The checks that are out of bounds and known to be, grouped."""
+    """The section on checks that exceed their bound by a known limit, grouped."""
     lines = ["## Known limits", ""]
     rows = [row for row in stability.rows if row.status == KNOWN_LIMIT]
     if not rows:
@@ -154,7 +154,7 @@ def limits(stability: Stability, layout: Layout) -> Lines:
 
 
 def must_pass_failures(stability: Stability, layout: Layout) -> Lines:
-    """What failed or broke though it must pass."""
+    """The section on required checks that failed or broke."""
     lines = ["## Failures of what must pass", ""]
     rows = failures(stability.rows)
     if not rows:
@@ -185,7 +185,7 @@ def must_pass_failures(stability: Stability, layout: Layout) -> Lines:
 
 
 def missing(stability: Stability) -> Lines:
-    """Cases that ptbench cannot show, and those that the run left out."""
+    """The section on cases that ptbench cannot show, and cases that the run left out."""
     run = {row.case for row in stability.rows}
     lacking = [(case.shown, case.title, case.missing_feature) for case in stability.cases if case.missing_feature]
     left_out = [case.shown for case in stability.cases if case not in run and not case.missing_feature]

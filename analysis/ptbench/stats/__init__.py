@@ -1,1 +1,1 @@
-"""Medians, ratios, their intervals, and what they allow to say."""
+"""Medians, ratios, their confidence intervals, and verdicts."""

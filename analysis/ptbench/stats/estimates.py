@@ -1,8 +1,8 @@
 """Medians, their bootstrap intervals, and the verdict that two sets of times allow.
 
-The interval is the percentile bootstrap of the median: draw n of the n samples with replacement, take the median, do
-that 10 000 times, and cut 2.5 % off each end. The random numbers are seeded, so one file always gives one answer. A
-ratio is that of two medians, both sets drawn independently.
+The interval is the percentile bootstrap of the median: draw n of the n samples with replacement, take the median,
+repeat 10 000 times, and cut 2.5 % off each end. Random numbers are seeded, so that a file always gives the same result.
+For a ratio of two medians both sets are drawn independently.
 """
 
 from collections.abc import Callable, Sequence
@@ -15,9 +15,9 @@ from ptbench.io.limits import limit
 
 RESAMPLES = limit("resamples")
 CONFIDENCE = limit("confidence")
-SEED = 1986  # the year of the rendering equation; any constant would do
-MOST_COUNTED = 400  # samples of which the counts of all resamples are kept: 4 MB or, of more than 255 in a set, 8
-MOST_EXCHANGED = 16  # samples of which resamples are sorted by exchanges, whose number grows with the square
+SEED = 1986  # random seed: the year of the rendering equation, any constant would do
+MOST_COUNTED = 400  # most samples for which counts of all resamples are cached: 4 MB, or 8 MB if over 255 in a set
+MOST_EXCHANGED = 16  # most samples for sorting resamples by exchanges, whose number grows with the square
 MINIMUM_SAMPLES = limit("fewest_samples")
 THRESHOLD = limit("least_difference")
 
@@ -38,7 +38,7 @@ INTERVAL_TEXT = "95 % percentile bootstrap of the median ({} resamples, fixed se
 
 @dataclass(frozen=True)
 class Estimate:
-    """A median (or ratio of medians) and its interval; one sample has no interval, so both ends are None."""
+    """A median (or ratio of medians) with its confidence interval; one sample has none, so that both ends are None."""
 
     value: float
     low: float | None
@@ -48,17 +48,17 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What the numbers allow to say, in a word, and why no more."""
+    """A verdict in a word, with the reason why it is not firmer."""
 
     word: str
     reason: str = ""
-    needs_samples: bool = False  # more of them, nothing else, would settle it
-    note: str = ""  # what a reader of the word must know, whatever the word
-    withheld: str = ""  # the word that the times alone would give, where the way they were taken forbids it
+    needs_samples: bool = False  # whether more samples alone could settle the verdict
+    note: str = ""  # remark on the verdict that a reader needs
+    withheld: str = ""  # verdict by the times alone, withheld because of how they were measured
 
     @property
     def said(self) -> str:
-        """All that stands beside the word."""
+        """The reason and the note beside the verdict's word."""
         return "; ".join(text for text in (self.reason, self.note) if text)
 
 
@@ -79,7 +79,7 @@ def _resampled_medians(values: np.ndarray, random: np.random.Generator) -> np.nd
 
 
 def _sorted_columns(rows: np.ndarray) -> np.ndarray:
-    """Each column in ascending order, in place, by exchanges of whole neighbouring rows: quick where rows are few."""
+    """Sorts each column in place by exchanging whole neighbouring rows, which is fast for few rows."""
     for turn in range(len(rows)):
         for upper in range(turn % 2, len(rows) - 1, 2):
             less = np.minimum(rows[upper], rows[upper + 1])
@@ -90,9 +90,9 @@ def _sorted_columns(rows: np.ndarray) -> np.ndarray:
 
 @lru_cache(maxsize=4)
 def _times_drawn(*sizes: int) -> tuple[np.ndarray, ...]:
-    """How often each resample draws each sample, (size, RESAMPLES), of sets that one generator draws one after another.
+    """How often each resample draws each sample, as (size, RESAMPLES), for sets drawn in turn by one generator.
 
-    What is drawn depends on the sizes alone: most files have as many samples in every cell.
+    The draws depend on the sizes alone, so that they are cached: in most files all cells have equally many samples.
     """
     random = np.random.default_rng(SEED)
     resamples = np.arange(RESAMPLES)
@@ -106,7 +106,7 @@ def _times_drawn(*sizes: int) -> tuple[np.ndarray, ...]:
 
 
 def _medians(values: np.ndarray, times_drawn: np.ndarray) -> np.ndarray:
-    """The very medians of `_resampled_medians`, by counting from the least value on: in a fraction of its time."""
+    """The medians of `_resampled_medians`, computed in a fraction of the time by counting from the smallest value."""
     order = np.argsort(values)
     ascending = values[order]
     so_far, low, high = np.zeros((3, RESAMPLES), dtype=times_drawn.dtype)
@@ -118,7 +118,7 @@ def _medians(values: np.ndarray, times_drawn: np.ndarray) -> np.ndarray:
 
 
 def _medians_of(*sets: np.ndarray) -> list[np.ndarray]:
-    """Resampled medians of each set, drawn one after another by a generator of its own."""
+    """The resampled medians of each set, drawn in turn by one generator."""
     if sum(values.size for values in sets) > MOST_COUNTED or not all(np.isfinite(values).all() for values in sets):
         random = np.random.default_rng(SEED)
         return [_resampled_medians(values, random) for values in sets]
@@ -133,9 +133,10 @@ def _percentiles(values: np.ndarray) -> tuple[float, float]:
 
 
 def median_estimate(values: np.ndarray) -> Estimate:
-    """The median of a one-dimensional array and its 95 % interval, in the values' unit; no interval of one value.
+    """The median of a one-dimensional array with its 95 % interval, in the values' unit; one value has no interval.
 
-    Raises ValueError for an empty array."""
+    Raises ValueError for an empty array.
+    """
     values = np.asarray(values, dtype=float)
     if values.size == 0:
         raise ValueError("no samples: there is no median")
@@ -146,7 +147,7 @@ def median_estimate(values: np.ndarray) -> Estimate:
 
 
 def ratio_estimate(values: np.ndarray, baseline: np.ndarray) -> Estimate:
-    """Median of `values` over median of `baseline`; n is the smaller of the two."""
+    """The median of `values` over the median of `baseline`, with its interval; n is the smaller number of samples."""
     values, baseline = np.asarray(values, dtype=float), np.asarray(baseline, dtype=float)
     n = min(values.size, baseline.size)
     if n == 0:
@@ -154,17 +155,17 @@ def ratio_estimate(values: np.ndarray, baseline: np.ndarray) -> Estimate:
     ratio = float(np.median(values) / np.median(baseline))
     if n == 1:
         return Estimate(ratio, None, None, 1)
-    # One generator, drawn from twice: two of one seed would resample both sides alike.
+    # One generator draws for both sides: two of equal seed would resample both sides alike.
     medians, baseline_medians = _medians_of(values, baseline)
     low, high = _percentiles(medians / baseline_medians)
     return Estimate(ratio, low, high, n)
 
 
 def geometric_mean_of_ratios(sides: Sequence[tuple[np.ndarray, np.ndarray]]) -> Estimate:
-    """Geometric mean of the ratios of medians of (values, baseline); n is the smallest number of samples.
+    """The geometric mean of ratios of medians of (values, baseline); n is the smallest number of samples.
 
-    The pairs are a fixed set: what is resampled is each side's samples, independently of every other side's. So the
-    interval holds for these pairs and says nothing of others that might have been chosen.
+    The pairs are a fixed set: the bootstrap resamples each side's samples, independently of every other side's. So the
+    interval holds for these pairs and does not extend to other pairs that might have been chosen.
     """
     if not sides:
         raise ValueError("no ratios: there is no geometric mean")
@@ -184,7 +185,7 @@ def geometric_mean_of_ratios(sides: Sequence[tuple[np.ndarray, np.ndarray]]) -> 
 
 
 def verdict_of_ratio(ratio: Estimate, threshold: float = THRESHOLD) -> Verdict:
-    """What the interval of a ratio of times allows to say; a difference within `threshold` counts as none."""
+    """The verdict that the interval of a ratio of times allows; a difference within `threshold` counts as none."""
     if ratio.n < MINIMUM_SAMPLES or ratio.low is None or ratio.high is None:
         return Verdict(UNSURE, f"n = {ratio.n}, a verdict needs {MINIMUM_SAMPLES}", needs_samples=True)
     word = word_of(ratio.low, ratio.high, threshold)
@@ -195,7 +196,7 @@ def verdict_of_ratio(ratio: Estimate, threshold: float = THRESHOLD) -> Verdict:
 
 
 def word_of(low: float, high: float, threshold: float = THRESHOLD) -> str:
-    """The verdict on an interval of a ratio, however many samples are behind it."""
+    """The verdict's word for the interval of a ratio, whatever the number of samples."""
     if high < 1 - threshold:
         return FASTER
     if low > 1 + threshold:
@@ -206,7 +207,7 @@ def word_of(low: float, high: float, threshold: float = THRESHOLD) -> str:
 def telling_digits(
     values: Sequence[float], limits: Sequence[float], text: Callable[[float, int], str], least: int = 3
 ) -> int:
-    """The fewest digits, from `least` on, with which every printed value is on its own side of each limit."""
+    """The fewest digits, but at least `least`, with which every printed value is on its own side of each limit."""
 
     def sides(value: float) -> list[tuple[bool, bool]]:
         return [(value < limit, value > limit) for limit in limits]
@@ -220,7 +221,7 @@ def telling_digits(
 def decisive(low: float, high: float, *thresholds: float) -> tuple[str, str]:
     """The first limit in per cent and the interval, in digits that show on which side of every limit each end lies.
 
-    So whoever judges by the printed numbers comes to the verdict that was given.
+    Thus a reader who judges by the printed numbers reaches the same verdict.
     """
     thresholds = thresholds or (THRESHOLD,)
     limit = _limit_text(low, high, thresholds[0])
@@ -230,7 +231,7 @@ def decisive(low: float, high: float, *thresholds: float) -> tuple[str, str]:
 
 
 def _limit_text(low: float, high: float, threshold: float) -> str:
-    """In per cent; a noise floor is cut off, too, and must leave each end on its side."""
+    """A limit in per cent, rounded so that each end of the interval stays on its side."""
 
     def sides(limit: float) -> list[tuple[bool, bool]]:
         return [(end < 1 - limit, end > 1 + limit) for end in (low, high)]
@@ -240,7 +241,7 @@ def _limit_text(low: float, high: float, threshold: float) -> str:
 
 
 def interval_of_ratio(estimate: Estimate, *thresholds: float) -> str:
-    """ "[0.9938, 1.0102]", in digits that show the verdict at those thresholds; empty without an interval."""
+    """An interval such as "[0.9938, 1.0102]", in digits that show the verdict at those thresholds; may be empty."""
     if estimate.low is None or estimate.high is None:
         return ""
     return decisive(estimate.low, estimate.high, *thresholds)[1]
@@ -254,12 +255,12 @@ CLOCK_UNKNOWN = "cycles not compared: the clock is unknown"
 
 
 def withheld(verdict: Verdict, reason: str) -> Verdict:
-    """UNSURE for what is known of the samples, whatever their times say; that is kept, as it may matter to a gate."""
+    """An UNSURE verdict for doubtful samples, which keeps the word by their times for use by a gate."""
     return Verdict(UNSURE, reason, note=verdict.note, withheld=verdict.word)
 
 
 def confirmed(in_time: Verdict, in_cycles: Verdict | None) -> Verdict:
-    """The verdict in time, unless the cycles firmly say something else: then the clock differed, not the work."""
+    """The verdict by time, unless that by cycles firmly contradicts it: then the clock differed, not the work."""
     if in_cycles is None or UNSURE in (in_time.word, in_cycles.word) or in_time.word == in_cycles.word:
         return in_time
     return Verdict(UNSURE, f"{in_time.word} in time but {in_cycles.word} in cycles: the clocks differed")

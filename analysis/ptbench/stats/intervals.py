@@ -1,7 +1,7 @@
-"""Intervals and tests over a handful of seeds.
+"""Confidence intervals and tests over a handful of seeds.
 
-Points of one run depend on each other, since a checkpoint's samples are the next one's too. So whatever is estimated is
-estimated once a seed, or as a function of the means over seeds, and its spread between seeds is its uncertainty.
+Checkpoints of one run depend on each other, since later ones contain the samples of earlier ones. So every quantity is
+estimated once per seed, or as a function of means over seeds, and its spread between seeds is its uncertainty.
 """
 
 from collections.abc import Callable, Sequence
@@ -11,8 +11,8 @@ import numpy as np
 from ptbench.stats import special
 from ptbench.stats.estimates import CONFIDENCE, RESAMPLES, SEED, Estimate
 
-LEVEL = round(1 - CONFIDENCE, 12)  # of the intervals that are shown
-# The chance that a value is said to stand apart from its normal neighbours though it is one of them.
+LEVEL = round(1 - CONFIDENCE, 12)  # error probability of the displayed intervals
+# Probability that a value is called an outlier among normally distributed ones although it is none.
 LEVEL_OF_OUTLIERS = 0.01
 
 
@@ -32,7 +32,7 @@ def half_width(error: float, freedom: int, level: float = LEVEL, common: float =
 
 
 def t_interval(values: np.ndarray, level: float = LEVEL, common: float = 0.0) -> Estimate:
-    """The mean over seeds and its interval; one seed has none."""
+    """The mean over seeds with its t-interval; one seed has no interval."""
     values = np.asarray(values, dtype=float)
     mean = float(np.mean(values))
     if values.size < 2:
@@ -42,10 +42,10 @@ def t_interval(values: np.ndarray, level: float = LEVEL, common: float = 0.0) ->
 
 
 def jackknife(function: Callable[[np.ndarray], float], values: np.ndarray) -> tuple[float, float]:
-    """A smooth function of the mean over seeds (the rows of `values`): its estimate, freed of bias, and standard error.
+    """The jackknife of a smooth function of the mean over seeds (rows of `values`): corrected estimate, standard error.
 
-    Each seed is left out once. The logarithm of a mean of few heavy-tailed values is too low on average; to first order
-    the jackknife takes that out.
+    Each seed is left out once. The logarithm of a mean of few heavy-tailed values is too low on average; the jackknife
+    removes that bias to first order.
     """
     count = len(values)
     total = values.sum(axis=0)
@@ -63,7 +63,7 @@ def t_test(estimate: float, error: float, freedom: float, expected: float, commo
     if common > 0:
         both = float(np.hypot(error, common))
         error, freedom = both, min(freedom * (both / max(error, 1e-12 * both)) ** 4, 1e9)
-    # Where seeds agree to rounding, there is nothing to test but the value itself.
+    # Where all seeds agree up to rounding, only the value itself is compared.
     if error <= 1e-9 * max(1.0, abs(expected)):
         if abs(estimate - expected) <= 1e-6:
             return 1.0, 0.5
@@ -73,7 +73,7 @@ def t_test(estimate: float, error: float, freedom: float, expected: float, commo
 
 
 def welch_test(values: np.ndarray, others: np.ndarray) -> float:
-    """Two-sided p of equal means of two sets of at least two values each, whose variances may differ."""
+    """The two-sided p-value of Welch's test for equal means of two sets of at least two values each."""
     errors = np.array([standard_error(values), standard_error(others)])
     error = float(np.hypot(*errors))
     difference = float(np.mean(values) - np.mean(others))
@@ -85,7 +85,7 @@ def welch_test(values: np.ndarray, others: np.ndarray) -> float:
 
 
 def holm(p_values: Sequence[float], level: float) -> list[bool]:
-    """Which hypotheses are rejected so that any of them is so wrongly with probability `level` at most."""
+    """Holm's method: the rejected hypotheses, with a probability of at most `level` that any rejection is wrong."""
     rejected = [False] * len(p_values)
     for rank, index in enumerate(sorted(range(len(p_values)), key=lambda index: p_values[index])):
         if p_values[index] > level / (len(p_values) - rank):
@@ -95,7 +95,7 @@ def holm(p_values: Sequence[float], level: float) -> list[bool]:
 
 
 def stands_apart(values: np.ndarray, level: float = LEVEL_OF_OUTLIERS) -> int | None:
-    """Grubbs' test: the index of one value that is no normal neighbour of the others; None: there is no such value."""
+    """Grubbs' test: the index of one outlier among otherwise normal values; None: there is none."""
     count = len(values)
     spread = float(np.std(values, ddof=1)) if count > 2 else 0.0
     if spread <= 1e-12 * float(np.max(np.abs(values))):
@@ -107,16 +107,16 @@ def stands_apart(values: np.ndarray, level: float = LEVEL_OF_OUTLIERS) -> int | 
 
 
 def resampled(count: int, random: np.random.Generator | None = None) -> np.ndarray:
-    """Seeds drawn with replacement: RESAMPLES rows of indices."""
+    """Bootstrap draws of seeds with replacement: RESAMPLES rows of indices."""
     random = random if random is not None else np.random.default_rng(SEED)
     return random.integers(0, count, size=(RESAMPLES, count))
 
 
 def bootstrap_interval(value: float, drawn: np.ndarray, count: int, level: float = LEVEL) -> Estimate:
-    """The percentiles of bootstrap values `drawn` over `count` seeds, taken further out for few seeds.
+    """The percentile interval of bootstrap values `drawn` over `count` seeds, widened for few seeds.
 
     A percentile interval of a mean of n values is narrower than the t-interval by sqrt((n - 1) / n) and by the normal's
-    quantile over t's; Hesterberg's expanded percentiles (2015) make up for both. Infinite values are kept.
+    quantile over t's; Hesterberg's expanded percentiles (2015) correct both. Infinite values are kept.
     """
     if count < 2:
         return Estimate(value, None, None, count)

@@ -1,13 +1,13 @@
-"""SciPy's functions of distributions, `special.stdtr(..)`, loaded by the first call.
+"""SciPy's distribution functions, as `special.stdtr(..)`, imported on first use.
 
-SciPy takes a quarter of a second to load, which a command that calls none of them should not wait for.
+Importing SciPy takes a quarter of a second, which commands that need none of its functions save.
 """
 
 from collections.abc import Callable
 
 
 def __getattr__(name: str) -> Callable:
-    """The function of `scipy.special` of that name."""
+    """The function of that name in `scipy.special`."""
     from scipy import special
 
     return getattr(special, name)

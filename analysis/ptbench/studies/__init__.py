@@ -1,1 +1,1 @@
-"""What a study of a result file asks and what it measured, before anything is drawn or written of it."""
+"""The question of a study in a result file and its measurements, before anything is drawn or written."""

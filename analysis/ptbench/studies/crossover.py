@@ -1,4 +1,4 @@
-"""The place along x from which on a choice is faster: a claim, so it is held to the whole interval of the ratio."""
+"""The parameter value x from which on a choice is faster, claimed only if the ratio's whole interval shows it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,12 +11,12 @@ Point = tuple[int, Row]
 
 @dataclass(frozen=True)
 class Crossover:
-    """The first x from which on the ratio's whole interval is below 1; None: no x that was measured is one."""
+    """The first x from which on the whole interval of the ratio is below 1; None: there is no such measured x."""
 
     x: int | None
-    is_first: bool = False  # it is the smallest x of all: where the two cross, if they do, was not measured
+    is_first: bool = False  # whether x is the smallest measured value, so that no actual crossing was observed
     doubts: tuple[str, ...] = ()
-    missing: tuple[int, ...] = ()  # values above x without a ratio
+    missing: tuple[int, ...] = ()  # values above x that have no ratio
 
 
 def crossover_of(points: Sequence[Point], xs: Sequence[int]) -> Crossover | None:
@@ -41,7 +41,7 @@ def crossover_of(points: Sequence[Point], xs: Sequence[int]) -> Crossover | None
 
 
 def _doubt(row: Row) -> str:
-    """Why the ratio gets no verdict although its interval would allow one: few samples, a busy machine, the clock."""
+    """Why a ratio gets no verdict although its interval would allow one: few samples, a busy machine, the clock."""
     allowed = verdict_of_ratio(row.ratio)
     if row.verdict is None or (row.verdict == allowed and not allowed.needs_samples):
         return ""

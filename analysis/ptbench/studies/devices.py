@@ -1,7 +1,7 @@
-"""How much faster several GPUs of a host are than one: efficiencies of cells that differ in `devices`.
+"""Parallel efficiency of several GPUs in a host, from cells that differ in the axis `devices`.
 
-Strong scaling: the same image. Weak scaling: as many times the samples as GPUs. Either way the efficiency is how many
-times as many samples a second there are, over the number of GPUs.
+Strong scaling renders the same image; weak scaling takes as many times the samples as there are GPUs. Either way the
+efficiency is the speedup in samples per second over the number of GPUs.
 """
 
 from collections.abc import Sequence
@@ -22,34 +22,34 @@ def devices_of(cell: Cell) -> int:
 
 @dataclass(frozen=True)
 class Scaled:
-    """A cell on several GPUs beside the one on one GPU that it is held against."""
+    """A cell on several GPUs beside the one-GPU cell that it is compared with."""
 
     cell: Cell
     one: Cell
 
     @property
     def efficiency(self) -> Estimate:
-        """Efficiency with the time of the reduction."""
+        """The parallel efficiency, including the film reduction."""
         return self._over(self.cell.ms_per_spp)
 
     @property
     def without_reduction(self) -> Estimate:
-        """Efficiency as if adding up the films took no time."""
+        """The parallel efficiency without the time of the film reduction."""
         return self._over(np.array([sample.render_ms / sample.spp for sample in self.cell.samples]))
 
     @property
     def reduce_ms(self) -> Estimate:
-        """Milliseconds that adding up the films takes."""
+        """Milliseconds of the film reduction."""
         return median_estimate(np.array([sample.device_reduce_ms or 0.0 for sample in self.cell.samples]))
 
     @property
     def idle_share(self) -> Estimate:
-        """What of the GPUs' time until the last one has rendered they are idle: the imbalance."""
+        """The load imbalance: the GPUs' mean share of idle time until the slowest has rendered."""
         return median_estimate(np.array([1 - np.mean(s.own_device_ms) / s.render_ms for s in self.cell.samples]))
 
     @property
     def has_same_films(self) -> bool:
-        """Whether every sample of a seed that both have left the same film, bit for bit; of strong scaling."""
+        """Whether samples of one seed left the same film on one and on several GPUs, bit for bit (strong scaling)."""
         theirs = {sample.seed: sample.film_hash for sample in self.one.samples}
         both = [sample for sample in self.cell.samples if sample.seed in theirs]
         return bool(both) and all(sample.film_hash == theirs[sample.seed] for sample in both)
@@ -61,12 +61,12 @@ class Scaled:
 
 
 def strong(cells: Sequence[Cell]) -> list[Scaled]:
-    """Every measured cell on several GPUs whose like on one GPU is measured, too."""
+    """Strong scaling: every measured cell on several GPUs, beside the same cell on one GPU if that is measured."""
     return _scaled(cells, lambda cell: cell.spp)
 
 
 def weak(cells: Sequence[Cell]) -> list[Scaled]:
-    """Every cell on several GPUs beside the one on a single GPU that takes its part of the samples."""
+    """Weak scaling: every cell on several GPUs, beside one GPU with its part of the samples."""
     return _scaled(cells, lambda cell: cell.spp / devices_of(cell))
 
 

@@ -1,11 +1,11 @@
-"""How many samples were disturbed, taken while other processes had the CPU or at a low clock, and what that forbids.
+"""Samples that were disturbed by other processes or a low clock, and the verdicts that this forbids.
 
-A quota of CPU time that was used up counts as other processes do: the system withheld the time.
-The rule for every number that rests on times (a ratio, a mean, an efficiency, what checkpoints cost): where other
-processes disturbed more than MOST_DISTURBED of the samples of a cell that it is computed from, it has no verdict
-(`doubt_of`). A low clock has none of this: there the cycles must not contradict the times.
+An exhausted quota of CPU time counts like other processes: the system withheld the time. A number that rests on times
+(a ratio, a mean, an efficiency, the cost of checkpoints) has no verdict where other processes disturbed more than
+MOST_DISTURBED of the samples of a cell that it is computed from (`doubt_of`). A low clock does not withhold a verdict,
+but the verdict by cycles must not contradict that by times.
 
-On a GPU a busy host disturbs only a render that took longer than the device worked, or that waits for the host
+On a GPU a busy host disturbs only renders that took longer than the device worked, or that wait for the host
 (Cell.is_disturbed).
 """
 
@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from ptbench.io.cells import Cell, Result
 from ptbench.io.limits import limit, limit_said
 
-# A larger part of the samples, and what they say is what befell the machine: no verdict, no noise floor.
+# Share of disturbed samples above which a cell has no verdict, and a run no noise floor.
 MOST_DISTURBED = limit("most_disturbed_share")
 MOST_DISTURBED_SAID = limit_said("most_disturbed_share")
 CONTENDED = f"other processes took CPU time during more than {MOST_DISTURBED_SAID} of the samples"
@@ -24,13 +24,13 @@ THROTTLED = f"a CPU quota or {CONTENDED}"
 
 @dataclass(frozen=True)
 class Disturbance:
-    """How many of the `samples` were disturbed: contended, at a low clock, or both."""
+    """The number of disturbed `samples`: contended, at a low clock, or both."""
 
     samples: int
     disturbed: int
     contended: int
     low_clock: int
-    throttled: int = 0  # of the contended
+    throttled: int = 0  # contended samples that a CPU quota delayed
 
     @property
     def is_too_much(self) -> bool:
@@ -49,7 +49,7 @@ def is_contended(cell: Cell) -> bool:
 
 
 def doubt_of(cells: Iterable[Cell]) -> str:
-    """Why a number that is computed from the times of these cells has no verdict; empty: it may have one."""
+    """Why a number computed from the times of these cells has no verdict; empty: it may have one."""
     contended = [cell for cell in cells if is_contended(cell)]
     if not contended:
         return ""
@@ -57,13 +57,13 @@ def doubt_of(cells: Iterable[Cell]) -> str:
 
 
 def disturbance_in(result: Result) -> str:
-    """A file's samples, and how many disturbed ones are not among them, since others took their places."""
+    """The disturbed samples of a file in words, with the number that were repeated."""
     again = f"; {result.retaken} disturbed before {'was' if result.retaken == 1 else 'were'} taken again"
     return str(disturbance_of(result.cells)) + (again if result.retaken else "")
 
 
 def disturbance_of(cells: Iterable[Cell]) -> Disturbance:
-    """The disturbance over the samples of all these cells."""
+    """The disturbed samples over all these cells."""
     cells = list(cells)
     samples = [(cell.is_disturbed(sample), sample.low_clock) for cell in cells for sample in cell.samples]
     return Disturbance(

@@ -1,13 +1,13 @@
-"""What a result file says of the GPU that ran it."""
+"""Facts about the GPU that a result was measured on."""
 
 from collections.abc import Sequence
 
 from ptbench.io.cells import Cell, Kernel, Result
 from ptbench.numbers import span
 
-# The axes that say how the device computes: the GPU's line has them, fixed or not.
+# Axes that affect how kernels compute; captions always tell these axes with the GPU.
 KERNEL_AXES = ("arithmetic", "precision")
-# The kernels of a stage; a library's own (a compaction's, a sort's) are not in the file.
+# Kernels that each stage launches; a library's own (for compaction or sorting) are not in result files.
 _STAGE_KERNELS = {
     "generate": ("generate_paths",),
     "intersect": ("intersect_paths",),
@@ -20,7 +20,7 @@ _STAGE_KERNELS = {
 
 
 def gpu_line(result: Result, cells: Sequence[Cell]) -> str:
-    """The device, its clock and software, and how the kernels compute; empty where nothing ran on one."""
+    """A line on the GPU, its clock and software, and how kernels compute; empty where nothing ran on a GPU."""
     on_gpu = [cell for cell in cells if cell.on_gpu]
     if not on_gpu:
         return ""
@@ -52,7 +52,7 @@ def gpu_line(result: Result, cells: Sequence[Cell]) -> str:
 
 
 def about_gpu(result: Result, host: str) -> list[tuple[str, str]]:
-    """Rows of the summary's head: the device, its software, and the host that feeds it."""
+    """Rows of facts for the summary: the GPU, its software, and its host."""
     shown = [
         ("", "cuda_device"), ("compute capability", "cuda_compute_capability"),
         ("multiprocessors:", "cuda_multiprocessors"), ("clock MHz:", "cuda_clock_mhz"),
@@ -76,13 +76,13 @@ def about_gpu(result: Result, host: str) -> list[tuple[str, str]]:
 
 
 def hottest_kernel(cell: Cell) -> str:
-    """ "shade_paths 52": registers a thread of the kernel that takes most of the time; and what it spills."""
+    """The kernel that takes most time with its registers per thread and spills, as "shade_paths 52"."""
     if cell.cuda is None or not cell.cuda.kernels:
         return ""
     stages = cell.instrumented.stage_ms if cell.instrumented is not None else {}
     kernels = cell.cuda.kernels
     timed = {name: ms for stage, ms in stages.items() for name in _STAGE_KERNELS.get(stage, ()) if name in kernels}
-    # Without stage times, the one that is most likely to limit how many threads fit.
+    # Without stage times the kernel with most registers is chosen, which is likeliest to limit occupancy.
     hottest = max(kernels, key=lambda name: (timed.get(name, 0), kernels[name].registers))
     return _kernel_text(hottest, kernels[hottest])
 

@@ -1,4 +1,4 @@
-"""How the cells of a figure stand together: groups, labels and their order."""
+"""How the cells of a figure are grouped, labelled and ordered."""
 
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Sequence
@@ -8,24 +8,24 @@ from ptbench.io.cells import Cell
 from ptbench.studies.questions import Question, dimension, label_of, varying_dimensions
 from ptbench.studies.rows import Row
 
-# More rows of one scene and depth, or lines of one panel, are split into groups.
+# Most rows of one scene and depth, or lines of one panel; more are split into groups.
 MOST_TOGETHER = 8
 
 
 @dataclass(frozen=True)
 class Parts:
-    """How a figure's cells stand together: in groups that differ in `split`, each cell under its label."""
+    """The grouping of a figure's cells: groups differ in the dimensions `split`, and each cell has a label."""
 
     split: tuple[str, ...]
-    labels: dict[str, str]  # by cell name
-    order: tuple[str, ...]  # of the labels: baselines first, then as the file has them, so one colour a choice
+    labels: dict[str, str]  # label of each cell, by cell name
+    order: tuple[str, ...]  # labels, baselines first, then in the file's order, so that each choice keeps one colour
 
     def values(self, cell: Cell) -> tuple[str | None, ...]:
-        """What the cell has of each dimension that the groups differ in."""
+        """The values of a cell in the dimensions that tell groups apart."""
         return tuple(dimension(cell, name) for name in self.split)
 
     def suffix(self, values: Sequence[str | None]) -> str:
-        """What tells a group's title from the others'."""
+        """The suffix that tells a group's title from the others'."""
         return "".join(f", {name}={value}" for name, value in zip(self.split, values, strict=True))
 
 
@@ -37,11 +37,11 @@ def parts_of(
     within: Sequence[Row],
     split_grids: bool = False,
 ) -> Parts:
-    """How to show `rows` in parts, if all rows of one `place` would not fit together.
+    """Divides `rows` into groups if all rows of one `place` would be too many for one.
 
-    Where they would be too many, they are split by all that varies besides the choice, but for tunables that some
-    choices do not have: each group is a list of choices with its own baseline. So they are with `split_grids` where
-    every choice was run in all these ways. What varies is looked for `within` all of the study's rows.
+    Groups are split by all that varies besides the choice, except tunables that some choices lack: each group lists
+    choices with a baseline of its own. With `split_grids` rows are also split where every choice was run in all these
+    ways. What varies is determined `within` all of the study's rows.
     """
     cells = [row.cell for row in within]
     dimensions = varying_dimensions(cells, question, swept)
@@ -56,7 +56,7 @@ def parts_of(
 
 
 def _is_grid(cells: Sequence[Cell], question: Question | None, split: Sequence[str]) -> bool:
-    """Whether each choice was run with all the values of `split` that any was run with."""
+    """Whether every choice was run with all values of `split` that occur."""
     if question is None:
         return False
     ways: dict[str | None, set[tuple]] = {}
@@ -67,9 +67,9 @@ def _is_grid(cells: Sequence[Cell], question: Question | None, split: Sequence[s
 
 
 def in_file_order(keys: Iterable[tuple]) -> list[tuple]:
-    """Each key once, by its first part, then the second, ...; each part in the order in which its values appear.
+    """The distinct keys, sorted by each part in turn, whose values are ordered by first appearance.
 
-    Values that are all numbers written out, a tunable's, are in the order of the numbers.
+    Parts whose values are all numbers, as a tunable's are, are sorted by size.
     """
     once = list(dict.fromkeys(keys))
     places = [_numbers_by_size(dict.fromkeys(part)) for part in zip(*once, strict=True)]

@@ -1,4 +1,4 @@
-"""All that keeps a figure or a table of a study from being the whole story."""
+"""Notes on everything that limits what a figure or table of a study shows."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from ptbench.studies.withdrawn import among
 
 @dataclass(frozen=True)
 class Note:
-    """What a reader of the figure must know: `short` goes under the figure, `full` to stdout and the summary."""
+    """A note for readers of a figure: `short` goes below the figure, `full` to stdout and the summary."""
 
     kind: str
     short: str
@@ -22,7 +22,7 @@ class Note:
 
 
 def notes_of(result: Result, study: Study | None, rows: Sequence[Row]) -> list[Note]:
-    """All that keeps a figure or a table from being the whole story: nothing is left out in silence."""
+    """All notes on a study's figure or table, so that nothing is omitted silently."""
     notes: list[Note] = []
     question = question_of(result, study)
     cells = [row.cell for row in rows]
@@ -84,12 +84,12 @@ def notes_of(result: Result, study: Study | None, rows: Sequence[Row]) -> list[N
 
 
 def withdrawn_notes(cells: Sequence[Cell]) -> list[Note]:
-    """What is withdrawn of the verdicts that these cells give against each other."""
+    """Notes on withdrawn verdicts between these cells."""
     return [Note("withdrawn", entry.short, entry.full) for entry in among([cell for cell in cells if cell.measured])]
 
 
 def missed(result: Result, study: Study | None) -> list[NotApplicable]:
-    """What was left out of the study, but for variants that were run in it without a tunable that they do not have."""
+    """The omitted variants of a study, except those run without a tunable that they do not have."""
     run = [(cell.scene, cell.axes) for cell in (result.cells_of(study) if study is not None else ())]
     return [
         item
@@ -112,7 +112,7 @@ def _not_applicable_notes(result: Result, study: Study | None, question: Questio
     for (what, reason), scenes in seen.items():
         where = f" in {', '.join(scenes)}" if any(scenes) else ""
         notes.append(Note("n/a", f"Not applicable: {what}{where} ({_clipped(reason)}).", f"{what}{where}: {reason}"))
-    # A suite may be written for two backends: what only the other one has is no news of this one.
+    # A suite may be written for two backends, so choices that only the other one has are just listed.
     elsewhere = list(dict.fromkeys(item.elsewhere for item in of_study if item.elsewhere))
     if elsewhere:
         text = f"not on the backend {result.about('backend')}: {', '.join(elsewhere)}"
@@ -128,13 +128,13 @@ def _note_cells(notes: list[Note], kind: str, cells: Sequence[Cell], text: str, 
 
 
 def _first(names: Sequence[str], most: int = 3) -> str:
-    """The first few: cell names are long, and the summary's table marks every one of them."""
+    """The first few of many cell names, as the summary's table marks all of these cells."""
     rest = len(names) - most
     return ", ".join(names[:most]) + (f" and {rest} more, marked in summary.md's table" if rest > 0 else "")
 
 
 def _gist(cell: Cell) -> str:
-    """Why a cell failed, without the cell's own name, with which the GPU's messages begin."""
+    """The reason why a cell failed, without the cell's name, with which messages of the GPU begin."""
     head, _, message = cell.failure.partition(": ")
     names = (cell.variant, cell.variant_in_file)
     return message if message and head.startswith(names) else cell.failure

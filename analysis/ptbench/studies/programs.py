@@ -1,21 +1,21 @@
-"""Whether files of several machines are of one program, so that what differs between them is the machines'."""
+"""Whether files of several machines come from one program, so that their differences are those of the machines."""
 
 from collections.abc import Sequence
 from typing import Protocol
 
 UNKNOWN = "unknown"
-_HASHES = ("cuda_kernel_source_hash", "program_hash")  # the first that all files have decides
+_HASHES = ("cuda_kernel_source_hash", "program_hash")  # keys of program hashes; the first that all files have decides
 
 
 class Measured(Protocol):
-    """A result file or one of `ptbench rays`."""
+    """Any file with a run's context: a result file or a file of `ptbench rays`."""
 
     def about(self, key: str) -> str:
         """A ptbench context value, or "unknown"."""
 
 
 def why_not_one(files: Sequence[Measured]) -> str:
-    """Why they may not be held against each other as machines; empty where they may."""
+    """Why files may not be compared as machines; empty where they come from one program."""
     hashes = next(
         (found for name in _HASHES if UNKNOWN not in (found := [file.about(name) for file in files])), [UNKNOWN, ""]
     )
@@ -32,6 +32,6 @@ def _commit(file: Measured) -> str:
 
 
 def devices_of(file: Measured) -> str:
-    """The GPU, or the CPU where there is none."""
+    """The name of the GPU, or of the CPU where there is no GPU."""
     gpu = file.about("cuda_device")
     return gpu if gpu != UNKNOWN else file.about("cpu_model")

@@ -1,4 +1,4 @@
-"""What a study asks: the axis or tunable that it varies, its baseline, and what else differs between its cells."""
+"""The question of a study: the axis or tunable that it compares, its baseline, and what else differs between cells."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from ptbench.io.older import usual_baselines
 
 @dataclass(frozen=True)
 class Question:
-    """The axis, or the tunable, that a figure varies and the choice that all others are held against."""
+    """The axis or tunable that a figure compares, and the baseline choice."""
 
     axis: str
     baseline: str
@@ -17,28 +17,27 @@ class Question:
 
     @property
     def shown_baseline(self) -> str:
-        """The baseline as a figure names it."""
+        """The baseline's name in a figure."""
         return f"{self.axis}={self.baseline}" if self.is_tunable else self.baseline
 
     def choice_of(self, cell: Cell) -> str:
-        """The cell's choice as a figure names it."""
+        """The name of a cell's choice in a figure."""
         value = dimension(cell, self.axis)
         if self.is_tunable:
             return f"no {self.axis}" if value is None else f"{self.axis}={value}"
         return value or "?"
 
 
-# The axis that older files lack, and that their studies of it are about all the same.
+# An axis that older files lack although some of their studies are about it.
 _ROBUSTNESS = "robustness"
-# What tells apart the points of a line along something, where that has another name: a scene each.
+# For studies along a parameter of scenes, the dimension that tells points apart.
 _SWEPT = {"materials": "scene"}
 
 
 def question_of(result: Result, study: Study | None) -> Question | None:
-    """What the study's figure asks; None where it compares no choices.
+    """The question of a study's figure; None where it compares no choices.
 
-    The baseline is the file's own for its backend, or a tunable's standard. A study that was not run with it is held
-    against the first choice that it was run with.
+    The baseline is the file's for its backend, or the tunable's standard, or the first choice run if that was not run.
     """
     if study is None:
         return None
@@ -48,38 +47,38 @@ def question_of(result: Result, study: Study | None) -> Question | None:
         first = next((cell for cell in tuned if study.figure not in cell.tuned), tuned[0])
         return Question(study.figure, str(first.tunables[study.figure]), is_tunable=True)
     axis = _axis_of(result, study.figure)
-    # What follows a cost is about the first axis that has more than one choice in the study, where the file names none.
+    # A study along a parameter is about the axis that it names, or else the first axis with several choices.
     if study.along:
         axis = study.compares or _varying_axis(result, cells)
     if axis is None:
         return None
     run = list(dict.fromkeys(cell.axes[axis] for cell in cells if axis in cell.axes))
     baseline = usual_baseline(result, axis)
-    # Files that do not name their baselines are older than studies without one.
+    # A file that does not name its baselines is older than studies without a baseline cell.
     if run and baseline not in run and (result.baselines or baseline is None):
         baseline = run[0]
     return Question(axis, baseline or "?")
 
 
 def is_tunable(result: Result, study: Study) -> bool:
-    """Whether the study's figure is named for a tunable, whose values it holds against each other."""
+    """Whether the figure of a study compares the values of a tunable."""
     known = bool(study.along) or _axis_of(result, study.figure) is not None
     return not known and any(study.figure in cell.tunables for cell in result.cells_of(study))
 
 
 def axes_of(result: Result) -> list[str]:
-    """The axes of a file, in the order in which a variant's name spells them."""
+    """The axes of a file, in the order in which variants' names list them."""
     named = (axis for cell in result.cells for axis in cell.axes)
     return list(dict.fromkeys([*usual_baselines(result.baselines), *named]))
 
 
 def _axis_of(result: Result, figure: str) -> str | None:
-    """The axis that a figure of that name is about in this file; None: it is about no axis, or about any."""
+    """The axis that a figure of that name compares in this file; None: the figure is about no axis, or about any."""
     return figure if figure in (_ROBUSTNESS, *axes_of(result)) else None
 
 
 def usual_baseline(result: Result, axis: str) -> str | None:
-    """The axis's baseline on the file's backend; None: nobody says."""
+    """The baseline of an axis on the file's backend; None: unknown."""
     return usual_baselines(result.baselines).get(axis)
 
 
@@ -88,13 +87,13 @@ def _varying_axis(result: Result, cells: Sequence[Cell]) -> str | None:
 
 
 def swept_by(study: Study | None) -> str:
-    """What tells the points of one line apart."""
+    """The dimension that tells the points of one line apart."""
     along = study.along if study is not None else ""
     return _SWEPT.get(along, along) or "depth"
 
 
 def dimension(cell: Cell, name: str) -> str | None:
-    """What a cell has of an axis, a setting or a tunable, as text; None: it has no such tunable."""
+    """A cell's value of an axis, a setting or a tunable, as text; None: the cell has no such tunable."""
     if name in _SETTINGS:
         return _SETTINGS[name](cell)
     if name in cell.axes:
@@ -112,7 +111,7 @@ _SETTINGS: dict[str, Callable[[Cell], str]] = {
 
 
 def varying_dimensions(cells: Sequence[Cell], question: Question | None, swept: str = "depth") -> list[str]:
-    """What differs between cells of one scene and x besides the question's axis: a label has to say it."""
+    """Dimensions that vary between cells of one scene and x besides the question's axis, and belong in labels."""
     axes = dict.fromkeys(name for cell in cells for name in cell.axes)
     tunables = dict.fromkeys(name for cell in cells for name in cell.tunables)
     settings = [name for name in ("backend", "resolution", "depth", "spp") if name != swept]
@@ -122,7 +121,7 @@ def varying_dimensions(cells: Sequence[Cell], question: Question | None, swept: 
             continue
         groups: dict[tuple, set[str | None]] = {}
         for cell in cells:
-            # Two choices may have other standards of one tunable: that alone is no difference to tell.
+            # Two choices may have different standards of a tunable, which is no difference to mention.
             choices = tuple(cell.axes.items()) if name in tunables else ()
             groups.setdefault((cell.scene, dimension(cell, swept), choices), set()).add(dimension(cell, name))
         if any(len(values - {None}) > 1 for values in groups.values()):
@@ -131,7 +130,7 @@ def varying_dimensions(cells: Sequence[Cell], question: Question | None, swept: 
 
 
 def fixed_axes(cells: Sequence[Cell], question: Question | None) -> dict[str, str]:
-    """The axes that have one choice in all of these cells."""
+    """The axes that have the same choice in all of these cells."""
     names = dict.fromkeys(name for cell in cells for name in cell.axes)
     fixed = {}
     for name in names:
@@ -142,13 +141,13 @@ def fixed_axes(cells: Sequence[Cell], question: Question | None) -> dict[str, st
 
 
 def fixed_tunables(cells: Sequence[Cell], dimensions: Sequence[str]) -> dict[str, list[int]]:
-    """The values of the tunables that are no dimension; several where choices have standards of their own."""
+    """The values of the tunables that are no dimension; several where choices have different standards."""
     names = dict.fromkeys(name for cell in cells for name in cell.tunables if name not in dimensions)
     return {name: sorted({cell.tunables[name] for cell in cells if name in cell.tunables}) for name in names}
 
 
 def label_of(cell: Cell, question: Question | None, dimensions: Sequence[str]) -> str:
-    """The choice and what else varies; where no choices are compared, what varies."""
+    """A cell's label: its choice and what else varies, or only the latter where no choices are compared."""
     values = ((name, dimension(cell, name)) for name in dimensions)
     others = [f"{name}={value}" for name, value in values if value is not None]
     if question is not None:

@@ -1,4 +1,4 @@
-"""What a study measured, worked out once for its figure and its table: medians, ratios, and verdicts."""
+"""The measurements of a study, computed once for its figure and its table: medians, ratios, and verdicts."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -23,7 +23,7 @@ from ptbench.studies.withdrawn import between
 
 @dataclass(frozen=True)
 class Row:
-    """One cell of a study with its ratio and verdict."""
+    """One cell of a study with its ratio to the baseline and its verdict."""
 
     cell: Cell
     label: str
@@ -38,9 +38,9 @@ _LAST: list[tuple[Result, dict[str | None, list[Row]]]] = []
 
 
 def measure(result: Result, study: Study | None) -> list[Row]:
-    """Every cell of the study (None: the cells of no study), measured or not, in the file's order.
+    """The rows of all cells of a study (None: the cells of no study), measured or not, in the file's order.
 
-    Figure and table of a study ask for the same: those of the last file are kept.
+    The last file's rows are cached, as figure and table of a study ask for the same.
     """
     if not _LAST or _LAST[0][0] is not result:
         _LAST[:] = [(result, {})]
@@ -73,7 +73,7 @@ def _measure(result: Result, study: Study | None) -> list[Row]:
 def _judged(
     result: Result, study: Study | None, cell: Cell, cells: Sequence[Cell], question: Question
 ) -> tuple[Estimate | None, Verdict]:
-    """What the run itself said of the cell; of files that hold no comparisons, the same rule says it here."""
+    """The ratio and verdict of a cell as the run stated them; for files without comparisons, by the same rule."""
     if result.comparisons is None or study is None:
         return _against_baseline(cell, cells, question)
     said = result.comparisons.get((study.name, cell.name))
@@ -86,7 +86,7 @@ def _judged(
 
 
 def _verdict_of(said: Comparison, ratio: Estimate, cell: Cell, baseline: Cell) -> Verdict:
-    """The run's verdict with its reason in words; what is withdrawn since, it could not know."""
+    """The run's verdict with its reason in words; withdrawals, of which the run could not know, are not applied."""
     by_time = verdict_of_ratio(ratio) if said.in_time == UNSURE else Verdict(said.in_time)
     verdict = confirmed(by_time, Verdict(said.in_cycles) if said.in_cycles else None)
     verdict = replace(verdict, note=_note(cell, baseline, is_clock_unknown=not said.in_cycles))
@@ -116,9 +116,9 @@ def _against_baseline(cell: Cell, cells: Sequence[Cell], question: Question) -> 
 def time_ratio(
     cell: Cell, baseline: Cell, threshold: float = THRESHOLD, *, one_clock: bool = True
 ) -> tuple[Estimate, Verdict]:
-    """Time of one measured cell over that of another, a sample per pixel, and what that allows to say.
+    """The time ratio of two measured cells, per sample per pixel, and its verdict.
 
-    `one_clock`: both ran on one machine, so that a ratio that is another one in cycles comes from a clock that moved.
+    `one_clock`: both ran on one machine, so that a different ratio in cycles means that the clock changed.
     """
     ratio = ratio_estimate(cell.ms_per_spp, baseline.ms_per_spp)
     cycles = cycles_ratio(cell, baseline) if one_clock else None
@@ -130,20 +130,20 @@ def time_ratio(
 
 
 def cycles_ratio(cell: Cell, baseline: Cell) -> Estimate | None:
-    """The ratio in cycles of each one's clock; None where a clock was not measured."""
+    """The ratio of two cells in clock cycles; None where a clock was not measured."""
     cycles, baseline_cycles = cell.mega_cycles_per_spp, baseline.mega_cycles_per_spp
     return None if cycles is None or baseline_cycles is None else ratio_estimate(cycles, baseline_cycles)
 
 
-# An axis that says how another one's choice works, and the choice with which it says nothing.
+# Axes that only refine a choice of another axis, and the choice with which they have no effect.
 _QUALIFIES = {"sort_key": ("sorting", "none")}
 
 
 def baseline_of(cell: Cell, cells: Iterable[Cell], question: Question) -> Cell | None:
-    """The cell that differs in what the question is about only.
+    """The baseline cell of `cell`, which differs only in what the question is about.
 
-    Equal spp is preferred, not required: times are per spp. Tunables that both cells have must be equal, or both at
-    their choice's standard (which two choices need not share); those that only the baseline has, at theirs if possible.
+    Equal samples per pixel are preferred, not required: times are per sample. Tunables of both cells must be equal, or
+    both at their choice's standard (which may differ); those of the baseline alone should be at theirs.
     """
     moot = [name for name, idle in _QUALIFIES.items() if idle == (question.axis, question.baseline)]
 
@@ -176,5 +176,5 @@ def baseline_of(cell: Cell, cells: Iterable[Cell], question: Question) -> Cell |
 
 
 def scenes_of(rows: Sequence[Row]) -> list[str]:
-    """The scenes of the rows, in their order."""
+    """The scenes of the rows, in order."""
     return list(dict.fromkeys(row.cell.scene for row in rows))

@@ -1,8 +1,8 @@
-"""Names a cell of a result file in few words: "wavefront layout=soa scene=cornell_open".
+"""Selects cells of a result file by few words: "wavefront layout=soa scene=cornell_open".
 
-A word without `=` is an integrator; `axis=choice`, `tunable=value` and `scene`, `depth`, `resolution`, `spp`,
-`backend`, `study` say the rest. An axis that is not named is at the file's baseline, a tunable at its standard, and a
-setting must have one value only. `*` is any value.
+A word without `=` is an integrator; other words are `axis=choice`, `tunable=value`, or set `scene`, `depth`,
+`resolution`, `spp`, `backend` or `study`. An axis that is not named is at the file's baseline, a tunable at its
+standard, and a setting must have only one value. `*` matches any value.
 """
 
 from collections.abc import Mapping
@@ -16,7 +16,7 @@ _SETTINGS = ("scene", "depth", "resolution", "spp", "backend")
 
 
 def parsed(text: str) -> dict[str, str]:
-    """The words of a selection by what they name; raises FindingError for one that is named twice."""
+    """The words of a selection by name; raises FindingError for a name that occurs twice."""
     chosen: dict[str, str] = {}
     for word in text.split():
         name, is_named, value = word.partition("=")
@@ -28,7 +28,7 @@ def parsed(text: str) -> dict[str, str]:
 
 
 def cells_of(result: Result, chosen: Mapping[str, str]) -> list[Cell]:
-    """Every cell that the selection names, in the file's order; none is an error, and so is a word without meaning."""
+    """Every cell that a selection matches, in the file's order; raises FindingError for none or a meaningless word."""
     studies = {study.name for study in result.studies}
     if chosen.get("study", "*") not in (*studies, "*"):
         raise FindingError(f"{result.path}: no study {chosen['study']}, there are {', '.join(sorted(studies))}")
@@ -43,7 +43,7 @@ def cells_of(result: Result, chosen: Mapping[str, str]) -> list[Cell]:
 
 
 def cell_of(result: Result, chosen: Mapping[str, str]) -> Cell:
-    """The one measured cell that the selection names; several or none are an error that says how they differ."""
+    """The one measured cell that a selection matches; raises FindingError for several, with differences, or none."""
     found = cells_of(result, chosen)
     if len(found) > 1:
         values = {name: list(dict.fromkeys(dimension(cell, name) for cell in found)) for name in _SETTINGS}
@@ -55,7 +55,7 @@ def cell_of(result: Result, chosen: Mapping[str, str]) -> Cell:
 
 
 def _is_named(standard: Mapping[str, str], cell: Cell, chosen: Mapping[str, str]) -> bool:
-    """`standard`: the file's baseline of each axis."""
+    """Whether a cell matches the words of a selection; `standard` holds the baseline of each axis."""
     if chosen.get("study", "*") not in (*cell.studies, "*"):
         return False
     return (

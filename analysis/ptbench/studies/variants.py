@@ -1,4 +1,4 @@
-"""Finds a variant by its name or a part of it, and says what two variants differ in."""
+"""Finds a variant by its name or a part of it, and describes how two variants differ."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -15,12 +15,12 @@ _SHOWN = 3
 
 
 def find_variant(result: Result, text: str, role: str = "the variant") -> str:
-    """The whole name of the file's one variant that `text` names; raises InputError.
+    """The full name of the one variant in a file that `text` matches; raises InputError.
 
-    `role` is what the call names it. `text` is the whole name, or some of its parts in their order: choices,
-    AXIS=CHOICE, TUNABLE=VALUE, between spaces, dots, commas or plus signs. A choice that several axes have is the
-    first one's that fits: "wavefront.none.soa" has no compaction. Where no tunable is named, a variant that has all at
-    their defaults comes before others.
+    `role` is the call's name for it. `text` is the full name, or some of its parts in order: choices, AXIS=CHOICE,
+    TUNABLE=VALUE, separated by spaces, dots, commas or plus signs. A choice that several axes have counts for the first
+    axis that fits: "wavefront.none.soa" has no compaction. If no tunable is named, a variant with default tunables has
+    precedence.
     """
     axes = {cell.variant: cell.axes for cell in result.cells}
     tuned = {cell.variant: cell.tuned for cell in result.cells}
@@ -45,7 +45,7 @@ def find_variant(result: Result, text: str, role: str = "the variant") -> str:
 
 
 def _places(axes: Mapping[str, str], tuned: Mapping[str, str], parts: Sequence[str]) -> tuple[int, ...] | None:
-    """Where in the variant's name its choices among `parts` stand, each as early as can be; None: it lacks a part."""
+    """The earliest positions in a variant's name where its choices match `parts`; None: a part does not occur."""
     choices = list(axes.values())
     places: list[int] = []
     for part in parts:
@@ -66,7 +66,7 @@ def _names_tunable(axes: Mapping[str, Mapping[str, str]], part: str) -> bool:
 
 
 def _differences(variants: Sequence[tuple[Mapping[str, str], Mapping[str, str]]]) -> list[tuple[str, list[str]]]:
-    """(axis or tunable, its values) where these variants, each (axes, tuned), have more than one."""
+    """The axes and tunables in which variants, given as (axes, tuned), differ, with their values."""
     names = dict.fromkeys(name for axes, tuned in variants for name in (*axes, *tuned))
     values = {
         name: list(dict.fromkeys(axes.get(name) or tuned.get(name, "standard") for axes, tuned in variants))
@@ -88,18 +88,18 @@ def _unknown(
 
 @dataclass(frozen=True)
 class TableNames:
-    """What the rows of a table are called, by cell name, and what all of them share, which stands above it."""
+    """Names for the rows of a table, by cell name, without the settings shared by all, which stand above the table."""
 
     names: dict[str, str]
-    shared: str  # "arithmetic=exact, depth"; empty where they share nothing but the baseline
+    shared: str  # shared settings, such as "arithmetic=exact, depth"; empty where only the baseline is shared
 
     def above(self) -> list[str]:
-        """The lines above the table."""
+        """The lines above the table, which tell the shared settings."""
         return [f"All rows: {self.shared}.", ""] if self.shared else []
 
 
 def table_names(result: Result, cells: Sequence[Cell]) -> TableNames:
-    """Names of the cells' variants without what all of them have; a single variant is named whole."""
+    """Names of the cells' variants without what all of them share; a single variant gets its full name."""
     usual = usual_baselines(result.baselines)
     if len({cell.variant for cell in cells}) < 2:
         return TableNames({cell.name: cell.variant for cell in cells}, "")
@@ -121,7 +121,7 @@ def table_names(result: Result, cells: Sequence[Cell]) -> TableNames:
 
 
 def labels_of(a: Cell, b: Cell) -> tuple[str, str]:
-    """What each of two variants has that the other has not, as AXIS=CHOICE."""
+    """The differences of two variants, for each as AXIS=CHOICE."""
     differing = _differences([(a.axes, a.tuned), (b.axes, b.tuned)])
 
     def label(cell: Cell) -> str:

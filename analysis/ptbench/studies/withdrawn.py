@@ -1,7 +1,7 @@
-"""Verdicts that are withdrawn: withdrawn.json says which, why, what bounds the number, and what would bring them back.
+"""Withdrawn verdicts: withdrawn.json lists which, why, a bound of the number, and what would reinstate them.
 
-A verdict in time or efficiency on two cells that differ in a withdrawn choice is still computed, and never told without
-its withdrawal. Of an entry with scenes that is so of any two variants in one of these, where either has the choice.
+A verdict on two cells that differ in a withdrawn choice is still computed, and never shown without its withdrawal. An
+entry with scenes applies to any two variants in such a scene of which either has the choice.
 """
 
 from collections.abc import Iterable, Sequence
@@ -19,35 +19,35 @@ _MARK = "withdrawn: "
 
 @dataclass(frozen=True)
 class Withdrawal:
-    """One entry of withdrawn.json, by which verdicts on a choice do not count."""
+    """One entry of withdrawn.json: a choice on which verdicts do not count."""
 
     axis: str
     choices: tuple[str, ...]
     backends: tuple[str, ...]
     spares: dict[str, tuple[str, ...]]  # choices of other axes with which the verdicts stand
-    scenes: tuple[str, ...]  # empty: all
-    withdrawn: str  # which verdicts
-    gist: str  # the reason in a few words
+    scenes: tuple[str, ...]  # scenes to which the withdrawal is limited; empty: all scenes
+    withdrawn: str  # which verdicts on the choice are withdrawn, in words
+    gist: str  # reason for the withdrawal in a few words
     reason: str
-    bound: dict[str, float]  # by choice; may be empty
+    bound: dict[str, float]  # bound of the withdrawn number by choice; may be empty
     bound_is: str
-    source: str  # the committed file with those numbers
-    stays: str  # what is not withdrawn
+    source: str  # committed file that has the bounds
+    stays: str  # verdicts that stay valid despite the withdrawal
     until: str
 
     @property
     def named(self) -> str:
-        """The choices that are concerned, as "axis=choice,choice"."""
+        """The withdrawn choices as text, "axis=choice,choice"."""
         return f"{self.axis}={','.join(self.choices)}"
 
     @property
     def mark(self) -> str:
-        """The withdrawal's text for the line of a verdict."""
+        """The text of a withdrawal for the line of a verdict."""
         return f"{_MARK}{self.gist}"
 
     @property
     def short(self) -> str:
-        """The withdrawal's text for a caption."""
+        """The text of a withdrawal for a caption."""
         limits = ", ".join(f"{value:.2f} ({choice})" for choice, value in self.bound.items())
         bound = f"; bound: {limits} {self.bound_is}" if limits else ""
         spared = f", except with {self._spared}" if self.spares else ""
@@ -56,7 +56,7 @@ class Withdrawal:
 
     @property
     def full(self) -> str:
-        """The withdrawal's text for a summary: everything."""
+        """The full text of a withdrawal for a summary."""
         where = f" ({self.source})" if self.source else ""
         body = self.short.removeprefix("Withdrawn: ").removesuffix(".")
         return f"{body}{where}. What stays valid: {self.stays}. Withdrawn until {self.until}."
@@ -66,7 +66,7 @@ class Withdrawal:
         return "; ".join(f"{axis}={','.join(choices)}" for axis, choices in self.spares.items())
 
     def concerns(self, cell: Cell) -> bool:
-        """Whether the cell has a choice whose verdicts are withdrawn."""
+        """Whether a cell has the withdrawn choice."""
         is_spared = any(cell.axes.get(axis) in choices for axis, choices in self.spares.items())
         is_there = cell.backend in self.backends and (not self.scenes or cell.scene in self.scenes)
         return is_there and cell.axes.get(self.axis) in self.choices and not is_spared
@@ -81,7 +81,7 @@ class Withdrawal:
 
 
 def withdrawals_of(root: Node) -> tuple[Withdrawal, ...]:
-    """The entries of a file of withdrawals, checked; raises InputError."""
+    """Reads and checks the entries of a file of withdrawals; raises InputError."""
     return tuple(
         Withdrawal(
             axis=node.need("axis").name(),
@@ -112,7 +112,7 @@ def is_marked(note: str) -> bool:
 
 @cache
 def withdrawals() -> tuple[Withdrawal, ...]:
-    """The package's withdrawals."""
+    """The withdrawals in the package's own withdrawn.json."""
     return withdrawals_of(read_json(FILE))
 
 
@@ -132,12 +132,12 @@ def among(cells: Sequence[Cell]) -> tuple[Withdrawal, ...]:
 
 
 def _one_a_choice(entry: Withdrawal, cells: Iterable[Cell]) -> list[Cell]:
-    """As few cells as have every verdict between them, so that not every pair of a large study is asked."""
+    """A subset of cells that suffices to find the withdrawals between any two, instead of testing every pair."""
     if entry.scenes:
         return [cell for cell in cells if cell.scene in entry.scenes]
     return list({(cell.backend, cell.axes.get(entry.axis), entry.concerns(cell)): cell for cell in cells}.values())
 
 
 def concerning(cells: Sequence[Cell]) -> tuple[Withdrawal, ...]:
-    """The withdrawals that concern any of these cells, whatever stands beside it."""
+    """The withdrawals that concern any of these cells, whatever the cell is compared with."""
     return tuple(entry for entry in withdrawals() if any(entry.concerns(cell) for cell in cells))

@@ -1,1 +1,1 @@
-"""A suite as a Slurm job array of shards: submitted, gone on with, collected by machine."""
+"""Runs a suite as a Slurm job array of shards: submission, continuation, and collection by machine."""

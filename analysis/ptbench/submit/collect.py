@@ -1,4 +1,4 @@
-"""What came back: read, held against what was submitted, and merged by machine."""
+"""Collects the shards of a submitted suite: reads and checks their results, and merges them by machine."""
 
 import json
 import subprocess
@@ -13,31 +13,31 @@ from ptbench.submit.submission import Array, Submission
 
 @dataclass
 class ShardFile:
-    """A shard's result that is complete."""
+    """The complete result of a shard."""
 
     file: Path
     shard: int
     machine: str
-    identity: str  # of the run: machine, build, settings, cells
+    identity: str  # identity of the run: machine, build, settings, cells
     date: str
-    films: dict[tuple[str, int], str]  # by cell and repetition
+    films: dict[tuple[str, int], str]  # film hashes by cell and repetition
 
 
 @dataclass
 class Group:
-    """The shards that one machine's kind brought back."""
+    """The shards that were run on one kind of machine."""
 
     machine: str
     shards: dict[int, ShardFile] = field(default_factory=dict)
-    twice: list[Path] = field(default_factory=list)  # left out: the same shard is there already
+    twice: list[Path] = field(default_factory=list)  # files left out as duplicates of a shard
 
     def missing(self, count: int) -> list[int]:
-        """The numbers of the shards that are not there."""
+        """The numbers of the missing shards."""
         return [shard for shard in range(1, count + 1) if shard not in self.shards]
 
 
 def read_shard(file: Path) -> ShardFile | None:
-    """A shard's result; None where there is none, or one that is not complete."""
+    """Reads the result of a shard; None where it is missing or incomplete."""
     try:
         document = json.loads(read_whole(file, LARGEST_RESULT))
         context, run = document["context"], document["ptbench"]["run"]
@@ -55,9 +55,9 @@ def read_shard(file: Path) -> ShardFile | None:
 
 
 def groups_of(submission: Submission, array: Array) -> list[Group]:
-    """The shards in an array's folder, grouped by machine; of a shard that is there twice the earlier one counts.
+    """The shards in an array's folder, grouped by machine; of duplicate shards the earlier one counts.
 
-    Raises InputError where the two do not hold the same cells with the same films.
+    Raises InputError where two results of a shard differ in cells or films.
     """
     found = [read_shard(file) for file in sorted((submission.folder / array.name).glob("*.json"))]
     groups: dict[str, Group] = {}
@@ -73,7 +73,7 @@ def groups_of(submission: Submission, array: Array) -> list[Group]:
 
 
 def merge(submission: Submission, group: Group, out: Path) -> None:
-    """One result file of all shards, by `ptbench merge`, which checks each cell and sample once more."""
+    """Merges all shards into one result file by `ptbench merge`, which checks each cell and sample again."""
     files = [str(group.shards[shard].file) for shard in sorted(group.shards)]
     if submission.shards == 1:
         out.write_bytes(Path(files[0]).read_bytes())
@@ -82,13 +82,13 @@ def merge(submission: Submission, group: Group, out: Path) -> None:
         [submission.binary, "merge", *files, "--out", str(out), "--overwrite"],
         capture_output=True, text=True, check=False,
     )  # fmt: skip
-    if merged.returncode not in (0, 1):  # 1: a cell failed, which the result says
+    if merged.returncode not in (0, 1):  # exit code 1: a cell failed, which the merged result records
         said = merged.stderr.strip().splitlines() or [f"exit code {merged.returncode}"]
         raise InputError(said[-1].removeprefix("ptbench: "))
 
 
 def tally_of(submission: Submission, result: Path) -> dict:
-    """Cells of a merged result against those that were submitted."""
+    """The cells of a merged result compared with those submitted."""
     document = json.loads(read_whole(result, LARGEST_RESULT))
     times = Counter(cell["cell"] for cell in document["ptbench"]["cells"])
     wanted = [cell for cells in submission.cells.values() for cell in cells]
@@ -106,7 +106,7 @@ def tally_of(submission: Submission, result: Path) -> dict:
 
 
 def samples_in_journal(result: Path) -> int:
-    """The samples that an unfinished task has kept."""
+    """The number of samples that an unfinished task has in its journal."""
     try:
         text = Path(f"{result}.journal.jsonl").read_text(encoding="utf-8", errors="replace")
     except OSError:

@@ -1,4 +1,4 @@
-"""`submit` and `collect`."""
+"""The commands `submit` and `collect`."""
 
 import argparse
 import json
@@ -27,7 +27,7 @@ def _asked(options: argparse.Namespace) -> Submission:
 
 
 def _known(asked: Submission) -> Submission:
-    """The folder's submission, if it is the one asked for; without one in the folder, what is asked."""
+    """The submission in the folder if it equals the one asked for, or the latter if the folder has none."""
     if not (asked.folder / "submission.json").exists():
         return asked
     known = read_submission(asked.folder)
@@ -38,7 +38,7 @@ def _known(asked: Submission) -> Submission:
 
 
 def submit_command(options: argparse.Namespace) -> int:
-    """Runs `ptbench submit`: writes the sbatch files and queues what is neither done nor queued."""
+    """Runs `ptbench submit`: writes the sbatch files and queues shards that are neither done nor queued."""
     submission = _known(_asked(options))
     for array in submission.arrays:
         (submission.folder / array.name).mkdir(parents=True, exist_ok=True)
@@ -80,7 +80,7 @@ def _say_missing(submission: Submission, array: Array, group: Group | None, queu
 def _states(array: Array) -> dict[int, str]:
     try:
         return slurm.tasks_of(array.jobs) if array.jobs else {}
-    except InputError:  # results may be collected where there is no Slurm
+    except InputError:  # results may be collected on a machine without Slurm
         return {}
 
 
@@ -104,7 +104,7 @@ def collect_command(folder: Path) -> int:
                 _say_missing(submission, array, group, _states(array))
                 continue
             out = submission.folder / f"{group.machine}.json"
-            if out in written:  # another build, or another model's GPUs in the same array
+            if out in written:  # the machine's name is taken by another build or GPU model of the array
                 out = out.with_name(f"{group.machine}.{next(iter(group.shards.values())).identity[:8]}.json")
             merge(submission, group, out)
             written.add(out)

@@ -1,4 +1,4 @@
-"""The command lines of `submit` and `collect`."""
+"""The command line options of `submit` and `collect`."""
 
 import argparse
 import re

@@ -1,12 +1,12 @@
-"""The file that sbatch is given: to be read, and changed where a centre needs it otherwise."""
+"""The sbatch script of a job array, which users may edit for their cluster."""
 
 import shlex
 from string import Template
 
 from ptbench.submit.submission import ANY, Array, Submission
 
-# 130: interrupted, by the time limit or by a preemption; 3: the machine failed, another task still writes the journal,
-# or a rank died; from 128 on: killed. What is wrong with the call (2) would be wrong again.
+# Exit codes after which the script requeues its task: 130 interrupted by time limit or preemption; 3 the machine
+# failed, another task still writes the journal, or a rank died; from 128 on killed. A wrong call (2) would fail again.
 _SCRIPT = Template("""#!/bin/bash
 # $title. Written by `python3 -m ptbench submit`, which leaves it as it is from then on.
 # Each task runs one shard. It keeps what it measured in a journal beside its result: ended by its time limit or with
@@ -45,7 +45,7 @@ _SECONDS_TO_END = 30
 
 
 def script_of(submission: Submission, array: Array, suite: str, time: str, extra: list[str]) -> str:
-    """The whole text of an sbatch script."""
+    """The full text of an sbatch script."""
     is_cpu = "cpu" in submission.call
     folder = (submission.folder / array.name).resolve()
     resource = "--exclusive" if is_cpu else f"--gres=gpu:{'' if array.name == ANY else array.name + ':'}1"

@@ -1,4 +1,4 @@
-"""What is asked of Slurm."""
+"""Calls of Slurm's commands."""
 
 import re
 import subprocess
@@ -15,7 +15,7 @@ def _called(*command: str) -> subprocess.CompletedProcess:
 
 
 def submit(script: Path, shards: list[int]) -> str:
-    """Queues the tasks of an array; returns the job's number."""
+    """Queues the shards of an array; returns the job id."""
     answer = _called("sbatch", "--parsable", f"--array={','.join(map(str, shards))}", str(script))
     if answer.returncode != 0:
         said = answer.stderr.strip().splitlines() or [f"exit code {answer.returncode}"]
@@ -24,7 +24,7 @@ def submit(script: Path, shards: list[int]) -> str:
 
 
 def tasks_of(jobs: list[str]) -> dict[int, str]:
-    """States of the tasks of these jobs that are queued or run. A job that Slurm knows no more has none."""
+    """States of the queued or running tasks of these jobs; jobs that Slurm has forgotten have none."""
     answer = _called("squeue", "--noheader", "--array", "--me", "--format=%F %K %T")
     if answer.returncode != 0:
         raise InputError(f"squeue: {answer.stderr.strip()}")

@@ -1,4 +1,4 @@
-"""What was submitted: DIR/submission.json, from which `submit` goes on and `collect` knows what should come back."""
+"""A submitted suite in DIR/submission.json, which `submit` continues from and `collect` checks results against."""
 
 import json
 import subprocess
@@ -14,33 +14,33 @@ ANY = "any"
 
 @dataclass
 class Array:
-    """A job array: every shard of the suite, on GPUs of one model or (`any`) wherever Slurm puts it."""
+    """A job array: every shard of a suite, on GPUs of one model or (`any`) wherever Slurm places it."""
 
     name: str
-    jobs: list[str] = field(default_factory=list)  # Slurm's numbers, one a call of sbatch
+    jobs: list[str] = field(default_factory=list)  # Slurm's job ids, one for each call of sbatch
 
 
 @dataclass
 class Submission:
-    """A suite that is run on a cluster, as its folder keeps it."""
+    """A suite that is run on a cluster, as stored in its folder."""
 
     folder: Path
     binary: str
-    call: list[str]  # of `ptbench run`, without what differs from task to task
+    call: list[str]  # arguments of `ptbench run` that all tasks share
     shards: int
-    cells: dict[str, list[str]]  # by shard, "1" to "N"
+    cells: dict[str, list[str]]  # names of the cells of each shard, by its number, "1" to "N"
     arrays: list[Array]
 
     def result(self, array: Array, shard: int) -> Path:
-        """The file that a task writes its result to."""
+        """The result file of a shard's task."""
         return self.folder / array.name / f"shard-{shard}-of-{self.shards}.json"
 
     def script(self, array: Array) -> Path:
-        """The script that sbatch is given."""
+        """The sbatch script of a job array."""
         return self.folder / f"{array.name}.sbatch"
 
     def settings(self) -> dict:
-        """The settings that have to be the same when the suite is submitted again."""
+        """The settings that must be equal when a suite is submitted again."""
         arrays = [array.name for array in self.arrays]
         return {**picked(self, "call shards"), "arrays": arrays, "cells": self.cells}
 
@@ -56,7 +56,7 @@ class Submission:
 
 
 def read_submission(folder: Path) -> Submission:
-    """Reads the submission of a folder; raises InputError."""
+    """Reads the submission stored in a folder; raises InputError."""
     file = folder / "submission.json"
     try:
         document = json.loads(read_whole(file))
@@ -71,7 +71,7 @@ def read_submission(folder: Path) -> Submission:
 
 
 def cells_of_shards(binary: str, call: list[str], shards: int) -> dict[str, list[str]]:
-    """The cells of each shard by name, as the program deals them; raises InputError with what it says."""
+    """The cells of each shard by name, as the program distributes them; raises InputError with its message."""
     cells = {}
     for shard in range(1, shards + 1):
         part = [] if shards == 1 else ["--shard", f"{shard}/{shards}"]

@@ -1,1 +1,1 @@
-"""Result files as tidy data: one row an observation, one column a variable."""
+"""Result files as tidy data: one row per observation, one column per variable."""

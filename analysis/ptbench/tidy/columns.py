@@ -1,23 +1,23 @@
-"""The columns of rows from result files: names, units in the names, types, and what each says.
+"""The columns of tables made from result files: names with units, types, and meanings.
 
 Units: _ms milliseconds, _mhz megahertz, _bytes.
 """
 
 from collections.abc import Mapping, Sequence
 
-# Types by pandas' names. Names and choices repeat; a whole number, a truth value or a text may be missing.
+# Column types by pandas' names: categories for names and choices that repeat; integers, flags and texts may be missing.
 CATEGORY, INTEGER, NUMBER, FLAG, TEXT = "category", "Int64", "float64", "boolean", "string"
 
-# The type and the meaning of each column. Where tables have a column of one name, it says one thing in all of them.
+# The type and the meaning of each column, which is the same in every table that has the column.
 COLUMNS = {
-    # the file
+    # Columns about the result file.
     "file": (CATEGORY, "path of the result file, as given"),
     "machine": (CATEGORY, "the machine's name in results/"),
     "suite": (CATEGORY, "suite that was run; `adhoc` where the command line said what; empty: a file of no suite"),
     "commit": (CATEGORY, "commit of the program"),
     "commit_dirty": (FLAG, "whether it had changes that were not committed"),
     "date": (CATEGORY, "when the file was written"),
-    # what was measured
+    # Columns that identify what was measured.
     "cell": (CATEGORY, "the cell's name, its key within the file"),
     "studies": (CATEGORY, "studies that it belongs to, with commas between"),
     "study": (CATEGORY, "a study of the suite"),
@@ -32,13 +32,13 @@ COLUMNS = {
     "depth": (INTEGER, "ray segments in a path at most, the camera ray included"),
     "spp": (INTEGER, "samples a pixel of one timed render"),
     "is_convergence": (FLAG, "whether errors are measured on the way"),
-    # status
+    # Columns about the status of a row.
     "status": (
         CATEGORY,
         "`ok`, `failed` or `interrupted`; of a check `passed`, `failed`, `known limit`, `n/a` or `broken`",
     ),
     "reason": (TEXT, "why it is not `ok`, or not applicable; empty if it is"),
-    # samples
+    # Columns about timed samples.
     "repetition": (INTEGER, "index of the sample within its cell, from 0"),
     "seed": (INTEGER, "of the render; samples of one repetition have one seed in all cells"),
     "order": (INTEGER, "place in time among all samples of the run, from 0"),
@@ -66,7 +66,7 @@ COLUMNS = {
     "launches": (INTEGER, "kernels, copies and graphs that the host enqueued"),
     "graph_nodes": (INTEGER, "nodes of the graphs that were launched"),
     "host_waits": (INTEGER, "times that the host waited for the device"),
-    # cells
+    # Columns about cells.
     "claim": (CATEGORY, "what the variant claims of its image"),
     "claim_check": (TEXT, "what verification found, in words"),
     "film_hash": (CATEGORY, "hash of the film of the instrumented pass"),
@@ -96,7 +96,7 @@ COLUMNS = {
     "mesh_sah_cost": (NUMBER, "expected cost of a line through the largest tree (surface area heuristic)"),
     "mesh_build_ms": (NUMBER, "time of the builder, ms; in no sample"),
     "mesh_encode_ms": (NUMBER, "time to bring its tree into the accelerator's format, ms; in no sample"),
-    # verdicts
+    # Columns about verdicts.
     "label": (CATEGORY, "the choice, and what else varies in the study"),
     "is_baseline": (FLAG, "whether the others are held against it"),
     "ms_per_spp_low": (NUMBER, "lower end of the median's confidence interval (method.md)"),
@@ -106,7 +106,7 @@ COLUMNS = {
     "ratio_high": (NUMBER, "upper end"),
     "verdict": (CATEGORY, "FASTER, SLOWER, SAME or UNSURE (method.md)"),
     "verdict_reason": (TEXT, "why, in words"),
-    # stages, bounces, kernels
+    # Columns about stages, bounces and kernels of the instrumented pass.
     "stage": (CATEGORY, "stage of the instrumented pass; missing: it has none"),
     "stage_ms": (NUMBER, "its time in the whole pass, ms"),
     "stage_ms_per_spp": (NUMBER, "stage_ms / instrumented_spp"),
@@ -118,7 +118,7 @@ COLUMNS = {
     "registers": (INTEGER, "registers a thread"),
     "local_bytes": (INTEGER, "local memory a thread, bytes"),
     "shared_bytes": (INTEGER, "static shared memory a block, bytes"),
-    # checkpoints
+    # Columns about checkpoints of convergence cells.
     "checkpoint_spp": (INTEGER, "samples a pixel so far"),
     "mse": (NUMBER, "mean squared error against the reference, its noise included"),
     "mse_dual": (NUMBER, "the same against both halves of the reference, unbiased by its noise; may be below 0"),
@@ -136,7 +136,7 @@ COLUMNS = {
     "dual_error": (NUMBER, "standard error that its noise alone gives to mse_dual"),
     "independent_samples": (FLAG, "whether samples of a pixel know nothing of each other"),
     "biases": (TEXT, "declared biases, with semicolons between"),
-    # ptbench stability
+    # Columns about checks of `ptbench stability`.
     "case": (CATEGORY, "the case's name"),
     "catalogue": (CATEGORY, "its number in the project's catalogue of numerics"),
     "family": (CATEGORY, "family of cases"),
@@ -154,7 +154,7 @@ COLUMNS = {
     "over_allowed": (NUMBER, "error / allowed"),
     "looks": (INTEGER, "times that a random value was looked at"),
     "must_pass": (FLAG, "whether ptbench claims that it passes"),
-    # ptbench rays
+    # Columns about batches of `ptbench rays`.
     "mesh": (CATEGORY, "the mesh's name"),
     "triangles": (INTEGER, "its triangles"),
     "accelerator": (CATEGORY, "choice of the axis accelerator"),
@@ -184,7 +184,7 @@ COLUMNS = {
 
 
 def _columns(names: str) -> dict[str, str]:
-    """The types of columns by their names."""
+    """The types of the named columns."""
     return {name: COLUMNS[name][0] for name in names.split()}
 
 
@@ -203,7 +203,7 @@ CELL = _columns(
     "mesh_triangles mesh_nodes mesh_node_bytes mesh_leaf_bytes mesh_sah_cost mesh_build_ms mesh_encode_ms status "
     "reason"
 )
-# A batch's rays are counted; a sample's come as Google Benchmark writes every counter.
+# Rays of a batch are integers; a sample's rays are doubles, as Google Benchmark writes every counter.
 RAYS = _columns(
     "backend mesh triangles accelerator builder class kernel query rays repetitions giga_rays_per_second "
     "giga_rays_per_second_low giga_rays_per_second_high nodes_per_ray boxes_per_ray triangles_per_ray "
@@ -227,9 +227,9 @@ VERDICT = _columns(
     "study label is_baseline ms_per_spp ms_per_spp_low ms_per_spp_high ratio ratio_low ratio_high verdict "
     "verdict_reason status reason"
 )
-# Columns whose names come from the files: what stands for them above, and what their names begin with.
+# Columns named by the contents of result files: their placeholder in tables, and the prefix of their names.
 FROM_FILES = {"AXES": "", "TUNABLES": "tunable_", "COUNTERS": "counter_", "PARAMETERS": "parameter_"}
-# The columns of each table.
+# The columns of each table, in groups.
 GROUPS = {
     "samples": (FILE, IDENTITY, SAMPLE),
     "cells": (FILE, IDENTITY, CELL),
@@ -245,7 +245,7 @@ GROUPS = {
 
 
 def types_of(rows: Sequence[Mapping], *groups: Mapping[str, str]) -> dict[str, str]:
-    """Types by column, in the groups' order; columns that the files name stand where the groups say."""
+    """The types of a table's columns, in the groups' order; columns named by files replace their placeholders."""
     planned = {name: kind for group in groups for name, kind in group.items()}
     found = dict.fromkeys(name for row in rows for name in row)
     fixed = planned.keys() - FROM_FILES.keys()
@@ -256,7 +256,7 @@ def types_of(rows: Sequence[Mapping], *groups: Mapping[str, str]) -> dict[str, s
             continue
         prefix = FROM_FILES[name]
         others = tuple(other for other in FROM_FILES.values() if other and other != prefix)
-        # A column without a prefix is an axis, which is what is left.
+        # A column without a prefix is an axis, so all other prefixes are excluded.
         types |= {
             key: kind for key in found if key not in fixed and key.startswith(prefix) and not key.startswith(others)
         }

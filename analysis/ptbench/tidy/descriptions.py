@@ -1,4 +1,4 @@
-"""What each column of rows from result files says: for Parquet's columns, and as the page docs/columns.md.
+"""Descriptions of the columns in tables of result files: for Parquet, and as the page docs/columns.md.
 
 The page is written by `python3 -m ptbench.tidy.descriptions > docs/columns.md`.
 """
@@ -17,7 +17,7 @@ Parquet.
 
 
 def meaning_of(column: str) -> str:
-    """The meaning of a column, also one that is named by what the files hold."""
+    """The meaning of a column, including columns that are named by the files."""
     if column in COLUMNS:
         return COLUMNS[column][1]
     for stands_for, prefix in FROM_FILES.items():
@@ -27,7 +27,7 @@ def meaning_of(column: str) -> str:
 
 
 def page() -> str:
-    """The page of all tables as Markdown."""
+    """The page on all tables and columns, as Markdown."""
     parts = [_HEAD]
     for table, groups in GROUPS.items():
         columns = {name: kind for group in groups for name, kind in group.items()}

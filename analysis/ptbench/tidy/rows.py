@@ -1,7 +1,7 @@
 """Result files as rows, each a dictionary of plain values by column; `ptbench.frames` makes pandas tables of them.
 
-Nothing is dropped: a sample that failed is a row with status "failed", the reason, and no times; so is every sample of
-a cell that failed, since nobody knows what it timed. A value that a file does not have is missing from its row.
+Nothing is dropped: a failed sample is a row with status "failed", the reason, and no times, and so is every sample of a
+failed cell, since nobody knows what it timed. Missing values are missing from the row.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -22,7 +22,7 @@ from ptbench.stats.estimates import median_estimate
 from ptbench.studies import rows as studies
 from ptbench.tidy.columns import FLAG, GROUPS, INTEGER, NUMBER, SAMPLE, STATUS, types_of
 
-# The files to tabulate, by their paths or loaded: one or several.
+# Files to tabulate, as paths or loaded: one or several.
 Loaded = Result | Stability | Rays
 Files = Path | str | Loaded | Iterable[Path | str | Loaded]
 
@@ -31,16 +31,16 @@ OK, FAILED = "ok", "failed"
 
 @dataclass(frozen=True)
 class Rows:
-    """Rows of a table: `rows` as far as they have values; `types` of all columns, in their order."""
+    """The rows of a table without missing values; `types` lists all columns in order."""
 
     rows: tuple[dict, ...]
     types: dict[str, str]
 
     def columns(self) -> dict[str, np.ndarray]:
-        """The table as one array a column, as long as there are rows.
+        """The table as one array per column, each as long as the table.
 
-        Numbers are float64 with NaN where one is missing; counts int64, or float64 with NaN if one is missing; truth
-        values bool, or objects with None if one is missing; texts are objects with None.
+        Numbers are float64 with NaN where missing; counts int64, or float64 with NaN if any is missing; flags bool, or
+        objects with None if any is missing; texts are objects with None.
         """
         return {name: _array([row.get(name) for row in self.rows], kind) for name, kind in self.types.items()}
 
@@ -55,7 +55,7 @@ def _array(values: list, kind: str) -> np.ndarray:
 
 
 def samples(files: Files) -> Rows:
-    """One row a timed sample, failed ones too; a cell without a sample has no row here, but one in `cells`."""
+    """One row per timed sample, including failed ones; a cell without samples has a row in `cells` only."""
     rows = []
     for result, cell in _cells(files):
         identity = _identity(result, cell)
@@ -65,14 +65,14 @@ def samples(files: Files) -> Rows:
 
 
 def cells(files: Files) -> Rows:
-    """One row a cell. Medians are of its good samples, missing for a failed cell."""
+    """One row per cell; medians are over its valid samples, and missing for a failed cell."""
     return _rows([_identity(result, cell) | _cell(cell) for result, cell in _cells(files)], "cells")
 
 
 def stages(files: Files) -> Rows:
-    """One row a cell and stage of the instrumented pass, which counts and is slower than the timed samples.
+    """One row per cell and stage of the instrumented pass, which counts and is slower than the timed samples.
 
-    A cell that never got to that pass, or whose pass has no stages, is one row without a stage.
+    A cell without such a pass, or whose pass has no stages, is one row without a stage.
     """
     rows = []
     for result, cell in _cells(files):
@@ -92,8 +92,7 @@ def stages(files: Files) -> Rows:
 
 
 def live_paths(files: Files) -> Rows:
-    """One row a cell and bounce (from 0, the camera ray's): paths alive, and their share of all, in the instrumented
-    pass."""
+    """One row per cell and bounce (from 0, the camera ray's): paths alive in the instrumented pass, and their share."""
     rows = []
     for result, cell in _cells(files):
         done = cell.instrumented
@@ -104,7 +103,7 @@ def live_paths(files: Files) -> Rows:
 
 
 def kernels(files: Files) -> Rows:
-    """One row a cell and CUDA kernel: registers and local memory a thread, shared memory a block."""
+    """One row per cell and CUDA kernel: registers and local memory per thread, shared memory per block."""
     rows = []
     for result, cell in _cells(files):
         for name, kernel in (cell.cuda.kernels if cell.cuda is not None else {}).items():
@@ -115,7 +114,7 @@ def kernels(files: Files) -> Rows:
 
 
 def curves(files: Files) -> Rows:
-    """One row a sample and checkpoint of the convergence cells; a failed sample is one row without a checkpoint."""
+    """One row per sample and checkpoint of convergence cells; a failed sample is one row without a checkpoint."""
     rows = []
     for result, cell in _cells(files):
         if cell.convergence is None:
@@ -140,7 +139,7 @@ def curves(files: Files) -> Rows:
 
 
 def not_applicable(files: Files) -> Rows:
-    """One row a study, scene and variant that was left out before the run."""
+    """One row per study, scene and variant that was left out before the run."""
     rows = [
         _of_file(result)
         | item.axes
@@ -152,9 +151,9 @@ def not_applicable(files: Files) -> Rows:
 
 
 def stability(files: Files) -> Rows:
-    """One row a check of `ptbench stability`; numbers that are not finite are NaN or infinite, as they came out.
+    """One row per check of `ptbench stability`, with numbers that may be NaN or infinite.
 
-    A check that measured nothing (n/a, broken) has no `quantity`: that tells it from one that measured NaN.
+    A check without a measurement (n/a, broken) has no `quantity`, which tells it from one that measured NaN.
     """
     rows = []
     for known in load_files(files):
@@ -165,7 +164,7 @@ def stability(files: Files) -> Rows:
 
 
 def verdicts(files: Files) -> Rows:
-    """One row a study and cell of it: its median time, the ratio over the study's baseline, and the verdict.
+    """One row per study and cell: its median time, the ratio over the study's baseline, and the verdict.
 
     Intervals are those of every table and figure: 95 %, by bootstrap of the medians.
     """
@@ -177,7 +176,7 @@ def verdicts(files: Files) -> Rows:
 
 
 def rays(files: Files) -> Rows:
-    """One row a batch of `ptbench rays`: a mesh, a tree, a class of rays and a kernel, with its rate."""
+    """One row per batch of `ptbench rays`: mesh, tree, class of rays and kernel, with the rate."""
     rows = []
     for known in load_files(files):
         if not isinstance(known, Rays):
@@ -238,7 +237,7 @@ def _rows(rows: Sequence[dict], table: str) -> Rows:
 
 
 def table_of(files: tuple[Loaded, ...], name: str = "") -> Rows:
-    """The table of that name; without one "samples", or "stability" or "rays" of such files. Raises InputError."""
+    """The table of that name; by default "samples", or "stability" or "rays" for such files. Raises InputError."""
     kinds = {type(file) for file in files}
     name = name or ("stability" if Stability in kinds else "rays" if Rays in kinds else "samples")
     if name not in TABLES:
@@ -247,7 +246,7 @@ def table_of(files: tuple[Loaded, ...], name: str = "") -> Rows:
 
 
 def load_files(files: Files) -> tuple[Loaded, ...]:
-    """Each file, read and checked unless it is loaded already; raises InputError."""
+    """Reads and checks each file that is not loaded yet; raises InputError."""
     several = [files] if isinstance(files, (str, Path, Result, Stability, Rays)) else files
     return tuple(_load(Path(one)) if isinstance(one, (str, Path)) else one for one in several)
 
@@ -304,7 +303,7 @@ def _identity(result: Result, cell: Cell) -> dict:
 
 
 def _status(cell: Cell) -> dict:
-    """The status of a sample; a failed cell's is "failed", whatever the file says of it otherwise."""
+    """The status of a cell or its sample; "failed" for all samples of a failed cell, whatever the file says."""
     return {"status": FAILED, "reason": cell.failure} if cell.failed else {"status": cell.status, "reason": cell.reason}
 
 

@@ -1,1 +1,1 @@
-"""Files held against their schemas, from the command line."""
+"""The command `validate`, which checks files against their schemas."""

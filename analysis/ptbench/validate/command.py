@@ -1,4 +1,4 @@
-"""`python3 -m ptbench validate`: whether files are as their schemas say."""
+"""`python3 -m ptbench validate`: checks files against their schemas."""
 
 import sys
 from collections.abc import Iterable
@@ -10,7 +10,7 @@ from ptbench.terminal import say
 
 
 def validate_command(paths: Iterable[Path], program: str) -> int:
-    """Says of each file in one line that it is good, or where it is not. Returns the exit code: 0, 1 or 2."""
+    """Prints for each file one line: valid, or where it is not. Returns the exit code: 0, 1 or 2."""
     code = 0
     for path in paths:
         try:

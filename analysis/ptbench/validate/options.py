@@ -1,4 +1,4 @@
-"""The command line of `validate`."""
+"""The command line options of `validate`."""
 
 import argparse
 from pathlib import Path

@@ -1,1 +1,1 @@
-"""Files of `ptbench stability`, held against the first of them."""
+"""Comparison of files of `ptbench stability` with the first of them."""

@@ -1,8 +1,8 @@
-"""`compare` of files of `ptbench stability`: whose rows have another status than in the first file, and whose numbers.
+"""`compare` of files of `ptbench stability`: which rows changed their status against the first file, and which numbers.
 
-A row is known by its case, point, quantity and variant. Its backend is the file's, so that a CPU's rows can be held
-against a GPU's. A case that broke or does not apply has one row in place of its quantities: that row is held against
-each of them.
+A row is identified by its case, point, quantity and variant. The backend does not count, so that a CPU's rows can be
+compared with a GPU's. A case that broke or does not apply has one row instead of one for each quantity: that row is
+compared with each of them.
 """
 
 import math
@@ -25,30 +25,30 @@ _FAIL_ON = tuple(choice for choice in FAIL_ON if choice != "slower")
 
 @dataclass(frozen=True)
 class Pair:
-    """One row in both files."""
+    """One row that is in both files."""
 
     one: Row
     other: Row
 
     @property
     def is_changed(self) -> bool:
-        """Whether the status or `must_pass` is another one."""
+        """Whether a row's status or its `must_pass` differs between the files."""
         return (self.one.status, self.one.must_pass) != (self.other.status, self.other.must_pass)
 
     @property
     def has_numbers(self) -> bool:
-        """Whether both measured something."""
+        """Whether both rows of a pair have a measured value."""
         rows = (self.one, self.other)
         return all(row.measured is not None and row.status != NOT_APPLICABLE for row in rows)
 
     @property
     def has_same_value(self) -> bool:
-        """Whether both measured the same number, bit for bit or both NaN."""
+        """Whether both rows of a pair measured the same number, bit for bit or both NaN."""
         return _same(self.one.measured.value, self.other.measured.value)
 
     @property
     def relative_change(self) -> float:
-        """Change of the measured value, over the larger one."""
+        """The change of a row's measured value, relative to the larger one."""
         one, other = self.one.measured.value, self.other.measured.value
         if one == other or self.has_same_value:
             return 0.0
@@ -59,24 +59,24 @@ class Pair:
 
     @property
     def has_another_check(self) -> bool:
-        """Whether the exact value or what is allowed is another one."""
+        """Whether the exact value or the allowed error of a row differs between the files."""
         one, other = self.one.measured, self.other.measured
         return not (_same(one.exact, other.exact) and _same(one.allowed, other.allowed))
 
 
 def _same(one: float, other: float) -> bool:
-    """Bit for bit; every NaN is the same."""
+    """Whether two numbers are equal bit for bit; any two NaN are equal."""
     return one.hex() == other.hex()
 
 
 @dataclass(frozen=True)
 class Against:
-    """A file held against the first one."""
+    """A file of `ptbench stability` compared with the first one."""
 
     reference: Stability
     other: Stability
     pairs: tuple[Pair, ...]
-    alone: tuple[tuple[bool, Row], ...]  # whether the row is the reference's
+    alone: tuple[tuple[bool, Row], ...]  # rows without a partner, and whether each is the reference's
 
     @cached_property
     def changed(self) -> list[Pair]:
@@ -85,7 +85,7 @@ class Against:
 
     @cached_property
     def numbers(self) -> list[Pair]:
-        """Those whose status is the same, so that only their numbers can differ."""
+        """The pairs of rows of equal status, which can differ in their numbers only."""
         return [pair for pair in self.pairs if not pair.is_changed and pair.has_numbers]
 
     @cached_property
@@ -95,27 +95,27 @@ class Against:
 
     @cached_property
     def newly_failed(self) -> list[Row]:
-        """What must pass and fails, and did not fail in the reference: there it was another status, or absent."""
+        """Rows that must pass and fail, but in the reference were absent or did not fail."""
         partners = [pair.other for pair in self.pairs if not failures([pair.one])]
         return failures([*partners, *(row for in_reference, row in self.alone if not in_reference)])
 
 
 @dataclass(frozen=True)
 class StabilityCompared:
-    """All that one call found; `comparisons` are the files after the first, in their order."""
+    """Everything that a comparison of stability files found; `comparisons` are the files after the first, in order."""
 
     files: tuple[Stability, ...]
     comparisons: tuple[Against, ...]
 
 
 def compare_stability_files(paths: Sequence[Path]) -> StabilityCompared:
-    """Loads and compares; raises InputError."""
+    """Loads and compares stability files; raises InputError."""
     files = [_load(path, paths[0]) for path in paths]
     return StabilityCompared(tuple(files), tuple(_against(files[0], other) for other in files[1:]))
 
 
 def check_stability_options(options: Namespace) -> None:
-    """Refuses what is for files with times and films only; raises InputError."""
+    """Refuses options of `compare` that need times or films; raises InputError."""
     kind = f"files of `ptbench stability` ({options.results[0]})"
     if options.noise:
         raise InputError(f"--noise: found {kind}, allowed: result files of `ptbench run`, which have times")
@@ -159,7 +159,7 @@ def _against(reference: Stability, other: Stability) -> Against:
 
 
 def _by_identity(rows: Sequence[Row]) -> dict[tuple, Row]:
-    """By case, point, variant, quantity, and the how-manieth of these."""
+    """Rows by case, point, variant, quantity, and a running number among equal ones."""
     seen: Counter = Counter()
     found = {}
     for row in rows:
@@ -171,12 +171,12 @@ def _by_identity(rows: Sequence[Row]) -> dict[tuple, Row]:
 
 
 def _are_whole(rows: Sequence[Row]) -> bool:
-    """Whether they stand for all quantities of their place."""
+    """Whether rows stand for all quantities of their case and point at once."""
     return all(row.measured is None for row in rows)
 
 
 def stability_outcome(compared: StabilityCompared, what: str) -> Outcome:
-    """What `--fail-on` says; `what` is one of those that `check_stability_options` lets through."""
+    """The outcome of `--fail-on` for stability files; `what` is one that `check_stability_options` accepts."""
     found = compared.comparisons
     if what == "unmatched":
         bad = sum(in_reference for one in found for in_reference, _ in one.alone)

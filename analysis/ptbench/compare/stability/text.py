@@ -1,4 +1,4 @@
-"""What `compare` found of files of `ptbench stability`: in words and tables, and as JSON for programs."""
+"""The findings of `compare` on stability files: in words and tables, and as JSON."""
 
 import math
 from collections import Counter
@@ -16,12 +16,12 @@ from ptbench.stability.layout import Layout, point_label, short_power
 SCHEMA_VERSION = "1"
 MUST_PASS, NEED_NOT_PASS = "failed that must pass", "failed that need not pass"
 TALLIES = (PASSED, MUST_PASS, BROKEN, KNOWN_LIMIT, NEED_NOT_PASS, NOT_APPLICABLE)
-_SHOWN = 40  # changed rows that stdout lists
-_NAMED = 8  # cases in a sentence
+_SHOWN = 40  # most changed rows that stdout lists
+_NAMED = 8  # most cases that a sentence names
 
 
 def stability_sections(compared: StabilityCompared, whole: bool) -> list[Section]:
-    """The report; `whole` lists every changed row."""
+    """The report on stability files; `whole` lists every changed row."""
     found = [_files(compared.files)]
     for mark, against in zip(MARKS[1:], compared.comparisons, strict=False):
         found.append(_tallies(against, mark))
@@ -83,7 +83,7 @@ def _tallies(against: Against, mark: str) -> Section:
 
 
 def _numbers(against: Against) -> Iterable[str]:
-    """What became of the numbers of rows whose status is the same."""
+    """Sentences on how the measured numbers changed in rows of equal status."""
     same, moved = against.numbers, against.moved
     exact = [pair for pair in same if pair.one.axes.get("arithmetic") == "exact"]
     moved_in_exact = sum(not pair.has_same_value for pair in exact)
@@ -196,7 +196,7 @@ def _alone(against: Against, mark: str) -> Section:
 
 
 def stability_json(compared: StabilityCompared) -> dict:
-    """Files are named by their index in "files"."""
+    """A comparison of stability files as JSON, in which files are named by their index in "files"."""
     return {
         "schema": "ptbench.compare_stability",
         "schema_version": SCHEMA_VERSION,

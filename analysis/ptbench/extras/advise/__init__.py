@@ -1,1 +1,1 @@
-"""Which choices to take for a user's own scene, from what was measured, with what it is known to be worth."""
+"""Advice on which variant to choose for a user's scene, from measurements, with how reliable such advice is."""

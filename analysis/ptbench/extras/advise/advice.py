@@ -1,4 +1,4 @@
-"""The advice for one scene: of each decision the forecasts, the best first, and in words where they are from."""
+"""The advice for one scene: for each decision the forecast times, best first, and which measurements they rest on."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -13,15 +13,14 @@ from ptbench.stats.estimates import CONFIDENCE
 _SHOWN = 3
 _DIGITS = 3
 _NOT_BELIEVED = ": too few, or of too few scenes, so it is left as it was"
-# A choice of an axis that is about something the advised integrator has not.
-# Baselines that nobody renders meshes with.
+# Axes of acceleration structures. Their usual baselines are ignored: nobody renders meshes with them.
 _OF_TREES = ("accelerator", "builder", "levels")
 _OF_QUEUES = ("compaction of a queue", "sorting of a queue")
 
 
 @dataclass(frozen=True)
 class Advised:
-    """One decision's forecasts for a scene; none where nothing was measured."""
+    """The forecasts of one decision for a scene; empty where nothing was measured."""
 
     decision: Decision
     model: Model | None
@@ -29,17 +28,17 @@ class Advised:
 
     @property
     def pick(self) -> Choice | None:
-        """What to take."""
+        """The recommended choice of a decision; None where nothing was measured."""
         return self.forecasts[0].choice if self.forecasts else None
 
     @property
     def is_far(self) -> bool:
-        """Whether no measurement is near."""
+        """Whether no measured scene is near the advised one."""
         return self.model is not None and self.model.is_far(self.forecasts)
 
 
 def models_of(book: Book) -> dict[str, Model | None]:
-    """The model of each decision, by the decision's name."""
+    """A forecasting model for each decision, by the decision's name."""
     return {decision.name: model_of(decision, book.points[decision.name]) for decision in DECISIONS}
 
 
@@ -49,7 +48,7 @@ def advise_on(
     barred: frozenset[tuple[str, str]],
     baselines: Mapping[str, str],
 ) -> list[Advised]:
-    """Advice on each decision that the scene has; what was decided before is what the next ones are asked for."""
+    """Advice on each decision that applies to the scene; each decision takes the earlier picks as given."""
     advised: list[Advised] = []
     usual = {axis: choice for axis, choice in baselines.items() if axis not in _OF_TREES}
     for decision in DECISIONS:
@@ -63,7 +62,7 @@ def advise_on(
 
 
 def settings_of(advised: Sequence[Advised]) -> dict[str, str]:
-    """Everything that was picked, by axis or tunable: a variant. What is about queues goes with the scheduler."""
+    """All picked choices as a variant, by axis or tunable; choices about queues are part of the scheduler's."""
     chosen: dict[str, str] = {}
     for one in advised:
         if one.pick is not None and one.decision.name not in _OF_QUEUES:
@@ -73,7 +72,7 @@ def settings_of(advised: Sequence[Advised]) -> dict[str, str]:
 
 
 def lines_of(advised: Sequence[Advised], features: Features) -> Iterator[str]:
-    """What is told of each decision."""
+    """The printed lines of advice on each decision."""
     schedule = next(one for one in advised if one.decision.name == SCHEDULE)
     has_queue = schedule.pick is None or dict(schedule.pick).get("integrator", "wavefront").startswith("wavefront")
     for one in advised:
@@ -141,10 +140,10 @@ def _trial_text(model: Model) -> str:
 
 
 def alternatives(one: Advised, count: int) -> list[Choice]:
-    """The picked choice and those foretold next to it."""
+    """The picked choice of a decision and the next best forecasts."""
     return [forecast.choice for forecast in one.forecasts[: count + 1]]
 
 
 def is_timed(one: Advised) -> bool:
-    """Whether a few renders can check it."""
+    """Whether a few renders can check the advice on a decision: a picked choice that is about time alone."""
     return one.decision.statistic == TIME and one.decision.name not in _OF_QUEUES and one.pick is not None

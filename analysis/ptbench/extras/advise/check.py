@@ -1,4 +1,4 @@
-"""Measures the advised choice and the nearest others on the scene itself, and says how good the advice was."""
+"""Measures the advised variant and its nearest rivals on the scene itself, and tells how good the advice was."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -13,30 +13,30 @@ from ptbench.stats.estimates import MINIMUM_SAMPLES, Estimate, ratio_estimate
 from ptbench.studies.disturbed import is_contended
 
 GOOD, NOT_GOOD, OPEN = "within", "not within", "undecided"
-# Ratio to the least time: what takes longer cannot be the best, however wide the intervals are.
+# Ratio to the least time above which a variant cannot be the best, however wide the intervals are.
 _CLOSE = 1.3
 
 
 @dataclass(frozen=True)
 class Checked:
-    """The advised variant against the best of those measured."""
+    """The advised variant compared with the best of those measured."""
 
     advised: str
     best: str
-    ratio: Estimate | None  # of time, advised over the best; None where the advised one has no times
+    ratio: Estimate | None  # time of the advised variant over the best one's; None where the advised one has no times
     word: str
     measured: int
     reason: str = ""
-    close: tuple[Mapping[str, str], ...] = ()  # the advised variant, and all others that may be the best
+    close: tuple[Mapping[str, str], ...] = ()  # variants that may be the best, the advised one first
 
     @property
     def is_good(self) -> bool:
-        """Whether it was within 5 % of the best."""
+        """Whether the advised variant was within 5 % of the best."""
         return self.word == GOOD
 
 
 def suite_of(name: str, probed: Probed, variants: Sequence[Mapping[str, str]], spp: int, repetitions: int) -> dict:
-    """One study of these variants, by axis or tunable; integers are tunables."""
+    """A suite with one study of the variants, given by axis or tunable; integer values are tunables."""
     entries = [
         {
             "axes": {key: [value] for key, value in one.items() if not value.isdigit()},
@@ -66,7 +66,7 @@ def closest(cells: Sequence[Cell], variants: Sequence[Mapping[str, str]]) -> tup
     found = [variants[0]]
     for variant in variants[1:]:
         named = [cell for cell in measured if _is(cell, variant)]
-        # Among cells that have what the variant names, its own is the one that has nothing else.
+        # Several cells may match a variant's settings; the variant's own cell has the fewest other settings.
         own = min(named, key=lambda cell: len(cell.variant.split()), default=None)
         if own is not None and _middle(own) <= _CLOSE * least:
             found.append(variant)
@@ -78,7 +78,7 @@ def _middle(cell: Cell) -> float:
 
 
 def judged(cells: Sequence[Cell], advised: Mapping[str, str]) -> Checked:
-    """What times say of the advised variant; others that did not apply or failed are not among them."""
+    """The verdict on the advised variant by the measured times; failed and inapplicable variants do not count."""
     measured = [cell for cell in cells if cell.measured]
     own = next((cell for cell in measured if _is(cell, advised)), None)
     text = " ".join(f"{name}={value}" for name, value in advised.items())
@@ -106,6 +106,6 @@ def _is(cell: Cell, wanted: Mapping[str, str]) -> bool:
 
 
 def only(settings: Mapping[str, str], names: Iterable[str]) -> dict[str, str]:
-    """Without what does not decide the time of the variants."""
+    """The settings that can affect the variants' time."""
     kept = set(names)
     return {name: value for name, value in settings.items() if name in kept}

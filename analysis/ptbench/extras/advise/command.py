@@ -1,4 +1,4 @@
-"""`advise`: which choices to take for a scene, what each is expected to bring, and from which measurements."""
+"""`advise`: recommends a variant for a scene, with the expected gain and the measurements that it rests on."""
 
 import tempfile
 from collections.abc import Sequence
@@ -19,12 +19,12 @@ from ptbench.terminal import say
 
 ADVICE = "advice.json"
 _TRIED_AT = (96, 96)
-_OTHERS = 3  # alternatives that `--measure` runs beside the advised choice
+_OTHERS = 3  # rivals of the advised choice that `--measure` runs
 
 
 @dataclass(frozen=True)
 class Call:
-    """The options of one call."""
+    """The options of one call of `advise`."""
 
     scene: str
     gpu: str | None = None
@@ -34,17 +34,17 @@ class Call:
     resolution: tuple[int, int] | None = None
     spp: int = 4
     root: Path = Path()
-    results: Path | None = None  # None: the checkout's own
-    binary: Path | None = None  # None: the checkout's own
-    tried: int | None = None  # how many made scenes to try it on, instead of the scene
+    results: Path | None = None  # folder of benchmark results; None: the checkout's own
+    binary: Path | None = None  # path of the ptbench program; None: the checkout's own
+    tried: int | None = None  # number of generated scenes to try the advice on, in place of a given scene
     seed: int = 1
     loaded: bool = False
-    out: Path | None = None  # of the try
+    out: Path | None = None  # file that a try of the advice writes
     resume: bool = False
 
 
 def advise(call: Call) -> int:
-    """Exit code: 0 told, 1 a measurement says that the advice was not within 5 % of the best, or too rarely."""
+    """Runs `advise`; exit code 1: a measurement found the advice not within 5 % of the best, or too rarely so."""
     program = Program(call.binary or call.root / "build" / "ptbench")
     results = call.results or call.root / "results"
     machine, backend, note = machine_of(results, program, call.gpu, cpu=call.cpu)
@@ -72,7 +72,7 @@ def _say_missing(book: Book) -> None:
 
 
 def machine_of(results: Path, program: Program, gpu: str | None, *, cpu: bool) -> tuple[str, str, str]:
-    """The folder of results to ask, its backend, and what is to be said of that choice; raises InputError."""
+    """The folder of results to use, its backend, and a note on that choice; raises InputError."""
     folders = (
         {folder.name: folder for folder in sorted(results.iterdir()) if folder.is_dir()} if results.is_dir() else {}
     )
@@ -98,12 +98,12 @@ def _has(name: str, gpu: str) -> bool:
 
 
 def _backend(folder: Path) -> str:
-    """The backend of the first result in a folder; empty where there is none."""
+    """The backend of the first result in a folder; empty where there is no result."""
     return next((result.context.get("ptbench.backend", "") for _, result in results_of(folder)), "")
 
 
 def _measured(call: Call, program: Program, probed: Probed, advised: Sequence[Advised], backend: str) -> int:
-    """Varies one decision at a time about what is advised for the others."""
+    """Measures the advice: varies one decision at a time, with the advised choices for the others."""
     timed = [one for one in advised if is_timed(one)]
     settings = settings_of(timed)
     code = 0
@@ -128,7 +128,7 @@ def _own(one: Advised) -> set[str]:
 
 
 def checked_text(checked: Checked) -> str:
-    """ "within 5 % of the best of 4: ..."."""
+    """A sentence such as "within 5 % of the best of 4: ..."."""
     if checked.ratio is None:
         return f"{checked.word}: {checked.reason}"
     ratio = f"{figures(checked.ratio.value, 4)} {interval(checked.ratio.low, checked.ratio.high)}"

@@ -1,4 +1,4 @@
-"""What committed results say of each choice: its time over a reference's, or its error, scene by scene."""
+"""What committed results say of each choice: its time, or its error, relative to a reference choice, by scene."""
 
 import json
 import math
@@ -21,28 +21,28 @@ from ptbench.stats.estimates import Estimate, ratio_estimate
 from ptbench.studies.disturbed import is_contended
 from ptbench.studies.withdrawn import between
 
-# A choice: what it has that the reference has not, as (axis or tunable, value).
+# A choice: the settings in which it differs from the reference, as (axis or tunable, value).
 Choice = tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True)
 class Decision:
-    """One thing to decide: the axes that it sets, and the choice that all others are held against."""
+    """One thing to decide: the axes that it sets, and the reference that every other choice is compared with."""
 
     name: str
     reference: Mapping[str, str]
-    only: Mapping[str, str]  # what a cell must have to be asked; empty: anything
+    only: Mapping[str, str]  # choices that a cell must have to count for the decision; empty: all cells count
     statistic: str
-    of_meshes: bool = False  # nothing to decide without triangles
+    of_meshes: bool = False  # whether the decision is about acceleration structures, so that it needs triangles
 
     @property
     def of_error(self) -> bool:
-        """Whether it asks cells that have an error curve."""
+        """Whether the decision rests on error curves, not on times."""
         return self.statistic != TIME
 
     @property
     def features(self) -> tuple[str, ...]:
-        """What the choice is expected to hang on."""
+        """Names of the scene features that the decision is expected to depend on."""
         return OF_ERROR if self.of_error else OF_TIME
 
 
@@ -52,13 +52,13 @@ DECISIONS = tuple(
     Decision(one["name"], one["reference"], one.get("only", {}), one["statistic"], one.get("of_meshes", False))
     for one in json.loads(FILE.read_text(encoding="utf-8"))["decisions"]
 )
-# A cost that was put into the shading on purpose: another scene, so to speak.
+# A tunable that adds artificial shading cost; cells with it are excluded, as with another scene.
 INJECTED = "shading_fmas"
 _OF_A_COMMIT = re.compile(r"_[0-9a-f]{7}\.json(\.gz)?$")
 
 
 def choice_text(choice: Choice, decision: Decision) -> str:
-    """ "integrator=persistent block=64", as `--axis` and `--tune` take it; what is not told is as in the reference."""
+    """A choice such as "integrator=persistent block=64", as `--axis` and `--tune` take it, less reference settings."""
     named = dict(choice)
     first = next(iter(decision.reference))
     shown = {first: named.get(first, decision.reference[first]), **named}
@@ -67,16 +67,16 @@ def choice_text(choice: Choice, decision: Decision) -> str:
 
 @dataclass(frozen=True)
 class Point:
-    """One ratio that was measured: of a choice over its decision's reference, all else equal."""
+    """One measured ratio: a choice over its decision's reference, all else equal."""
 
     choice: Choice
     ratio: Estimate
     features: Features
     scene: str
-    setting: str  # depth and size of the image
+    setting: str  # depth and image size of the measurement
     file: str
-    rest: tuple  # what the choice and its reference have in common
-    by_way_of: str = ""  # the choice that it was measured against instead, where the reference was not run beside it
+    rest: tuple  # settings that the choice and its reference have in common
+    by_way_of: str = ""  # choice that was measured in place of the reference, where the reference was not run
 
     @property
     def log_ratio(self) -> float:
@@ -85,35 +85,35 @@ class Point:
 
     @cached_property
     def context(self) -> dict[str, str]:
-        """The other axes, and how they were."""
+        """The choices of the axes that the decision does not set."""
         return dict(self.rest[3])
 
     @property
     def family(self) -> str:
-        """Scenes that are one but for the pixels' jitter are left out together."""
+        """The name that variants of a scene share: scenes that differ only in pixel jitter are left out together."""
         return self.scene.removesuffix("_unjittered")
 
 
 @dataclass(frozen=True)
 class Book:
-    """All that one machine's results say."""
+    """All ratios measured on one machine."""
 
     machine: str
     device: str
     backend: str
-    points: Mapping[str, tuple[Point, ...]]  # by decision
-    baselines: Mapping[str, str]  # by axis, of the newest file that names them
-    without: tuple[str, ...]  # scenes that were measured and whose files are not there any more
+    points: Mapping[str, tuple[Point, ...]]  # measured ratios by decision
+    baselines: Mapping[str, str]  # baseline choice by axis, from the newest file that names one
+    without: tuple[str, ...]  # measured scenes whose files do not exist in the checkout
 
 
 def result_files(machine: Path) -> list[Path]:
-    """Files of a machine's folder, those that a commit's name marks as history aside."""
+    """The result files in a machine's folder, without those whose name ends with a commit: they are history."""
     found = [*machine.glob("*.json"), *machine.glob("*.json.gz"), *machine.glob("claims/*.json*")]
     return sorted(path for path in found if not _OF_A_COMMIT.search(path.name))
 
 
 def results_of(machine: Path) -> Iterator[tuple[str, Result]]:
-    """Every result of `ptbench run` of a machine's folder, by its name from the folder of results on."""
+    """Every result of `ptbench run` in a machine's folder, with its path relative to the folder of results."""
     for path in result_files(machine):
         root = read_json(path)
         if isinstance(root.value, dict) and {"benchmarks", "ptbench"} <= root.value.keys():
@@ -121,7 +121,7 @@ def results_of(machine: Path) -> Iterator[tuple[str, Result]]:
 
 
 class _Reader:
-    """Collects the points of one backend, file after file."""
+    """Collects the measured ratios of one backend, file by file."""
 
     def __init__(self, scenes: Path) -> None:
         self._files = scene_files(scenes)
@@ -133,7 +133,7 @@ class _Reader:
         self.device = ""
 
     def read(self, file: str, result: Result, backend: str) -> None:
-        """The cells of a file that ran on the backend."""
+        """Takes in the cells of a file that ran on the backend."""
         cells = [cell for cell in result.cells if cell.backend == backend and cell.measured]
         if not cells:
             return
@@ -155,13 +155,13 @@ class _Reader:
                     self._keep(decision, point, result.context["date"])
 
     def _keep(self, decision: Decision, point: Point, date: str) -> None:
-        """The newest of equal cells."""
+        """Keeps the newest of measurements with equal settings."""
         kept, key = self._kept[decision.name], (point.choice, *point.rest)
         if key not in kept or kept[key][0] <= date:
             kept[key] = (date, point)
 
     def book(self, machine: str, backend: str) -> Book:
-        """What was read."""
+        """All measured ratios that were collected."""
         points = {name: tuple(point for _, point in kept.values()) for name, kept in self._kept.items()}
         known = points[SCHEDULE]
         points[SCHEDULE] += tuple(
@@ -172,7 +172,7 @@ class _Reader:
 
 
 def read_book(root: Path, results: Path, machine: str, backend: str) -> Book:
-    """What the results of a machine say of one backend; raises InputError where there is nothing."""
+    """Reads all ratios measured on a machine with one backend; raises InputError where there are none."""
     reader = _Reader(root / "scenes")
     for file, result in results_of(results / machine):
         reader.read(file, result, backend)
@@ -183,7 +183,7 @@ def read_book(root: Path, results: Path, machine: str, backend: str) -> Book:
 
 
 def _groups(decision: Decision, cells: Iterable[Cell]) -> list[list[Cell]]:
-    """Cells that differ in what the decision sets only."""
+    """Groups of cells that differ only in what the decision sets."""
     groups: dict[tuple, list[Cell]] = {}
     for cell in cells:
         if (cell.convergence is not None) == decision.of_error and _may_be_asked(cell, decision):
@@ -213,7 +213,7 @@ def _points(
 def _chained(
     group: Sequence[Cell], points: Sequence[Point], contents: Mapping[str, Content], file: str
 ) -> Iterator[Point]:
-    """Points of a group without the reference: over a choice that was held against it in this scene and depth."""
+    """Ratios for a group without the reference, by a choice that was compared with it in the same scene and depth."""
     decision = DECISIONS[0]
     against: dict[Choice, list[float]] = {}
     for point in points:
@@ -248,7 +248,7 @@ def _may_be_asked(cell: Cell, decision: Decision) -> bool:
 
 
 def _rest(cell: Cell, decision: Decision) -> tuple:
-    """What a choice and its reference have in common. Only a scheduler's tunables are part of it."""
+    """The settings that a choice and its reference share; tunables count except for the scheduler."""
     axes = tuple(sorted((axis, choice) for axis, choice in cell.axes.items() if axis not in decision.reference))
     tuned = () if decision.name == SCHEDULE else tuple(sorted(cell.tuned.items()))
     depth = cell.depth if cell.convergence is None else place_of(cell).depth

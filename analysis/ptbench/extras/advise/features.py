@@ -1,6 +1,6 @@
-"""What a scene is known by to the advice, and how far apart two scenes are.
+"""The features by which the advice knows a scene, and the distance between two scenes.
 
-A distance is Euclid's over a few features, each in a unit of its own: a unit is a step that is expected to matter.
+The distance is Euclidean over a few features, each scaled by a unit: a step that is expected to matter.
 """
 
 import json
@@ -12,30 +12,30 @@ from pathlib import Path
 from ptbench.io.cells import Cell
 from ptbench.io.nodes import Node, read_json
 
-# Features with the size of their unit: doublings of what is counted, plain steps of the others.
+# Scene features and their units: DOUBLINGS are counted in powers of two, STEPS in plain differences.
 DOUBLINGS = {"objects": 3.0, "triangles": 4.0, "materials": 2.0, "depth": 1.0, "pixels": 2.0, "lamps": 2.0,
              "lamp_share": 2.0}  # fmt: skip
 STEPS = {"kinds": 2.0, "length": 0.15}
 OF_TIME = ("objects", "triangles", "materials", "kinds", "depth", "length", "pixels")
 OF_ERROR = ("kinds", "depth", "length", "lamps", "lamp_share")
-# Half of the share of a lamp that is too small to be told from none.
+# Half of the smallest lamp share that is distinguished from zero.
 _LEAST_SHARE = 2.0**-16
 
 
 @dataclass(frozen=True)
 class Content:
-    """What stands in a scene's file."""
+    """The content of a scene file in numbers."""
 
     objects: int
     materials: int
-    kinds: int  # of materials, lamps aside
+    kinds: int  # kinds of materials, without lamps
     lamps: int
-    lamp_share: float  # of all surfaces' area; meshes by the box of their scale
+    lamp_share: float  # lamps' share of all surface area, in which a mesh counts by its scaled bounding box
 
 
 @dataclass(frozen=True)
 class Features:
-    """A scene as it is rendered. `length`: segments of a path on average over the most that there may be."""
+    """The features of a scene as rendered; `length` is the mean number of path segments over the possible maximum."""
 
     content: Content
     triangles: int
@@ -44,7 +44,7 @@ class Features:
     pixels: int
 
     def value(self, name: str) -> float:
-        """In units of the feature."""
+        """The value of a feature in its unit."""
         number = getattr(self.content, name) if hasattr(self.content, name) else getattr(self, name)
         if name in STEPS:
             return number / STEPS[name]
@@ -52,7 +52,7 @@ class Features:
         return math.log2(number + least) / DOUBLINGS[name]
 
     def text(self) -> str:
-        """In a line, for a reader."""
+        """The features in one line of text."""
         content = self.content
         return (
             f"{_counted(content.objects, 'object')}, {_counted(self.triangles, 'triangle')}, "
@@ -67,22 +67,22 @@ def _counted(number: int, word: str) -> str:
 
 
 def distance(one: Features, other: Features, names: Sequence[str]) -> float:
-    """In units: 1 is a step of one feature that matters."""
+    """The distance of two scenes over the named features; 1 is a step of one feature that matters."""
     return math.sqrt(sum((one.value(name) - other.value(name)) ** 2 for name in names))
 
 
 def farthest(one: Features, other: Features, names: Sequence[str]) -> str:
-    """The feature that most of their distance is in."""
+    """The feature that contributes most to the distance of two scenes."""
     return max(names, key=lambda name: abs(one.value(name) - other.value(name)))
 
 
 def content_of(path: Path) -> Content:
-    """Reads a scene's file, which ptbench itself checks; raises InputError for what is no scene at all."""
+    """Reads the content of a scene file, which ptbench itself validates; raises InputError for what is no scene."""
     return content_in(read_json(path))
 
 
 def content_in(root: Node) -> Content:
-    """The content of a scene, from its document."""
+    """The content of a scene, from its JSON document."""
     materials = root.need("materials").fields()
     objects = [node.fields() for node in root.need("objects").items()]
     types = {name: _type(about) for name, about in materials.items()}
@@ -111,7 +111,7 @@ def _is_lamp(about: object) -> bool:
 
 
 def _copies(one: Mapping) -> int:
-    """How many an object of a rule stands for (docs/scene_format.md, "Instances")."""
+    """The number of objects that an instancing rule stands for (docs/scene_format.md, "Instances")."""
     rule = one.get("instances")
     if not isinstance(rule, dict):
         return 1
@@ -130,7 +130,7 @@ def _area(one: Mapping) -> float:
 
 
 def scene_files(scenes: Path) -> dict[str, Path]:
-    """The scenes of a checkout by their names."""
+    """The scene files of a checkout, by scene name."""
     found = {}
     for path in _json_files(scenes):
         value = json.loads(path.read_text(encoding="utf-8"))
@@ -146,7 +146,7 @@ def _json_files(folder: Path) -> Iterator[Path]:
 
 
 def features_of(cell: Cell, content: Content) -> Features | None:
-    """The features of a measured cell; None where nobody counted its paths."""
+    """The features of a measured cell; None where the cell has no path counts."""
     if cell.instrumented is None or not cell.instrumented.paths or not cell.instrumented.live_paths:
         return None
     segments = sum(cell.instrumented.live_paths) / cell.instrumented.paths

@@ -1,4 +1,4 @@
-"""Cells of crossover maps as measurements for the advice: a choice over its decision's reference, in a made scene."""
+"""Cells of crossover maps as measurements for advice: a choice over its decision's reference, in a generated scene."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -15,7 +15,7 @@ from ptbench.stats.estimates import Estimate
 
 
 def decision_of(choice: Mapping[str, str], over: Mapping[str, str], statistic: str) -> Decision | None:
-    """The decision whose reference a map's second choice is, in all in which the two differ; None: there is none."""
+    """The decision whose reference equals a map's second choice in all that differs between the two; None: none."""
     differing = [axis for axis in {**choice, **over} if choice.get(axis) != over.get(axis)]
     for decision in DECISIONS:
         is_reference = set(differing) <= decision.reference.keys() and all(
@@ -28,9 +28,9 @@ def decision_of(choice: Mapping[str, str], over: Mapping[str, str], statistic: s
 
 
 def points_of_maps(results: Path, machine: str, backend: str) -> Iterator[tuple[str, Point]]:
-    """Every cell with an interval of the machine's maps on a backend, with its decision's name.
+    """Every cell with an interval in the machine's maps on a backend, with the name of its decision.
 
-    Variances are every machine's: equal bits have equal errors.
+    Variances are taken from every machine's maps, as equal bits have equal errors.
     """
     for file in sorted(results.glob("*/maps/*.json")):
         definition = definition_of(file, read_json(file).fields()["map"])
@@ -60,7 +60,7 @@ def _point(
 
 
 def whole_book(root: Path, results: Path, machine: str, backend: str) -> Book:
-    """What results and maps of a machine say of one backend; raises InputError where there is nothing."""
+    """All ratios of a machine's results and maps on one backend; raises InputError where there are none."""
     book = read_book(root, results, machine, backend)
     points = dict(book.points)
     for name, point in points_of_maps(results, machine, backend):

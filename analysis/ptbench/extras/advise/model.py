@@ -1,7 +1,7 @@
-"""Foretells what a choice costs on a scene that nobody measured: the mean of what it cost on scenes that are near.
+"""Forecasts the cost of a choice on an unmeasured scene: a weighted mean of its cost on similar scenes.
 
-The weight of a measurement falls off as a power of its distance (Shepard 1968). The power, the error that is told and
-how far a scene may be off are all found by leaving out one scene after the other.
+The weight of a measurement falls off as a power of its distance (Shepard 1968). The power, the stated error and the
+distance up to which forecasts are trusted all come from leaving out one scene after the other.
 """
 
 import math
@@ -15,19 +15,19 @@ from ptbench.extras.advise.features import Features, distance
 from ptbench.stats.estimates import CONFIDENCE
 
 POWERS = (1.0, 2.0, 4.0, 8.0)
-SAME = 0.1  # a distance that is none: so far are two renders of one scene
-WITHIN = 0.05  # of the best: as good as the best
-LEAST_SCENES = 3  # that a model has seen before it is believed
-ALIKE = 0.02  # forecasts that are no reason to prefer one
-# How much farther a measurement is for each axis that was not at what the scene is to be rendered with.
+SAME = 0.1  # feature distance below which two scenes count as one
+WITHIN = 0.05  # a pick within this fraction of the best time is as good as the best
+LEAST_SCENES = 3  # least number of measured scenes for a model to be trusted
+ALIKE = 0.02  # relative difference of two forecasts that is no reason to prefer one
+# Extra feature distance of a measurement for each axis whose choice differs from the scene's.
 ANOTHER_CHOICE = 0.5
-# A choice whose nearest measurement is so much farther off than the nearest of all is not held against the others.
+# Extra distance to its nearest measurement, over the nearest of all choices, that excludes a choice from forecasts.
 _MOST_BEHIND = 2.0
 
 
 @dataclass(frozen=True)
 class Wanted:
-    """What a forecast is for: a scene, and the choices of other axes."""
+    """What a forecast is for: the features of a scene, and the choices of the other axes."""
 
     features: Features
     context: Mapping[str, str]
@@ -35,7 +35,7 @@ class Wanted:
 
 @dataclass(frozen=True)
 class Near:
-    """A measurement, how far off it is, and its share of the forecast."""
+    """A measurement, its feature distance, and its share of the forecast."""
 
     point: Point
     distance: float
@@ -44,40 +44,40 @@ class Near:
 
 @dataclass(frozen=True)
 class Forecast:
-    """A choice's cost over the reference's, with the error of forecasts for scenes that were left out."""
+    """The forecast cost of a choice over the reference's, with the error found by leaving out scenes."""
 
     choice: Choice
     ratio: float
     low: float | None
     high: float | None
-    near: tuple[Near, ...]  # the nearest first
+    near: tuple[Near, ...]  # measurements that the forecast rests on, the nearest first
 
     @property
     def distance(self) -> float:
-        """Distance of the nearest measurement."""
+        """The feature distance of the nearest measurement."""
         return self.near[0].distance if self.near else 0.0
 
 
 @dataclass(frozen=True)
 class Trial:
-    """What came of leaving out each scene in turn."""
+    """The result of leaving out each scene in turn and forecasting it."""
 
     scenes: int
-    factor: float | None  # forecasts were off by no more than this, of 95 in 100; None: too few scenes
+    factor: float | None  # factor that bounds 95 % of the forecast errors; None: too few scenes
     forecasts: int
-    good: int  # settings in which the pick was within 5 % of the best that was measured there
+    good: int  # number of settings in which the pick was within 5 % of the best measured choice
     settings: int
-    reach: float  # how far the nearest measurement was at most
+    reach: float  # largest distance of a scene to its nearest other scene
 
     @property
     def is_good(self) -> bool:
-        """Whether it may overrule the reference: right in half of its trials, of enough scenes."""
+        """Whether a model may overrule the reference: enough scenes, and right in at least half of its trials."""
         return self.scenes >= LEAST_SCENES and 0 < self.settings <= 2 * self.good
 
 
 @dataclass(frozen=True)
 class Model:
-    """The measurements of one decision, and what is known of forecasts from them."""
+    """The measurements of one decision, and how well they forecast."""
 
     decision: Decision
     points: tuple[Point, ...]
@@ -87,9 +87,9 @@ class Model:
     def forecasts(
         self, features: Features, barred: Iterable[tuple[str, str]] = (), context: Mapping[str, str] | None = None
     ) -> list[Forecast]:
-        """Every choice that was measured near enough, the best first; the reference is one of them, at 1.
+        """Every choice with measurements near enough, the best forecast first; the reference is included with ratio 1.
 
-        `barred` are (axis, choice) that do not apply, `context` is what else is chosen.
+        `barred` are (axis, choice) pairs that do not apply; `context` are the choices of other axes.
         """
         out = set(barred)
         reference = () if out & set(self.decision.reference.items()) else (Forecast((), 1.0, 1.0, 1.0, ()),)
@@ -109,13 +109,13 @@ class Model:
         return _plainest_first(ordered)
 
     def is_far(self, forecasts: Sequence[Forecast]) -> bool:
-        """Whether no measurement is as near as one was whenever the model was tried."""
+        """Whether the nearest measurement is farther than any left-out scene's was when the model was tried."""
         nearest = min((one.distance for one in forecasts if one.near), default=math.inf)
         return nearest > self.trial.reach
 
 
 def _plainest_first(ordered: Sequence[Forecast]) -> list[Forecast]:
-    """Puts first, among those that are foretold about as good as the best, the one with the fewest changes."""
+    """Moves to the front the choice with the fewest changes among those forecast to be about as good as the best."""
     if not ordered:
         return []
     alike = [one for one in ordered if one.ratio <= ordered[0].ratio * (1 + ALIKE)]
@@ -124,7 +124,7 @@ def _plainest_first(ordered: Sequence[Forecast]) -> list[Forecast]:
 
 
 def model_of(decision: Decision, points: Sequence[Point]) -> Model | None:
-    """None where nothing was measured."""
+    """Builds a decision's model from its measurements; None where there are none."""
     if not points:
         return None
     tried = {power: _left_out(decision, points, power) for power in POWERS}
@@ -147,7 +147,7 @@ def _forecast(
 
 
 def _of_each_scene(points: Sequence[Point], distances: np.ndarray) -> np.ndarray:
-    """Points that count: only the nearest of each scene, together as one, so a scene measured often is one scene."""
+    """Weights that keep only the measurements nearest within each scene, so that often measured scenes count once."""
     kept: dict[str, list[int]] = {}
     for index in np.argsort(distances, kind="stable"):
         found = kept.setdefault(points[index].family, [])
@@ -165,7 +165,7 @@ def _off(point: Point, wanted: Wanted, decision: Decision) -> float:
 
 
 def _by_choice(points: Sequence[Point]) -> dict[Choice, list[int]]:
-    """The numbers of the points of each choice."""
+    """The indices of the measurements of each choice."""
     found: dict[Choice, list[int]] = {}
     for index, point in enumerate(points):
         found.setdefault(point.choice, []).append(index)
@@ -173,7 +173,7 @@ def _by_choice(points: Sequence[Point]) -> dict[Choice, list[int]]:
 
 
 def _left_out(decision: Decision, points: Sequence[Point], power: float) -> dict[int, float]:
-    """Forecasts of points' logarithms without their own scene, by the point's number; none without another scene."""
+    """Errors of log-ratio forecasts by measurement, each made without the measurement's own scene."""
     told = {}
     for indices in _by_choice(points).values():
         for index in indices:
@@ -192,7 +192,7 @@ def _mean_square(errors: Iterable[float]) -> float:
 
 def _trial(decision: Decision, points: Sequence[Point], errors: Mapping[int, float]) -> Trial:
     sizes = np.abs(list(errors.values()))
-    # The quantile is the largest of fewer than 20.
+    # With fewer than 20 errors, this quantile is the largest of them.
     factor = math.exp(float(np.quantile(sizes, CONFIDENCE, method="higher"))) if len(sizes) else None
     settings: dict[tuple, dict[Choice, tuple[float, float]]] = {}
     for index, error in errors.items():
@@ -210,7 +210,7 @@ def _trial(decision: Decision, points: Sequence[Point], errors: Mapping[int, flo
 
 
 def _reach(decision: Decision, points: Sequence[Point]) -> float:
-    """The largest distance of a scene to the nearest of the others."""
+    """The largest distance of any scene to its nearest other scene."""
     places = list({(point.family, point.setting): point for point in points}.values())
     nearest = [
         min((distance(one.features, other.features, decision.features) for other in places

@@ -1,4 +1,4 @@
-"""The command line of `advise`."""
+"""The command line options of `advise`."""
 
 import argparse
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What a user's scene is like: its file, and a render of few pixels that counts paths. No time of it is used."""
+"""The features of a user's scene: from its file, and from a small render that counts paths and is not timed."""
 
 import json
 import math
@@ -11,30 +11,30 @@ from ptbench.extras.advise.evidence import FILE
 from ptbench.extras.advise.features import Features, content_of, features_of, scene_files
 from ptbench.program import Program
 
-_PIXELS = 4096  # of the probe: counts within a few per cent
+_PIXELS = 4096  # pixels of the probe render, enough for path counts within a few per cent
 MESH = "mesh"
-# Axes whose choices a scene itself may forbid; what else does not apply hangs on the other choices of a call.
+# Axes whose choices a scene itself may rule out; other inapplicable choices depend on the rest of the variant.
 _OF_SCENES = ("integrator", "direct_light", "russian_roulette", "sampler")
 
 
 @dataclass(frozen=True)
 class Probed:
-    """A scene as the advice sees it, and what does not apply to it."""
+    """A scene's features for the advice, and the choices that do not apply to it."""
 
     name: str
-    scene: str  # as the program is to be told
+    scene: str  # path or name of the scene, as given to the ptbench program
     features: Features
     resolution: tuple[int, int]
     barred: frozenset[tuple[str, str]]
 
     @property
     def has_mesh(self) -> bool:
-        """Whether there is a tree to choose."""
+        """Whether the scene has a mesh, so that an acceleration structure has to be chosen."""
         return self.features.triangles > 0
 
 
 def file_of(scene: str, root: Path) -> Path:
-    """The file of a scene that is given by its path or by its name in the checkout; raises InputError."""
+    """The file of a scene given by path or by its name in the checkout; raises InputError."""
     if scene.endswith(".json"):
         return Path(scene)
     known = scene_files(root / "scenes")
@@ -46,11 +46,11 @@ def file_of(scene: str, root: Path) -> Path:
 def probe(
     program: Program, scene: Path, backend: str, depth: int | None = None, resolution: tuple[int, int] | None = None
 ) -> Probed:
-    """Asks the program; raises InputError where it refuses the scene."""
+    """Probes a scene with the ptbench program; raises InputError where the program refuses it."""
     about = program.scene(str(scene))
     width, height = resolution or tuple(about["resolution"])
     scale = math.sqrt(_PIXELS / (width * height))
-    # A path at a time does all that a scene may need; rays take minutes over meshes without trees.
+    # The probe uses an integrator that supports every scene feature, and trees for meshes, which take minutes without.
     known = json.loads(FILE.read_text(encoding="utf-8"))
     axes = known["probe_of_meshes" if MESH in about["features"] else "probe"]
     study = {

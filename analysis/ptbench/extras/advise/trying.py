@@ -1,8 +1,8 @@
-"""Tries the advice on scenes that it was not fitted on: made by rules, measured exhaustively, counted.
+"""Tries the advice on generated scenes that it was not fitted to, by measuring all variants in each.
 
-A scene counts as good where the advised variant is within 5 % of the best of all that were measured. Where the
-interval does not tell, whatever may be the best is measured once more, eight times as often, and that counts. Times of
-a machine that others use say nothing, so a try is refused there.
+A scene counts as good where the advised variant is within 5 % of the best of all measured variants. Where the interval
+is inconclusive, all variants that may be the best are measured again with eight times the repetitions, and that result
+counts. A try is refused on a machine with other load, as its times would mean nothing.
 """
 
 import json
@@ -30,10 +30,10 @@ from ptbench.terminal import say
 
 SCHEMA = "ptbench-advice-1"
 MOST_LOAD = 0.5
-CLOSER = 8  # times as many repetitions, where the usual ones do not tell
+CLOSER = 8  # factor on the number of repetitions where the first measurement is inconclusive
 ACCELERATOR = "accelerator"
 DEPTHS = (2, 3, 4, 6, 8, 12, 16, 24, 32)
-# The parameters of each rule: the least, the greatest, whether it is an integer.
+# Parameters of each scene generator: minimum, maximum, whether it is an integer.
 RANGES = {
     "balls": {"materials": (1, 64, True)},
     "openness": {"openness": (0.02, 1.0, False)},
@@ -44,19 +44,19 @@ RANGES = {
 
 @dataclass(frozen=True)
 class Asked:
-    """What a try is made with."""
+    """The settings of one try of the advice."""
 
     scenes: int
     seed: int
     resolution: tuple[int, int]
     spp: int
     out: Path
-    loaded: bool = False  # whether other processes on the machine are put up with
-    resume: bool = False  # whether decided scenes of a file of the same try are kept
+    loaded: bool = False  # whether to measure despite load from other processes
+    resume: bool = False  # whether to resume a file of the same try and keep its decided scenes
 
 
 def drawn_scenes(count: int, seed: int) -> Iterator[tuple[dict, int]]:
-    """Scenes and depths, the same for the same seed; a parameter's logarithm is uniform."""
+    """Random scenes and depths, reproducible by the seed; the logarithm of each parameter is uniform."""
     dice = random.Random(seed)
     for index in range(count):
         rule = list(RANGES)[index % len(RANGES)]
@@ -87,7 +87,7 @@ def fast_accelerators(program: Program) -> list[str]:
 
 
 def try_advice(program: Program, root: Path, results: Path, machine: str, backend: str, asked: Asked) -> int:
-    """Writes what came of it; exit code 1 where fewer than nine of ten scenes were good."""
+    """Tries the advice and writes the result; exit code 1 where fewer than nine of ten scenes were good."""
     load = os.getloadavg()[0]
     if load >= MOST_LOAD and not asked.loaded:
         raise InputError(f"this machine: load: found {load:.2f}, allowed: below {MOST_LOAD} (--loaded: nonetheless)")
@@ -111,7 +111,7 @@ def try_advice(program: Program, root: Path, results: Path, machine: str, backen
             checked = _checked(program, probed, _in_order(variants, advised), backend, folder, asked.spp)
         say(f"{scene['name']}, depth {depth}: {checked.word}; advised {checked.advised}; best {checked.best}")
         kept[scene["name"]] = _row(scene["name"], depth, checked)
-        # After each scene: all of them take long, and what is done is not lost.
+        # The file is written after each scene, so that an interrupted try keeps what is done.
         document = _document(kept, scenes, about, load)
         write_text(asked.out, json.dumps(document, indent=1) + "\n")
     say(summary_of(document))
@@ -119,7 +119,7 @@ def try_advice(program: Program, root: Path, results: Path, machine: str, backen
 
 
 def _decided(file: Path, about: dict) -> dict[str, dict]:
-    """The decided scenes of a file by their names; raises InputError for another try's."""
+    """The decided scenes of an unfinished try, by name; raises InputError for a file of another try."""
     if not file.is_file():
         return {}
     there = read_json(file).fields()
@@ -164,7 +164,7 @@ def _document(rows: Mapping[str, dict], scenes: Sequence[tuple[dict, int]], abou
 
 
 def summary_of(document: dict) -> str:
-    """In a line."""
+    """The result of a try in one line."""
     return (
         f"within 5 % of the best on {document['good']} of {document['of']} scenes "
         f"({document['not_good']} not, {document['undecided']} undecided)"

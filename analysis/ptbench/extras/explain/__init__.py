@@ -1,1 +1,1 @@
-"""Where the time of two variants differs, and what goes with that."""
+"""Explains where the time of two variants differs, and which other differences accompany that."""

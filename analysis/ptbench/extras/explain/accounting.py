@@ -1,14 +1,14 @@
-"""Where the difference between two cells' times lies: an account in which nothing is left over.
+"""Divides the difference between two cells' times into terms that add up to it exactly.
 
 A cell's time is the median of its timed samples. Its stages are timed in the instrumented pass, another render with
-events and counters in it. So the account of a cell has, in milliseconds a sample per pixel,
+CUDA events and counters. So the account of a cell has, in milliseconds per sample per pixel,
 
     median of the timed samples = sum over stages + instrumented pass outside its stages + (timed - instrumented pass),
 
-which holds whatever the passes differ by, and the differences of two accounts add up to the difference of the medians.
-The last two terms are in no stage. A stage took between none and all of (timed - instrumented) less or more in the
-timed samples than in the instrumented pass, if the pass disturbs all its stages the same way: that is its range, for
-any timed median in its 95 % interval. The instrumented pass is one render, whose own noise no file tells.
+which holds whatever the difference of the two passes, and the differences of two accounts add up to the difference of
+the medians. The last two terms belong to no stage. If the instrumentation affects all stages alike, a stage changed
+between none and all of (timed - instrumented) from one pass to the other: that is its range, for any timed median in
+its 95 % interval. The instrumented pass is a single render, whose noise is unknown.
 """
 
 from collections.abc import Iterable, Sequence
@@ -18,40 +18,40 @@ from ptbench.io.cells import Cell
 from ptbench.io.limits import limit
 from ptbench.stats.estimates import Estimate, median_estimate
 
-ADD_UP_WITHIN = limit("stages_add_up_within")  # of the wall time, as the harness asks of an instrumented pass
-# What traces and shades, however an integrator divides it; every other stage keeps the queue or a cache.
+ADD_UP_WITHIN = limit("stages_add_up_within")  # relative tolerance for stage times to add up to the wall time
+# Stages that trace and shade, in whatever way an integrator divides the work; other stages maintain a queue or cache.
 TRACING = ("generate", "intersect", "shade", "first bounce", "bounce", "trace", "walk")
-WHOLE = "trace and shade"  # their name together
+WHOLE = "trace and shade"  # name of all tracing and shading stages together
 OUTSIDE = "outside the stages"
 PASSES = "timed less instrumented"
 
 
 def stage_order(names: Iterable[str]) -> list[str]:
-    """Each name once: tracing first, in the order in which a path meets it, then the others by name."""
+    """The distinct stage names: tracing first, in the order in which a path meets them, then the others by name."""
     known = (*TRACING, WHOLE)
     return sorted(dict.fromkeys(names), key=lambda name: (known.index(name) if name in known else len(known), name))
 
 
 @dataclass(frozen=True)
 class Account:
-    """One cell's time, in ms a sample per pixel; `total` is the sum of everything else."""
+    """The time of one cell in ms per sample per pixel; `total` is the sum of all other terms."""
 
     cell: Cell
     total: Estimate
     stages: dict[str, float]
-    outside: float = 0.0  # of the instrumented pass: gaps between launches, waits of the host
-    passes: float = 0.0  # timed less instrumented: below zero where counting and timing cost something
-    divided: bool = True  # False: the file does not divide the time, so that the one stage is all of the timed median
+    outside: float = 0.0  # time of the instrumented pass outside its stages: gaps between launches, waiting on the host
+    passes: float = 0.0  # timed median less the instrumented pass: negative where instrumentation costs time
+    divided: bool = True  # False: the file has no stage times, so that a single stage stands for the timed median
 
     @property
     def instrumented(self) -> float | None:
-        """The instrumented pass's wall time, ms a sample per pixel; None where the file has none."""
+        """The wall time of the instrumented pass, ms per sample per pixel; None where the file has none."""
         done = self.cell.instrumented
         return None if done is None or done.wall_ms is None else done.wall_ms / done.spp
 
     @property
     def _timed(self) -> tuple[float, float]:
-        """The ends of the interval of the timed median; one sample has none."""
+        """The interval of the timed median; with one sample both ends are its value."""
         value = self.total.value
         return (value if self.total.low is None else self.total.low), (
             value if self.total.high is None else self.total.high
@@ -59,11 +59,11 @@ class Account:
 
     @property
     def adds_up(self) -> bool:
-        """Whether the stages are the timed median within 5 %, so that they may be read as the timed ones."""
+        """Whether the stage times add up to the timed median within 5 %, so that they may be read as timed stages."""
         return abs(self.total.value - sum(self.stages.values())) <= ADD_UP_WITHIN * self.total.value
 
     def range_of(self, names: Sequence[str]) -> tuple[float, float]:
-        """Between which the stages `names` together may lie in the timed samples."""
+        """The range of time that the stages `names` together may have taken in the timed samples."""
         staged = sum(self.stages.get(name, 0.0) for name in names)
         if not any(name in self.stages for name in names):
             return 0.0, 0.0
@@ -88,57 +88,57 @@ def account_of(cell: Cell) -> Account:
 
 @dataclass(frozen=True)
 class Step:
-    """One term of the difference; `low` and `high` are its range in the timed samples, None for what is in no stage."""
+    """One term of the difference of two cells; `low` and `high` are a stage's range, None outside the stages."""
 
     name: str
-    a: float | None  # None: it has no such stage
+    a: float | None  # time of cell A in the term; None: A has no such stage
     b: float | None
     low: float | None = None
     high: float | None = None
 
     @property
     def difference(self) -> float:
-        """Milliseconds a spp that B takes longer here."""
+        """Milliseconds per sample per pixel by which B takes longer in this step."""
         return (self.b or 0.0) - (self.a or 0.0)
 
     @property
     def is_stage(self) -> bool:
-        """Whether it is a stage, and no rest."""
+        """Whether the step is a stage of the render, not one of the remaining terms."""
         return self.low is not None
 
     @property
     def is_settled(self) -> bool:
-        """Whether the term has one sign in all of its range."""
+        """Whether the step's difference has the same sign in all of its range."""
         return self.is_stage and (self.low > 0 or self.high < 0)
 
     @property
     def is_tracing(self) -> bool:
-        """Whether rays are traced in it."""
+        """Whether rays are traced in this step."""
         return self.name == WHOLE or self.name in TRACING
 
 
 @dataclass(frozen=True)
 class Accounting:
-    """Two accounts side by side; the steps' differences add up to `difference`."""
+    """The accounts of two cells side by side; the differences of the steps add up to `difference`."""
 
     a: Account
     b: Account
     steps: tuple[Step, ...]
-    merged: bool  # the two divide tracing and shading into other stages, so that these are one step
+    merged: bool  # A and B divide tracing and shading into different stages, so that these are merged into one step
 
     @property
     def difference(self) -> float:
-        """Milliseconds a spp between the timed medians."""
+        """Milliseconds per sample per pixel between the timed medians of B and A."""
         return self.b.total.value - self.a.total.value
 
     @property
     def stages(self) -> tuple[Step, ...]:
-        """The steps that are stages."""
+        """The steps that are stages of the render."""
         return tuple(step for step in self.steps if step.is_stage)
 
 
 def accounting_of(a: Cell, b: Cell) -> Accounting:
-    """The difference of two measured cells, in terms that add up to it."""
+    """Divides the time difference of two measured cells into terms that add up to it."""
     one, other = account_of(a), account_of(b)
     names = stage_order([*one.stages, *other.stages])
     tracing = [name for name in names if name in (*TRACING, WHOLE)]

@@ -1,4 +1,4 @@
-"""`python3 -m ptbench explain`: where the time of two variants differs, and which differences go with that."""
+"""`python3 -m ptbench explain`: where the time of two variants differs, and what else differs with it."""
 
 import argparse
 from collections.abc import Sequence
@@ -28,7 +28,7 @@ from ptbench.terminal import say
 def explain(
     path: Path, a: str, b: str, choice: Choice | None = None, counters: Sequence[Path] = (), out: Path | None = None
 ) -> int:
-    """Prints the explanation, and writes it as explain.md beside a figure for each setting; the exit code."""
+    """Prints the explanation, and writes it to explain.md with a figure per setting; returns the exit code."""
     root = read_json(path)
     if is_stability(root):
         raise bad_value(path, "$.schema", shown(root.fields()["schema"]), "a result of `ptbench run`, which has times")
@@ -55,13 +55,13 @@ def explain(
 
 
 def explain_command(options: argparse.Namespace) -> int:
-    """The exit code; raises InputError."""
+    """Runs `explain` with parsed options and returns the exit code; raises InputError."""
     choice = Choice(options.scene, options.depth, options.resolution)
     return explain(options.result, options.a, options.b, choice, options.counters, options.out)
 
 
 def pairs_of(result: Result, names: tuple[str, str], choice: Choice, entries: Sequence[Inspected] = ()) -> Found:
-    """The settings in which both variants ran; raises InputError where there is none."""
+    """The settings in which both variants ran; raises InputError where there are none."""
     by_setting: list[dict[Setting, list[Cell]]] = [{}, {}]
     for side, name in zip(by_setting, names, strict=True):
         for cell in result.cells:
@@ -102,7 +102,7 @@ def _is_chosen(cell: Cell, choice: Choice) -> bool:
 
 
 def _closest(a: Sequence[Cell], b: Sequence[Cell]) -> tuple[Cell, Cell, list[Cell]]:
-    """One cell of each, measured and with equal spp if possible, and the most of it; and what is left over."""
+    """The most comparable two cells of the variants: measured, at equal and many samples per pixel; and the rest."""
 
     def rank(pair: tuple[Cell, Cell]) -> tuple:
         one, other = pair
@@ -133,7 +133,7 @@ def _pair(
 
 
 def _nothing_in_common(result: Result, names: tuple[str, str], choice: Choice) -> InputError:
-    """Why there is no pair: a choice that the file lacks, or two variants that never met."""
+    """The error that no setting has both variants: an option that the file lacks, or variants that never met."""
     scenes = [list(dict.fromkeys(c.scene for c in result.cells if c.variant == name)) for name in names]
     common = [scene for scene in scenes[0] if scene in scenes[1]]
     if choice.scene and choice.scene not in common:
@@ -151,7 +151,7 @@ def _few(places: Sequence[str], most: int = 4) -> str:
 
 
 def _folder_name(result: Result, names: tuple[str, str], found: Found) -> str:
-    """Readable, and another one for every two variants."""
+    """A readable folder name that is unique to the two variants."""
     labels = found.pairs[0].labels if found.pairs else names
     readable = "-".join("_".join(part.partition("=")[2] or part for part in label.split(", ")) for label in labels)
     digest = sha256("\n".join(names).encode()).hexdigest()[:6]

@@ -1,6 +1,6 @@
-"""What else two cells differ in, and how much of the difference in time each of it can be.
+"""What else differs between two cells, and how much of their time difference each such fact may explain.
 
-Everything is computed from the result file's rows; what a row does not have is left out, or said to be unknown.
+Everything is computed from the result file's rows; what a row lacks is left out, or said to be unknown.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -15,15 +15,15 @@ from ptbench.numbers import ratio as ratio_text
 from ptbench.stats.estimates import CLOCK_UNKNOWN
 
 MILLION_RAYS, NS_A_RAY = "million rays a spp", "ns a ray"
-# A clock or a count that differs by less is the same one.
+# Relative difference below which two clocks or two counts are considered equal.
 _SAME = 0.001
 _CLOCK_MATTERS = 0.005
-_REFILLED = "wavefront_refill"  # the integrator whose queue holds live paths alone
+_REFILLED = "wavefront_refill"  # integrator whose queue holds live paths only
 
 
 @dataclass(frozen=True)
 class Fact:
-    """One quantity of both cells; `says` is what it means for the difference in time, if anything."""
+    """One quantity of both cells; `says` is its meaning for the time difference, if any."""
 
     quantity: str
     a: float | None
@@ -32,24 +32,24 @@ class Fact:
 
     @property
     def ratio(self) -> str:
-        """B over A as text; empty where that says nothing."""
+        """The value of B over that of A, as text; empty where a ratio means nothing."""
         return ratio_text(self.b / self.a) if self.a and self.b is not None else ""
 
 
 def signed(ms: float, digits: int = 3) -> str:
-    """Milliseconds with their sign."""
+    """Milliseconds as text with a sign."""
     return ("+" if ms > 0 else "") + figures(ms, digits)
 
 
 def percent(part: float, whole: float) -> str:
-    """A part of the difference; of nothing there is no part."""
+    """A share of the time difference in per cent, as text; "no part" where there is no difference."""
     return f"{round(100 * part / whole)} %" if whole else "no part"
 
 
 def facts_of(result: Result, accounting: Accounting, *, has_difference: bool = True) -> list[Fact]:
-    """All that the file has on the two, in the order: work, host, machine, kernels, bytes.
+    """All facts on two cells that the file has, in the order: work, host, machine, kernels, bytes.
 
-    Without a verdict of FASTER or SLOWER there is no difference that anything could be a share of.
+    Without a verdict of FASTER or SLOWER there is no difference that a fact could explain a share of.
     """
     a, b = accounting.a.cell, accounting.b.cell
     return [
@@ -66,13 +66,13 @@ def facts_of(result: Result, accounting: Accounting, *, has_difference: bool = T
 
 
 def _median(cell: Cell, value: Callable) -> float | None:
-    """The median over the samples; None where one of them lacks the value."""
+    """The median of a value over a cell's samples; None where any sample lacks it."""
     values = [value(sample) for sample in cell.samples]
     return None if not values or None in values else float(np.median(values))
 
 
 def rays_per_spp(cell: Cell) -> float:
-    """Rays a sample per pixel, the median of the samples'."""
+    """Rays per sample per pixel, the median over the cell's samples."""
     return _median(cell, lambda sample: sample.rays / sample.spp)
 
 
@@ -82,14 +82,14 @@ def _rays(accounting: Accounting) -> Iterator[Fact]:
     if not rays_a or not rays_b:
         return
     each_a, each_b = a.total.value / rays_a, b.total.value / rays_b
-    # Exact: more rays at the first one's price, then all of the second one's rays at the difference in price.
+    # The two terms add up exactly: B's additional rays at A's time per ray, and all of B's rays at the change in price.
     more, dearer = (rays_b - rays_a) * each_a, rays_b * (each_b - each_a)
     yield Fact(MILLION_RAYS, rays_a / 1e6, rays_b / 1e6, f"{signed(more)} ms at A's time a ray")
     yield Fact(NS_A_RAY, each_a * 1e6, each_b * 1e6, f"{signed(dearer)} ms over B's rays")
 
 
 def _upkeep(accounting: Accounting, has_difference: bool) -> Iterator[Fact]:
-    """What keeping the queue or a cache costs, against what it saves elsewhere."""
+    """The cost of maintaining a queue or cache, against the time that it saves elsewhere."""
     upkeep = [step for step in accounting.stages if not step.is_tracing]
     if not upkeep:
         return
@@ -118,7 +118,7 @@ def _slots(a: Cell, b: Cell) -> Iterator[Fact]:
             return None
         is_refilled = cell.axes["integrator"] == _REFILLED
         if is_refilled and cell.tunables.get("refill_every", 1) > 1:
-            return None  # nobody counts what lies empty until it is refilled
+            return None  # nobody counts the slots that stay empty until the next refill
         is_full = cell.counters.get("compactions") or is_refilled
         return 1.0 if is_full else share
 
@@ -162,7 +162,7 @@ def _launches(result: Result, accounting: Accounting, has_difference: bool) -> I
 
 
 def _least_time_of_a_launch(result: Result) -> tuple[float, Cell] | None:
-    """Milliseconds of the file's cell with the least time a launch: what a launch alone costs is no more than that."""
+    """An upper bound on the cost of a launch, in ms: the least time per launch of the file's cells, with its cell."""
     found = []
     for cell in result.cells:
         launches = cell.work_per_spp("launches") if cell.measured else None
@@ -215,7 +215,7 @@ def _threads(result: Result, a: Cell, b: Cell) -> Iterator[Fact]:
 
 
 def _kernels(a: Cell, b: Cell) -> Iterator[Fact]:
-    """Registers and local memory of the kernels, where they differ or only one has them."""
+    """Registers and local memory of the kernels, where they differ or only one variant has the kernel."""
     kernels = [cell.cuda.kernels if cell.cuda is not None else {} for cell in (a, b)]
     for name in dict.fromkeys([*kernels[0], *kernels[1]]):
         of = [kernels[0].get(name), kernels[1].get(name)]
@@ -229,7 +229,7 @@ def _kernels(a: Cell, b: Cell) -> Iterator[Fact]:
 
 
 def _bytes(result: Result, accounting: Accounting) -> Iterator[Fact]:
-    """The traffic of path states as a yardstick: each live path's read and written once a bounce."""
+    """Memory traffic of path states as a yardstick: each live path's state is read and written once per bounce."""
     accounts = accounting.a, accounting.b
     states = [account.cell.cuda.path_state_bytes if account.cell.cuda is not None else None for account in accounts]
     done = [account.cell.instrumented for account in accounts]
@@ -258,7 +258,7 @@ def _bytes(result: Result, accounting: Accounting) -> Iterator[Fact]:
 
 
 def rated_bandwidth(result: Result) -> float | None:
-    """Bytes a second: two transfers a clock of the memory, over its bus; None where the file lacks them."""
+    """Memory bandwidth in bytes/s: two transfers per clock over the bus width; None where the file lacks them."""
     clock, bus = (result.context.get(f"ptbench.cuda_memory_{name}", "") for name in ("clock_mhz", "bus_bits"))
     if not clock.isdecimal() or not bus.isdecimal() or not int(clock) or not int(bus):
         return None
@@ -266,6 +266,6 @@ def rated_bandwidth(result: Result) -> float | None:
 
 
 def same_work(facts: Sequence[Fact]) -> bool:
-    """Whether both trace the same rays."""
+    """Whether both variants trace the same rays."""
     rays = next((fact for fact in facts if fact.quantity == MILLION_RAYS), None)
     return rays is not None and abs(rays.b / rays.a - 1) <= _SAME

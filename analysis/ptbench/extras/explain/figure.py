@@ -1,4 +1,4 @@
-"""Where the time of two cells differs: both as stacked bars, and the steps from one total to the other."""
+"""The figure of `explain`: the times of two cells as stacked bars, and the steps from one total to the other."""
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -23,7 +23,7 @@ _GREY, _MORE, _LESS = "#b5b5b5", "#D55E00", "#0072B2"
 
 
 def draw(result: Result, pair: Pair) -> Figure:
-    """One page: the finding's numbers in the title, the bars, the steps, and how to read them."""
+    """Draws one page: the finding in the title, the bars, the steps, and how to read them."""
     accounting = pair.accounting
     a, b = accounting.a, accounting.b
     names = [f"{side}: {label}" for side, label in zip("AB", pair.labels, strict=True)]
@@ -110,7 +110,7 @@ def _stage_names(pair: Pair) -> list[str]:
 
 
 def _look(pair: Pair, name: str) -> tuple[str, str]:
-    """Colour and hatch; neither alone has to tell."""
+    """The colour and hatch of a stage, either of which suffices to tell stages apart."""
     if name == OUTSIDE:
         return _GREY, ""
     index = _stage_names(pair).index(name)
@@ -119,7 +119,7 @@ def _look(pair: Pair, name: str) -> tuple[str, str]:
 
 
 def _legend_rows(pair: Pair, width: float) -> list[list[str]]:
-    """The stages' names in lines that fit."""
+    """The names of stages in legend lines that fit the width."""
     outside = [OUTSIDE] if pair.accounting.a.divided or pair.accounting.b.divided else []
     rows: list[list[str]] = [[]]
     used = 0.0
@@ -148,7 +148,7 @@ def _draw_legend(page: style.Page, rows: list[list[str]], pair: Pair, top: float
 
 
 def _draw_bar(axes: Axes, y: float, account: Account, pair: Pair) -> float:
-    """The stages of the instrumented pass end to end, and the timed median on them; where it ends."""
+    """Draws the stages of the instrumented pass end to end, marks the timed median; returns the bar's end."""
     x = 0.0
     for name, ms in (*account.stages.items(), (OUTSIDE, max(account.outside, 0.0))):
         colour, hatch = _look(pair, name)
@@ -171,7 +171,7 @@ def _draw_steps(
     left: float,
     top: float,
 ) -> None:
-    """A row each for A's median, the steps, and B's: every bar begins where the one above it ends."""
+    """Draws a row for A's median, for each step, and for B's median: every bar begins where the one above ends."""
     accounting = pair.accounting
     at = accounting.a.total.value
     spans = [(0.0, at), *((0.0, 0.0) for _ in accounting.steps), (0.0, accounting.b.total.value)]

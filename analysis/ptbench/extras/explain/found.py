@@ -1,4 +1,4 @@
-"""What an explanation finds: pairs of cells and all that is said of them."""
+"""What an explanation finds: pairs of cells with all facts about them."""
 
 from dataclasses import dataclass, field
 
@@ -11,7 +11,7 @@ from ptbench.stats.estimates import FASTER, SLOWER, Estimate, Verdict
 
 @dataclass(frozen=True)
 class Setting:
-    """Where both variants ran: the fields that a pair of cells has in common."""
+    """A setting in which both variants ran: the fields that a pair of cells has in common."""
 
     scene: str
     backend: str
@@ -27,7 +27,7 @@ class Setting:
 
 @dataclass(frozen=True)
 class Pair:
-    """Two measured cells of one setting and all that is said of them; B is held against A."""
+    """Two measured cells of one setting and all facts about them; B is compared with A."""
 
     setting: Setting
     labels: tuple[str, str]
@@ -39,7 +39,7 @@ class Pair:
 
     @property
     def has_difference(self) -> bool:
-        """Whether there is a difference for the parts to be parts of."""
+        """Whether the verdict is FASTER or SLOWER, so that there is a difference to explain."""
         return self.verdict.word in (FASTER, SLOWER)
 
     @property
@@ -50,7 +50,7 @@ class Pair:
 
 @dataclass(frozen=True)
 class Choice:
-    """What of the file is looked at."""
+    """Which part of the result file is explained."""
 
     scene: str = ""
     depth: int | None = None
@@ -59,7 +59,7 @@ class Choice:
 
 @dataclass
 class Found:
-    """The pairs, and in words what there was besides that has none."""
+    """The pairs of cells, and in words the cells that have no partner."""
 
     pairs: list[Pair] = field(default_factory=list)
     left_out: list[str] = field(default_factory=list)

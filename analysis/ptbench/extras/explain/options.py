@@ -1,4 +1,4 @@
-"""The command line of `explain`."""
+"""The command line options of `explain`."""
 
 import argparse
 from pathlib import Path

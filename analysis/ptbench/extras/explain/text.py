@@ -1,4 +1,4 @@
-"""What `explain` says: one sentence of finding, two small tables, and how far their numbers can be trusted."""
+"""The text of `explain`: one sentence of finding, two small tables, and how reliable their numbers are."""
 
 from collections.abc import Sequence
 
@@ -24,7 +24,7 @@ _METHOD = (
     "no file can say."
 )
 
-_NO_PART = "—"  # of a difference that is not known to be there
+_NO_PART = "—"  # placeholder for a share of a difference that is not established
 
 _PROFILED = (
     ", more than 5 % away: the profiled render, another one with its own spp and clocks, does not account for this "
@@ -33,7 +33,7 @@ _PROFILED = (
 
 
 def explained(result: Result, names: tuple[str, str], found: Found) -> str:
-    """The explanation as Markdown that also reads well in a terminal."""
+    """The explanation as Markdown that is also readable in a terminal."""
     lines = [f"# {result.path.name}: where the time differs", ""]
     lines += [f"- A: {names[0]}", f"- B: {names[1]}"]
     lines += [
@@ -51,7 +51,7 @@ def explained(result: Result, names: tuple[str, str], found: Found) -> str:
 
 
 def page_of(result: Result, names: tuple[str, str], found: Found, pictures: dict) -> str:
-    """explain.md: the same with the figures in it."""
+    """The text of explain.md: the explanation with its figures."""
     text = explained(result, names, found)
     for setting, file in pictures.items():
         text = text.replace(f"## {setting}\n", f"## {setting}\n\n![{setting}]({file})\n", 1)
@@ -71,7 +71,7 @@ def _section(pair: Pair) -> list[str]:
 
 
 def finding(pair: Pair) -> str:
-    """The result in one sentence, no firmer than the verdict on the times."""
+    """The finding in one sentence, no firmer than the verdict on the times."""
     a, b = pair.labels
     word, said = pair.verdict.word, pair.verdict.said
     totals = f"{figures(pair.accounting.b.total.value)} against {figures(pair.accounting.a.total.value)} ms a spp"
@@ -109,7 +109,7 @@ def _where(pair: Pair) -> str:
 
 
 def _per_ray(pair: Pair) -> str:
-    """What the rays alone say, where no stages say more."""
+    """A sentence on the time per ray, for cells without stage times."""
     price = next((fact for fact in pair.facts if fact.quantity == NS_A_RAY), None)
     if price is None:
         return ""
@@ -138,7 +138,7 @@ def _step_rows(pair: Pair) -> list[tuple[str, ...]]:
 
 
 def how_far(pair: Pair) -> list[str]:
-    """How the two passes relate, and what the table therefore is not."""
+    """How the timed and the instrumented pass relate, and how far the table of stages can be trusted."""
     accounting = pair.accounting
     lines = []
     if accounting.merged:
@@ -182,14 +182,14 @@ def _passes(name: str, account: Account) -> str:
 
 
 def _share(part: float) -> str:
-    """In digits that show whether it is within 5 % of all."""
+    """A share in per cent, with enough digits to show whether it is within 5 % of the whole."""
     limits = [100 * (1 - ADD_UP_WITHIN), 100 * (1 + ADD_UP_WITHIN)]
     digits = telling_digits([100 * part], limits, lambda value, count: f"{value:.{count}f}", least=1)
     return f"{100 * part:.{digits}f} %"
 
 
 def _counted(pair: Pair) -> list[str]:
-    """Counters of `ptbench inspect`, where its files were named and have both."""
+    """Hardware counters of `ptbench inspect`, where its files were given and have both variants."""
     if pair.inspected is None:
         return []
     kernels = [
@@ -246,7 +246,7 @@ def _number(value: float | None) -> str:
 
 
 def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    """A Markdown table whose columns are padded, so that it can be read as text; the last column is as it comes."""
+    """A Markdown table with padded columns, readable as plain text; the last column is not padded."""
     widths = [max(3, *(len(row[column]) for row in (head, *rows))) for column in range(len(head) - 1)]
 
     def line(row: Sequence[str]) -> str:

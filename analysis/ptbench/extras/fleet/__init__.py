@@ -1,1 +1,1 @@
-"""A suite on several models of GPU: ratios, rankings that change, and how much of a ratio a data sheet explains."""
+"""A suite on several GPU models: time ratios, changed rankings, and how much of a ratio data sheets explain."""

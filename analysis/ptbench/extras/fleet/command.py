@@ -1,4 +1,4 @@
-"""`python3 -m ptbench fleet A.json B.json .. --inspect FILE..`: the exit code is 0, or 2 for bad input."""
+"""`python3 -m ptbench fleet A.json B.json .. --inspect FILE..`: compares GPUs; exit code 0, or 2 for bad input."""
 
 import argparse
 
@@ -12,7 +12,7 @@ from ptbench.terminal import say
 
 
 def fleet_command(options: argparse.Namespace) -> int:
-    """Compares, predicts and tells; raises InputError."""
+    """Runs `fleet`: compares GPUs, predicts ratios and prints both; raises InputError."""
     if options.out is not None:
         check_output_folder(options.out)
     fleet = fleet_of(options.results, options.inspect, options.gpu)
@@ -23,7 +23,7 @@ def fleet_command(options: argparse.Namespace) -> int:
     page = markdown_page("A suite on several GPUs", sections(fleet, whole=True))
     print()
     try:
-        # Drawing libraries take a moment to load.
+        # matplotlib is imported here because loading it takes a moment.
         from ptbench.extras.fleet.figure import save_predictions
 
         figures = save_predictions(fleet, options.out)

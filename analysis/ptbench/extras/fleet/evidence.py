@@ -1,7 +1,7 @@
-"""Which counters hold for which cell of a suite: its own variant's, or those of the nearest that was counted.
+"""Which hardware counters stand for a cell of a suite: its own variant's, or those of the nearest counted variant.
 
-Counters are of kernels. How the host launches them (the axis `launch`) is none of theirs, and whether the render that
-was counted was the cell's own shows in its rays a sample.
+Counters describe kernels. How the host launches the kernels (the axis `launch`) does not affect them, and the rays per
+sample show whether the counted render was the cell's own.
 """
 
 from collections.abc import Sequence
@@ -18,13 +18,13 @@ from ptbench.io.inspection import Inspected, inspected_of
 OWN, NEAR = "own", "near"
 _MEMORY_CEILING = "memory_gb_"
 _SAME_RAYS = 0.01
-# What is measured of a copy is below what the data sheet allows, and not far below.
+# Plausible range of a measured copy bandwidth, relative to the data sheet's bandwidth.
 _PLAUSIBLE = (0.5, 1.0)
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """Counters that speak for a cell; NEAR: of other tunables, or another depth or resolution, of the variant."""
+    """Counters that stand for a cell; NEAR: from a variant with other tunables, depth or resolution."""
 
     kind: str
     entry: Inspected
@@ -32,8 +32,8 @@ class Evidence:
 
 
 def evidence_of(cell: Cell, entries: Sequence[Inspected]) -> Evidence | None:
-    """What was counted of the cell's variant in its scene; None: nothing."""
-    # The kernels are those of a launch by stream.
+    """The counters of a cell's variant in its scene, or of the nearest variant; None: nothing was counted."""
+    # The counted kernels were launched by stream, whatever the cell's choice of `launch`.
     wanted = replace(cell, axes={**cell.axes, **({"launch": "stream"} if "launch" in cell.axes else {})})
     counted = [entry for entry in entries if times_of(entry)]
     own = inspected_of(wanted, counted)
@@ -47,7 +47,7 @@ def evidence_of(cell: Cell, entries: Sequence[Inspected]) -> Evidence | None:
 
 
 def times_of(entry: Inspected) -> tuple[KernelTime, ...]:
-    """The kernels that ran and were counted."""
+    """The kernels of a render that ran and were counted, with their times."""
     return tuple(
         KernelTime(kernel.name, kernel.milliseconds, kernel.of_ceiling)
         for kernel in (*entry.kernels, *entry.others)
@@ -56,7 +56,7 @@ def times_of(entry: Inspected) -> tuple[KernelTime, ...]:
 
 
 def check_gpu(entries: Sequence[Inspected], gpu: Gpu, of: str) -> None:
-    """Raises InputError where counters cannot be that GPU's: its memory is slower than the ceiling, or far faster."""
+    """Raises InputError for counters of another GPU: the measured memory ceiling does not fit the GPU's bandwidth."""
     for entry in entries:
         for key, value in entry.ceilings.items():
             if not key.startswith(_MEMORY_CEILING):
@@ -77,7 +77,7 @@ def _is_same_work(cell: Cell, entry: Inspected) -> bool:
 
 
 def _unlike(cell: Cell, entry: Inspected) -> int:
-    """Tunables that differ; one that only one of the two has counts twice, as it is at its standard in the other."""
+    """The number of differing tunables; one that only one variant names counts twice, being standard in the other."""
     names = cell.tuned.keys() | entry.tuned.keys()
     differing = [name for name in names if cell.tuned.get(name) != entry.tuned.get(name)]
     return sum(1 if name in cell.tuned and name in entry.tuned else 2 for name in differing)

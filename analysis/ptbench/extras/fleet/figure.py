@@ -1,4 +1,4 @@
-"""Predicted and measured ratios of a fleet's GPU over its first one, a point a cell; within the band lies the aim."""
+"""Predicted against measured time ratios of a GPU over the fleet's first, a point per cell, with the target band."""
 
 from pathlib import Path
 
@@ -17,7 +17,7 @@ _BAND = "#e4e4e4"
 
 
 def save_predictions(fleet: Fleet, folder: Path) -> list[Path]:
-    """predicted_MARK.png and .svg of every other GPU that has predictions; raises NotDrawable where none has."""
+    """Saves predicted_MARK.png and .svg for every other GPU with predictions; raises NotDrawable if none has any."""
     written: list[Path] = []
     with style.applied():
         for mark, other in zip("BCDEFGHIJKLMNOPQRSTUVWXYZ", fleet.others, strict=False):
@@ -29,7 +29,7 @@ def save_predictions(fleet: Fleet, folder: Path) -> list[Path]:
 
 
 def draw(fleet: Fleet, other: Other) -> Figure:
-    """One page: filled marks have counters of their own, hollow ones near ones."""
+    """Draws one page: filled marks for cells with their own counters, hollow ones for those of a near variant."""
     points = other.predictions
     integrators = list(dict.fromkeys(one.cell.axes["integrator"] for one in points))
     looks = {name: style.look(index) for index, name in enumerate(integrators)}

@@ -1,4 +1,4 @@
-"""A suite on several models of GPU, with what was predicted of each cell and how far off that was."""
+"""A suite on several GPU models, with the predicted time of each cell and the error of the prediction."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -12,54 +12,54 @@ from ptbench.extras.fleet.model import RULES, USED, Rule, bound_of, predicted
 from ptbench.io.cells import Cell
 from ptbench.io.inspection import Inspected, load_inspected
 
-NEAR_ENOUGH = 0.05  # of a prediction, relative to what was measured
-BAR = 0.9  # of the variants must be predicted that well
+NEAR_ENOUGH = 0.05  # relative error up to which a predicted time ratio counts as right
+BAR = 0.9  # share of the variants whose prediction must be right
 
 
 @dataclass(frozen=True)
 class Prediction:
-    """A cell on another GPU; ratios are that GPU's time over the first one's."""
+    """The prediction for a cell on another GPU; ratios are its time there over that on the first GPU."""
 
     row: Row
     evidence: Evidence
     bound: str
     shares: dict[str, float]
-    ratios: dict[str, float]  # by the name of the rule
+    ratios: dict[str, float]  # predicted ratio, by name of the rule
 
     @property
     def cell(self) -> Cell:
-        """As the first file has it."""
+        """The cell as measured on the first GPU."""
         return self.row.pair.reference
 
     @property
     def is_own(self) -> bool:
-        """Whether the very variant was counted, in the very render."""
+        """Whether the counters are of the cell's own variant and render."""
         return self.evidence.kind == OWN
 
     def error(self, rule: Rule = USED) -> float:
-        """Error of the predicted ratio, relative to the measured one."""
+        """The relative error of the predicted time ratio."""
         return self.ratios[rule.name] / self.row.ratio.value - 1
 
 
 @dataclass(frozen=True)
 class Score:
-    """How well a rule predicts."""
+    """How well a rule predicts time ratios."""
 
     rule: Rule
     count: int
     within: int
-    mean: float  # of the errors' sizes
-    worst: float  # with its sign
+    mean: float  # mean absolute prediction error
+    worst: float  # largest prediction error, with its sign
 
     @property
     def share(self) -> float:
-        """Share of the variants that are predicted well enough."""
+        """The share of variants whose prediction is within the accepted error."""
         return self.within / self.count
 
 
 @dataclass(frozen=True)
 class Other:
-    """Another GPU of the fleet against the first one; `rows` without counters are not predicted."""
+    """Another GPU of the fleet compared with the first; `rows` without counters have no prediction."""
 
     gpu: Gpu
     comparison: Comparison
@@ -67,9 +67,9 @@ class Other:
     unpredicted: tuple[Row, ...]
 
     def scores(self, *, own: bool, without: str = "") -> list[Score]:
-        """Scores of every rule, over what was itself counted or all that has any counters; empty where nothing has.
+        """Scores of every rule, over cells with their own counters or with any; empty where there are none.
 
-        `without`: a scene that does not count.
+        `without` names a scene that is excluded.
         """
         chosen = [one for one in self.predictions if (one.is_own or not own) and one.cell.scene != without]
         return [_score(rule, chosen) for rule in RULES] if chosen else []
@@ -77,26 +77,26 @@ class Other:
 
 @dataclass(frozen=True)
 class Unowned:
-    """A GPU of which there is a data sheet alone, and what is predicted of it."""
+    """A GPU that nobody measured, with predictions from its data sheet."""
 
     gpu: Gpu
-    ratios: dict[str, float]  # by the name of the cell, of those that were themselves counted
+    ratios: dict[str, float]  # predicted ratio by cell name, for cells with their own counters
 
 
 @dataclass(frozen=True)
 class Fleet:
-    """All that the command tells."""
+    """Everything that `fleet` reports."""
 
     compared: Compared
     first: Gpu
     others: tuple[Other, ...]
     unowned: tuple[Unowned, ...]
     static: tuple[Inspected, ...]
-    evidence: dict[str, Evidence] = field(default_factory=dict)  # of the first file's cells, by name
+    evidence: dict[str, Evidence] = field(default_factory=dict)  # counters of the first file's cells, by cell name
 
 
 def fleet_of(results: Sequence[Path], inspected: Sequence[Path], models: Sequence[str] = ()) -> Fleet:
-    """Loads, compares and predicts; the first result file is of the GPU that counters are of. Raises InputError."""
+    """Loads, compares and predicts; the counters are of the first result file's GPU. Raises InputError."""
     compared = compare_files(results)
     first = gpu_of_result(compared.results[0])
     entries = [entry for path in inspected for entry in load_inspected(path)]

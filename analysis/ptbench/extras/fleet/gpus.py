@@ -1,4 +1,4 @@
-"""What models of GPU can do at most: from the result file of one that ran the suite, else from a data sheet."""
+"""Peak rates of GPU models: from a result file of one that ran the suite, else from a data sheet."""
 
 import re
 from dataclasses import dataclass
@@ -10,16 +10,16 @@ from ptbench.io.files import package_file
 from ptbench.io.nodes import Node, read_json
 
 SHEETS = "gpus.json"
-# Pipes that execute warps' instructions; a multiprocessor issues as many of all together as it has schedulers.
+# Execution pipes whose use is counted; a multiprocessor issues one warp instruction per scheduler and clock in all.
 PIPES = ("fma", "alu", "xu")
-# Schedulers and lanes of every architecture from Turing on; a scheduler issues one warp's instruction a clock.
+# Schedulers per multiprocessor and lanes per warp, on every architecture since Turing.
 _SCHEDULERS = 4
 _LANES = 32
 
 
 @dataclass(frozen=True)
 class Gpu:
-    """A model of GPU; `per_clock` is warps' instructions a clock and multiprocessor by pipe, "issue" among them."""
+    """A GPU model; `per_clock` is warp instructions per clock and multiprocessor, by pipe and for "issue"."""
 
     name: str
     capability: str
@@ -31,7 +31,7 @@ class Gpu:
     per_clock: dict[str, float]
 
     def rate(self, pipe: str) -> float:
-        """1e9 warps' instructions a second of a pipe, or of "issue"; of a cache clocks of all multiprocessors."""
+        """Peak rate of a pipe or "issue", 1e9 warp instructions per second; of a cache, all multiprocessors' clocks."""
         return self.multiprocessors * self.clock_mhz * self.per_clock.get(pipe, 1.0) / 1e3
 
 
@@ -41,12 +41,12 @@ def _sheets() -> Node:
 
 
 def known_gpus() -> list[str]:
-    """Models of which there is a data sheet."""
+    """The GPU models with a data sheet in the package."""
     return list(_sheets().need("gpus").fields())
 
 
 def gpu_of_sheet(model: str) -> Gpu:
-    """The model's data sheet; raises InputError."""
+    """A GPU model from its data sheet; raises InputError."""
     if model not in known_gpus():
         raise InputError(f'--gpu: found "{model}", allowed: {", ".join(known_gpus())}')
     sheet = _sheets().need("gpus").need(model)
@@ -64,7 +64,7 @@ def gpu_of_sheet(model: str) -> Gpu:
 
 
 def gpu_of_result(result: Result) -> Gpu:
-    """The GPU that ran, as CUDA reported it: memory moves twice a memory clock. Raises InputError."""
+    """The GPU of a result, as CUDA reported it, with two memory transfers per clock. Raises InputError."""
     if result.about("backend") != GPU_BACKEND:
         raise InputError(f"{result.path}: found the backend {result.about('backend')}, allowed: {GPU_BACKEND}")
     facts = {

@@ -1,24 +1,25 @@
-"""What a variant would take on another GPU, from its kernels' counters on one and both GPUs' data sheets.
+"""Predicts a variant's time on another GPU, from its kernels' counters on one GPU and both GPUs' data sheets.
 
-A kernel's counters say which part m of the memory's ceiling it reached, and which parts u_p of the pipes' and caches'.
-Of its time a share e scales with memory, and the rest goes by instructions:
+A kernel's counters give the fraction m that it reaches of the memory ceiling, and the fractions u_p of those of pipes
+and caches. A fraction e of its time scales with memory, and the rest with the instruction rate:
 
     t' / t = e B / B' + (1 - e) max_p(u_p R_p / R'_p) / max_p(u_p)
 
-with bandwidths B and rates R_p = multiprocessors x clock x instructions a clock of pipe p (of a cache: multiprocessors
-x clock); primes are the other GPU's. Four rules for e:
+with bandwidths B and rates R_p = multiprocessors x clock x instructions per clock of pipe p (of a cache:
+multiprocessors x clock); primes are the other GPU's. Four rules give e:
 
-- shares of time: e = m, as if memory and pipes never worked at once. The split of time into one that scales with memory
-  and one that scales with the core is that of models of frequency scaling (leading loads: Keramidas et al. 2010; CRISP:
+- shares of time: e = m, as if memory and pipes never worked at once. Models of frequency scaling split time into a part
+  that scales with memory and one that scales with the core in this way (leading loads: Keramidas et al. 2010; CRISP:
   Nath and Tullsen, MICRO 2015).
-- exposed memory: e = m (1 - u) / (1 - m u), u the nearest pipe's part. Both are busy, each by itself, m and u of the
-  time, so at once m u of it; whatever time that is belongs to each as the rest does, where memory alone has m (1 - u).
-- pipes alone: as exposed memory, with u the nearest of the pipes that execute. Caches are on memory's way: what goes
-  through them on that way does not work beside it.
+- exposed memory: e = m (1 - u) / (1 - m u), with u the nearest pipe's fraction. Memory and pipes are busy
+  independently, m and u of the time, so both for m u of it, which is divided in proportion to the rest; memory alone
+  has m (1 - u).
+- pipes alone: as exposed memory, with u the nearest of the execution pipes. Caches are on the way to memory, and what
+  passes through them does not overlap with it.
 - nearest ceiling: e is 1 where memory is nearest and else 0, as in the roofline (Williams et al. 2009).
 
-A variant's ratio is the mean of its kernels' by their time, and the host's part of a render stays as it is. Caches of
-another size are not modelled: bytes of memory stay what they were.
+A variant's ratio is the mean over its kernels, weighted by time; the host's part of a render stays constant. Caches of
+another size are not modelled: the bytes of memory traffic stay the same.
 """
 
 from collections.abc import Callable, Sequence
@@ -32,7 +33,7 @@ _CACHES = ("l1", "l2")
 
 @dataclass(frozen=True)
 class KernelTime:
-    """One kernel's time in a render, in any unit, and what part of each ceiling it reached."""
+    """The time of one kernel in a render, in any unit, and the fraction of each ceiling that the kernel reached."""
 
     name: str
     time: float
@@ -41,7 +42,7 @@ class KernelTime:
 
 @dataclass(frozen=True)
 class Rule:
-    """A way to predict: a name, what it says, and a kernel's ratio of times."""
+    """A rule of prediction: its name, its statement, and the function that gives a kernel's time ratio."""
 
     name: str
     said: str
@@ -49,7 +50,7 @@ class Rule:
 
 
 def _core(kernel: KernelTime, one: Gpu, other: Gpu) -> float:
-    """Time that goes by instructions, over what it was: the nearest pipe's, once rates are the other GPU's."""
+    """Ratio of the instruction-bound time: that of the pipe nearest its ceiling at the other GPU's rates."""
     core = {name: share for name, share in kernel.shares.items() if name != MEMORY}
     nearest = max(core.values())
     if nearest == 0:
@@ -66,7 +67,7 @@ def _split(exposed: float, kernel: KernelTime, one: Gpu, other: Gpu) -> float:
 
 
 def _parts(kernel: KernelTime) -> tuple[float, float]:
-    """Shares that are reached of memory's ceiling and of the nearest other one."""
+    """The fractions reached of the memory ceiling and of the nearest other ceiling."""
     return min(1.0, kernel.shares[MEMORY]), max(share for name, share in kernel.shares.items() if name != MEMORY)
 
 
@@ -75,7 +76,7 @@ def _shares_of_time(kernel: KernelTime, one: Gpu, other: Gpu) -> float:
 
 
 def _exposed(memory: float, beside: float, kernel: KernelTime, one: Gpu, other: Gpu) -> float:
-    """`beside`: the part of the time in which something else works as well."""
+    """Ratio by the exposed-memory rule; `beside` is the fraction of the time in which a pipe or cache is busy."""
     if memory == 1 or beside >= 1:
         return _split(float(memory == 1), kernel, one, other)
     return _split(memory * (1 - beside) / (1 - memory * beside), kernel, one, other)
@@ -106,7 +107,7 @@ def _memory(_: KernelTime, one: Gpu, other: Gpu) -> float:
 SHARES = Rule("shares of time", "memory's part of the time scales with bandwidth", _shares_of_time)
 EXPOSED = Rule("exposed memory", "the same, less what pipes do meanwhile", _exposed_memory)
 PIPES = Rule("pipes alone", "the same, caches not being pipes", _pipes_alone)
-# The one that predictions are made by: chosen on counters of an H200, and then tested on those of an H100.
+# The rule that predictions use: chosen on counters of an H200 and then tested on those of an H100.
 USED = PIPES
 RULES = (
     PIPES,
@@ -119,14 +120,14 @@ RULES = (
 
 
 def predicted(kernels: Sequence[KernelTime], device_share: float, one: Gpu, other: Gpu, rule: Rule = USED) -> float:
-    """Time on `other` over time on `one`; `device_share` of the render on `one` is the device's."""
+    """Predicted time on `other` over time on `one`; `device_share` is the kernels' fraction of the render on `one`."""
     total = sum(kernel.time for kernel in kernels)
     device = sum(kernel.time * rule.ratio(kernel, one, other) for kernel in kernels) / total
     return device_share * device + (1 - device_share)
 
 
 def bound_of(kernels: Sequence[KernelTime]) -> tuple[str, dict[str, float]]:
-    """The ceiling that the variant is nearest to, and its part of each: means of its kernels' by their time."""
+    """The ceiling nearest to which a variant runs, and the fraction it reaches of each, averaged over kernel time."""
     total = sum(kernel.time for kernel in kernels)
     names = dict.fromkeys(name for kernel in kernels for name in kernel.shares)
     shares = {name: sum(kernel.time * kernel.shares.get(name, 0.0) for kernel in kernels) / total for name in names}

@@ -1,4 +1,4 @@
-"""The command line of `fleet`."""
+"""The command line options of `fleet`."""
 
 import argparse
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""A suite on several GPUs, as a page asks it: what differs, what turns, and what counters and data sheets explain."""
+"""A suite on several GPUs as a source of numbers for a page: ratios, changed rankings, predictions from counters."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from ptbench.studies.programs import why_not_one
 
 
 class FleetSource(Source, form=SEVERAL):
-    """Result files of GPUs, the first of the one that counters are of; a page speaks of the first two."""
+    """Result files of several GPUs, of which pages compare the first two; counters are of the first file's GPU."""
 
     near_enough = percent(NEAR_ENOUGH)
     bar = percent(BAR)
@@ -47,7 +47,7 @@ class FleetSource(Source, form=SEVERAL):
 
     @classmethod
     def of(cls, results: Path, about: Mapping) -> FleetSource:
-        """The file and those "against" it, with files that "inspect" wrote and "models" that nobody has."""
+        """Makes the source of a page's "file" and those "against" it, with "inspect" files and unmeasured "models"."""
         return cls(results, (about["file"], *about["against"]), about.get("inspect", ()), about.get("models", ()))
 
     @property
@@ -56,19 +56,19 @@ class FleetSource(Source, form=SEVERAL):
 
     @property
     def first(self) -> str:
-        """The first GPU's name."""
+        """The name of the first GPU."""
         return self._fleet.first.name
 
     @property
     def other(self) -> str:
-        """The second GPU's name."""
+        """The name of the second GPU."""
         return self._other.gpu.name
 
     @property
     def mean(self) -> str:
         """Geometric mean of times on the second GPU over times on the first, with its interval.
 
-        Without the cells that other processes disturbed on either: there it would be a host's.
+        Cells disturbed by other processes on either GPU are left out, because their times are the host's.
         """
         pairs = self._undisturbed
         if not pairs:
@@ -79,7 +79,7 @@ class FleetSource(Source, form=SEVERAL):
 
     @property
     def disturbed(self) -> int:
-        """Cells that other processes disturbed on either GPU, which no verdict and no mean is of."""
+        """The number of cells that other processes disturbed on either GPU; no verdict or mean uses them."""
         return self.cells - len(self._undisturbed)
 
     @property
@@ -89,11 +89,11 @@ class FleetSource(Source, form=SEVERAL):
 
     @property
     def cells(self) -> int:
-        """Cells that both files have."""
+        """The number of cells that both files contain."""
         return len(self._other.comparison.rows)
 
     def ratios(self, integrators: str = "") -> list[float]:
-        """Second over first, of every cell of these integrators, or of all."""
+        """Time ratios, second GPU over first, of all cells, or those of the named integrators."""
         chosen = integrators.split()
         return [
             row.ratio.value
@@ -103,44 +103,44 @@ class FleetSource(Source, form=SEVERAL):
 
     @property
     def decided(self) -> int:
-        """Verdicts of studies that say something on both GPUs."""
+        """The number of study verdicts that are decisive on both GPUs."""
         return sum(pair.is_decided for pair in self._pairs)
 
     @property
     def changed(self) -> int:
-        """Number of verdicts that have another word on the other GPU."""
+        """The number of verdicts that are decisive on both GPUs and differ."""
         return sum(pair.is_changed for pair in self._pairs)
 
     def decided_about(self, axis: str) -> int:
-        """Verdicts about one axis or tunable that say something on both."""
+        """The number of verdicts about one axis or tunable that are decisive on both GPUs."""
         return sum(pair.is_decided and pair.axis == axis for pair in self._pairs)
 
     def changed_about(self, axis: str) -> int:
-        """Number of verdicts about one axis or tunable that have another word on the other GPU."""
+        """The number of verdicts about one axis or tunable that differ between the GPUs."""
         return sum(pair.is_changed and pair.axis == axis for pair in self._pairs)
 
     def turned_about(self, axis: str) -> int:
-        """Number of verdicts about one axis or tunable that are FASTER on one GPU and SLOWER on the other."""
+        """The number of verdicts about one axis or tunable that are FASTER on one GPU and SLOWER on the other."""
         return sum(pair.is_turned and pair.axis == axis for pair in self._pairs)
 
     @property
     def groups(self) -> int:
-        """Groups of variants with a ranking on both."""
+        """The number of groups of variants that are ranked on both GPUs."""
         return len(self._fleet.compared.rankings)
 
     @property
     def groups_changed(self) -> int:
-        """Number of groups of variants in which verdicts support another order."""
+        """The number of groups of variants whose order changes between the GPUs by their verdicts."""
         return sum(bool(group.changes) for group in self._fleet.compared.rankings)
 
     @property
     def within_noise(self) -> int:
-        """Pairs that change places within the noise, which is no change."""
+        """The number of pairs of variants that change places within the noise, which counts as no change."""
         return sum(group.within_noise for group in self._fleet.compared.rankings)
 
     @property
     def crossings(self) -> list[float]:
-        """The bandwidths, GB/s, at which the order of two variants turns."""
+        """Memory bandwidths, GB/s, at which the order of two variants changes."""
         gpus = (self._fleet.first, self._other.gpu)
         if not ran_one_program(self._fleet.compared.results):
             raise FindingError(f"{self._files}: several programs, so no turn is the bandwidth's alone")
@@ -149,38 +149,38 @@ class FleetSource(Source, form=SEVERAL):
 
     @property
     def unpredicted(self) -> int:
-        """Cells without counters."""
+        """The number of cells without counters, for which there is no prediction."""
         return len(self._other.unpredicted)
 
     def score(self, rule: str = USED.name, *, own: bool = True, without: str = "") -> Score:
-        """How well a rule predicts; `without`: a scene that does not count."""
+        """How well a rule predicts time ratios; `without` names a scene that is excluded."""
         found = [score for score in self._other.scores(own=own, without=without) if score.rule.name == rule]
         if not found:
             raise FindingError(f"{self._inspected}: no counters of a cell of {self._files[0]}")
         return found[0]
 
     def share(self, rule: str = USED.name, *, own: bool = True) -> Quantity:
-        """Per cent of the variants that a rule predicts well enough."""
+        """The per cent of the variants that a rule predicts well enough."""
         score = self.score(rule, own=own)
         return Quantity(Estimate(100 * score.share, None, None, score.count), rule)
 
     def worst(self, rule: str = USED.name, *, own: bool = True) -> Quantity:
-        """Per cent by which a rule is off at most, without its sign."""
+        """The largest error of a rule's predictions in per cent, unsigned."""
         return Quantity(Estimate(100 * abs(self.score(rule, own=own).worst), None, None, 1), rule)
 
     @property
     def reached(self) -> str:
-        """Whether the aim of predictions is reached."""
+        """ "reached" or "missed": whether enough variants are predicted well enough."""
         return "reached" if self.score().share >= BAR else "missed"
 
     @property
     def l2_mb(self) -> tuple[str, str]:
-        """Both L2 caches, MB."""
+        """The L2 cache sizes of both GPUs, MB."""
         one, other = (figures(gpu.l2_bytes / 1e6, 3) for gpu in (self._fleet.first, self._other.gpu))
         return one, other
 
     def device_mb(self, variant: str, scene: str) -> str:
-        """What a variant's render keeps on the first GPU, MB."""
+        """The device memory of a variant's render on the first GPU, MB."""
         cells = [row.pair.reference for row in self._other.comparison.rows]
         found = {
             round(cell.cuda.device_bytes / 1e6)
@@ -192,7 +192,7 @@ class FleetSource(Source, form=SEVERAL):
         return str(found.pop())
 
     def table(self, name: str) -> str:
-        """What the command tells of the first two GPUs, by the name of its part."""
+        """A table of the command `fleet` for the first two GPUs, by the name of its section."""
         labels = self._fleet.compared.labels
         parts = {
             "gpus": lambda: gpus_section(self._fleet),
@@ -209,12 +209,12 @@ class FleetSource(Source, form=SEVERAL):
 
     @property
     def commit(self) -> str:
-        """The older program's of the two, seven digits: the first file's where they are of one."""
+        """The commit of the older of the two results, seven digits; the first file's where they are equal."""
         return self._fleet.compared.results[0].about("git_sha")[:7]
 
     @property
     def provenance(self) -> str:
-        """Lines of a list: the files."""
+        """The list of result files with their GPUs and commits, as Markdown."""
         lines = [
             f"- {link_to(self._results, file)}: suite `{result.suite}`, {result.about('cuda_device')}, "
             f"{len(result.cells)} cells{disturbed_text(result)}; commit {result.about('git_sha')[:7]}, "

@@ -1,4 +1,4 @@
-"""What `fleet` found, in words and tables."""
+"""The findings of `fleet` in words and tables."""
 
 from collections.abc import Iterable
 
@@ -26,7 +26,7 @@ MODEL = (
 
 
 def sections(fleet: Fleet, *, whole: bool) -> list[Section]:
-    """The report; `whole` names every cell."""
+    """The report of `fleet`; `whole` lists every cell."""
     compared = fleet.compared
     found = [files_section(compared.results), gpus_section(fleet)]
     for mark, other in zip(MARKS[1:], fleet.others, strict=False):
@@ -43,7 +43,7 @@ def sections(fleet: Fleet, *, whole: bool) -> list[Section]:
 
 
 def gpus_section(fleet: Fleet) -> Section:
-    """What each GPU can do."""
+    """The section on the peak rates of each GPU."""
     gpus = [fleet.first, *(other.gpu for other in fleet.others), *(one.gpu for one in fleet.unowned)]
     rows = [
         (
@@ -68,7 +68,7 @@ def _over(gpu: Gpu, first: Gpu) -> str:
 
 
 def ratios_section(mark: str, other: Other) -> Section:
-    """The ratios of two GPUs by integrator, in few lines: `compare` has every cell."""
+    """The section on time ratios of two GPUs by integrator; `compare` lists every cell."""
     by_integrator: dict[str, list] = {}
     for row in other.comparison.rows:
         by_integrator.setdefault(row.pair.reference.axes["integrator"], []).append(row)
@@ -95,7 +95,7 @@ def ratios_section(mark: str, other: Other) -> Section:
 
 
 def verdicts_section(mark: str, other: Other, label: Labels) -> Section:
-    """Verdicts of the suite's studies that have another word on the other GPU."""
+    """The section on verdicts of the suite's studies that differ on the other GPU."""
     pairs = verdict_pairs(other.comparison)
     changed = [pair for pair in pairs if pair.is_changed]
     rows = [
@@ -120,7 +120,7 @@ def verdicts_section(mark: str, other: Other, label: Labels) -> Section:
 
 
 def changes_section(fleet: Fleet) -> Section:
-    """Changes of order, and at which bandwidth they happen where GPUs differ in their memory alone."""
+    """The section on changed rankings, with the bandwidth of each change where GPUs differ in memory alone."""
     compared = fleet.compared
     gpus = [fleet.first, *(other.gpu for other in fleet.others)]
     ranked = tuple(gpu for mark, gpu in zip(MARKS, gpus, strict=False) if mark in compared.ranked)
@@ -148,7 +148,7 @@ def changes_section(fleet: Fleet) -> Section:
 
 
 def prediction_sections(mark: str, other: Other, label: Labels) -> Iterable[Section]:
-    """How well the rules predict, and every cell with counters."""
+    """The sections on how well the rules predict, with every cell that has counters."""
     if not other.predictions:
         yield section(f"{mark} predicted", ("No variant has counters (--inspect).",))
         return
@@ -211,7 +211,7 @@ def _scores(mark: str, other: Other) -> Section:
 
 
 def unowned_section(fleet: Fleet) -> Section:
-    """What is predicted of GPUs from their data sheets alone."""
+    """The section on GPUs that are predicted from their data sheets alone."""
     label = fleet.compared.labels
     cells = [cell for cell in fleet.compared.results[0].cells if cell.name in fleet.unowned[0].ratios]
     rows = [
@@ -227,7 +227,7 @@ def unowned_section(fleet: Fleet) -> Section:
 
 
 def static_section(entries: Iterable[Inspected]) -> Section:
-    """Registers and occupancy of each kernel by architecture."""
+    """The section on registers and occupancy of each kernel, by architecture."""
     by_kernel: dict[tuple[str, str, str], dict[str, KernelCounters]] = {}
     for entry in entries:
         for kernel in entry.kernels:

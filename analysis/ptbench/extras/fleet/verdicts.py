@@ -1,7 +1,7 @@
-"""Which optimisations have another verdict on another GPU, and the bandwidth at which two variants take equal time.
+"""Verdicts that differ between two GPUs, and the memory bandwidth at which two variants take equal time.
 
-Verdicts are those of a study's own table: a cell over its study's baseline, each file by itself. A crossover takes a
-variant's time to be a + b / B, B the bandwidth: two GPUs that differ in their memory alone give a and b of each.
+Verdicts are those of a study's own table: a cell over its study's baseline, each file by itself. The crossover models a
+variant's time as a + b / B with bandwidth B: two GPUs that differ in memory alone determine a and b for each variant.
 """
 
 from collections.abc import Sequence
@@ -19,13 +19,13 @@ from ptbench.studies.rows import Row, measure
 from ptbench.studies.withdrawn import is_marked
 
 _DECISIVE = (FASTER, SLOWER, SAME)
-# Multiprocessors x clock of two GPUs that differ in their memory alone.
+# Relative difference of multiprocessors x clock up to which two GPUs differ in their memory alone.
 _SAME_CORE = 0.01
 
 
 @dataclass(frozen=True)
 class Pair:
-    """A cell of a study against the study's baseline, on both GPUs."""
+    """The verdict on a cell against its study's baseline, on both GPUs."""
 
     study: Study
     axis: str
@@ -35,24 +35,24 @@ class Pair:
 
     @property
     def is_decided(self) -> bool:
-        """Whether both verdicts say something."""
+        """Whether the verdicts on both GPUs are decisive."""
         return self.first.verdict.word in _DECISIVE and self.other.verdict.word in _DECISIVE
 
     @property
     def is_changed(self) -> bool:
-        """Whether both verdicts say something, and not the same."""
+        """Whether the verdicts on both GPUs are decisive and differ."""
         return self.is_decided and self.first.verdict.word != self.other.verdict.word
 
     @property
     def is_turned(self) -> bool:
-        """FASTER on one and SLOWER on the other."""
+        """Whether the cell is FASTER on one GPU and SLOWER on the other."""
         return {self.first.verdict.word, self.other.verdict.word} == {FASTER, SLOWER}
 
 
 def verdict_pairs(comparison: Comparison) -> list[Pair]:
-    """The cells that were paired in every study that both files have, in the reference's order.
+    """The verdicts of every study that both files have, for paired cells in the reference's order.
 
-    Without those whose verdicts are withdrawn.
+    Cells whose verdicts are withdrawn are left out.
     """
     partner = {row.pair.reference.name: row.pair.other.name for row in comparison.rows}
     theirs = {study.name: study for study in comparison.other.studies}
@@ -77,19 +77,19 @@ def verdict_pairs(comparison: Comparison) -> list[Pair]:
 
 
 def have_one_core(one: Gpu, other: Gpu) -> bool:
-    """Whether the two differ in their memory alone, as far as a data sheet says."""
+    """Whether two GPUs differ in their memory alone, as far as data sheets tell."""
     rates = one.rate("issue") / other.rate("issue")
     return one.capability == other.capability and abs(rates - 1) <= _SAME_CORE
 
 
 def ran_one_program(results: Sequence[Result]) -> bool:
-    """Whether a difference between the files is the GPUs' alone: one commit's kernels."""
+    """Whether all results come from one commit's kernels, so that only the GPUs differ."""
     commits = {result.about("git_sha") for result in results}
     return len(commits) == 1 and "unknown" not in commits
 
 
 def crossover(group: Ranking, change: Change, gpus: tuple[Gpu, ...]) -> Estimate | None:
-    """The bandwidth, GB/s, at which the two variants of a change take equal time; None: no such two GPUs.
+    """The bandwidth, GB/s, at which both variants of a ranking change take equal time; None where the GPUs do not fit.
 
     The interval resamples all four sets of times.
     """
@@ -112,7 +112,7 @@ def _medians(cell: Cell, random: np.random.Generator) -> np.ndarray:
 
 
 def _crossing(ahead_one, ahead_two, behind_one, behind_two, *, one: Gpu, two: Gpu):
-    """Where the lines through the two variants' times meet, over 1 / bandwidth."""
+    """The bandwidth where the two variants' times, linear in 1 / bandwidth, are equal."""
     x_one, x_two = 1 / one.gb_per_second, 1 / two.gb_per_second
     gap_one, gap_two = ahead_one - behind_one, ahead_two - behind_two
     return 1 / (x_one + (x_two - x_one) * gap_one / (gap_one - gap_two))

@@ -1,1 +1,1 @@
-"""Crossover maps: two axes, two choices, and the line where their ratio is 1."""
+"""Crossover maps: the ratio of two choices over two axes, and the line where the ratio is 1."""

@@ -1,4 +1,4 @@
-"""`map`: measures or looks up crossover maps, says where their lines are, and writes docs/maps."""
+"""`map`: measures or looks up crossover maps, tells where the choices break even, and writes docs/maps."""
 
 import os
 from collections.abc import Iterator, Sequence
@@ -24,14 +24,14 @@ CUT_SHORT = "the run was cut short"
 
 @dataclass(frozen=True)
 class Call(ledger.Call):
-    """The options of one call."""
+    """The options of one call of `map`."""
 
-    budget_s: float | None = None  # None: each map's own
+    budget_s: float | None = None  # seconds to spend on each map; None: the budget of the map's own file
 
 
 @dataclass(frozen=True)
 class Told:
-    """A map with what one machine measured of it; without a sheet nothing was."""
+    """A map and one machine's measurements of it; without a sheet nothing was measured."""
 
     definition: Definition
     machine: str = ""
@@ -39,28 +39,28 @@ class Told:
 
     @property
     def figure(self) -> str:
-        """The name of its figure's file; empty: there is none."""
+        """The file name of the map's figure; empty: there is none."""
         is_drawn = self.sheet is not None and can_be_drawn(self.sheet)
         return f"{self.definition.name}_{self.machine}.svg" if is_drawn else ""
 
     @property
     def sentences(self) -> list[str]:
-        """What was found, a line each."""
+        """Sentences on where the two choices of the map break even."""
         return [] if self.sheet is None else list(_sentences(self.sheet))
 
     @property
     def command(self) -> str:
-        """What measures it."""
+        """The command that measures the map."""
         return f"python3 -m ptbench map {self.definition.name} --run"
 
     @property
     def variants(self) -> tuple[str, str]:
-        """The two choices that the map compares, as the program takes them."""
+        """The map's two choices, as the program takes them."""
         return words_of(self.definition["choice"]), words_of(self.definition["over"])
 
 
 def maps(call: Call) -> int:
-    """Exit code: 0 told or written, 1 a page does not match."""
+    """Runs the command `map`; exit code 1: a page does not match its data, else 0."""
     definitions = maps_in(call.root / "maps", call.names)
     if call.run:
         _run(call, definitions)
@@ -77,7 +77,7 @@ def maps(call: Call) -> int:
 
 
 def told_of(definition: Definition, results: Path) -> list[Told]:
-    """What each machine measured of a map."""
+    """The measurements of a map on each machine."""
     files = sorted(results.glob(f"*/maps/{definition.name}.json"))
     return [Told(definition, file.parts[-3], sheet_of(definition, file)) for file in files] or [Told(definition)]
 
@@ -141,13 +141,13 @@ def _span_text(sheet: Sheet, one: Bracket) -> str:
 
 
 def advice_in(results: Path) -> list[dict]:
-    """What `advise --try` wrote, of every machine."""
+    """The results of `advise --try` of every machine."""
     files = sorted(results.glob("*/advice.json"))
     return [{**read_json(file).fields(), "file": file.relative_to(results).as_posix()} for file in files]
 
 
 def pages_of(root: Path, told: Sequence[Told], advice: Sequence[dict]) -> dict[str, str]:
-    """Every file of docs/maps by its name."""
+    """Every file of docs/maps, by name."""
     page = ledger.rendered_file(root / "docs" / "templates" / "maps" / "README.md", told=told, advice=advice)
     with style.applied():
         drawn = {one.figure: svg_of(draw(one.sheet)) for one in told if one.figure and one.sheet is not None}

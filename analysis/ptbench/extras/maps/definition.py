@@ -1,4 +1,4 @@
-"""A map is a file, maps/NAME.json: two choices, two axes, the rule that makes a cell's scene, and what may be spent."""
+"""A map is a file, maps/NAME.json: two choices, two axes, the generator of each cell's scene, and a time budget."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,18 +12,18 @@ from ptbench.io.files import named_files
 from ptbench.io.nodes import read_json, shown
 from ptbench.io.validate import complaints
 
-# The statistic that adds the time of the builds to that of so many samples a pixel.
+# The statistic that adds the build times to the time for a number of samples per pixel.
 TO_IMAGE = "time to an image"
 STATISTICS = (TIME, VARIANCE, TO_IMAGE)
-# What an axis may set besides a parameter of the scene's rule ("scene.NAME") and a tunable of both ("tunable.NAME").
-# "side": pixels along each side of a square image.
+# What a map's axis may set, besides a parameter of the scene generator ("scene.NAME") and a tunable ("tunable.NAME").
+# "side" is the width and height of a square image in pixels.
 _INTEGERS = ("depth", "side", "spp")
 _SETTINGS = (*_INTEGERS, "samples")
 
 
 @dataclass(frozen=True)
 class Definition:
-    """One file, checked."""
+    """A validated file of a map."""
 
     name: str
     document: dict
@@ -35,22 +35,22 @@ class Definition:
 
     @property
     def of_error(self) -> bool:
-        """Whether it needs error curves."""
+        """Whether the map's statistic needs error curves."""
         return self["statistic"] == VARIANCE
 
     def values(self, place: Place, prefix: str) -> dict[str, float]:
-        """What the axes set of the scene, or of the tunables."""
+        """The values that the axes set at a place, of names with the prefix "scene." or "tunable."."""
         pairs = zip(self.sets, place, strict=True)
         return {name.removeprefix(prefix): value for name, value in pairs if name.startswith(prefix)}
 
     def scene(self, place: Place) -> dict:
-        """A cell's scene."""
+        """The generated scene of a cell of the map."""
         about = self["scene"]
         fixed = {key: value for key, value in about.items() if key != "rule"}
         return RULES[about["rule"]](**{**fixed, **self.values(place, "scene.")})
 
     def study(self, place: Place, scene: str) -> dict:
-        """A cell's study of a suite: both choices in one scene."""
+        """The study that measures a cell: both choices of the map in one scene."""
         setting, tuned = self["setting"], self.values(place, "tunable.")
         variants = [
             {"axes": {axis: [value] for axis, value in one["axes"].items()},
@@ -72,11 +72,11 @@ class Definition:
         return self["setting"]["resolution"] if side is None else [int(side), int(side)]
 
     def samples(self, place: Place) -> float:
-        """For how many samples a pixel the time to an image is asked."""
+        """Samples per pixel for which the time to an image is computed."""
         return self.values(place, "samples").get("", float(self["setting"]["spp"]))
 
     def measured_alike(self, document: Mapping) -> bool:
-        """Whether cells of another version of the file are cells of this one."""
+        """Whether cells measured for another version of the map's file are valid for this one."""
         free = ("title", "question", "budget_s", "bracket", "description")
         return all(document.get(key) == value for key, value in self.document.items() if key not in free)
 
@@ -86,7 +86,7 @@ def _bare(variant: Mapping) -> dict:
 
 
 def read_map(path: Path) -> Definition:
-    """One file, checked; raises InputError."""
+    """Reads and validates the file of a map; raises InputError."""
     root = read_json(path)
     if found := list(complaints(root.value, "map")):
         raise InputError(f"{path}: {found[0]}")
@@ -94,7 +94,7 @@ def read_map(path: Path) -> Definition:
 
 
 def definition_of(path: Path, document: dict) -> Definition:
-    """A map's document, which is as its schema says, with what the schema does not; raises InputError."""
+    """Checks a map's document beyond what its schema can express; raises InputError."""
     if document["scene"]["rule"] not in RULES:
         raise bad_value(path, "$.scene.rule", shown(document["scene"]["rule"]), ", ".join(RULES))
     axes = tuple(_axis(path, document, key) for key in ("x", "y"))
@@ -127,5 +127,5 @@ def _axis(path: Path, document: Mapping, key: str) -> Axis:
 
 
 def maps_in(folder: Path, names: tuple[str, ...] = ()) -> list[Definition]:
-    """Every map, or those of these names; raises InputError for one that is not there or not as it must be."""
+    """Reads every map, or those named; raises InputError for one that is missing or malformed."""
     return [read_map(path) for path in named_files(folder, names, "map")]

@@ -1,4 +1,4 @@
-"""A map's figure: the ratio as colours, the cells as marks, the line where it is 1, and its band."""
+"""The figure of a crossover map: the ratio as colour, cells as marks, the line of ratio 1 and its uncertainty band."""
 
 import math
 from collections.abc import Sequence
@@ -19,14 +19,14 @@ from ptbench.numbers import figures
 from ptbench.stats.estimates import CONFIDENCE
 
 _PLOT, _LEFT, _FOOT, _BAR = 4.2, 0.85, 0.6, 1.1
-_FINE = 240  # points of the drawn field along each axis
-_LEAST = math.log(1.05)  # of the colours' range: noise is not to look like a landscape
+_FINE = 240  # points along each axis of the grid on which the ratio is interpolated
+_LEAST = math.log(1.05)  # least half-width of the colour range in ln(ratio), so that noise does not look like structure
 _FIELD = LinearSegmentedColormap.from_list("ratio", ["#009E73", "#ffffff", "#D55E00"])
 _MARKS = {BELOW: "v", OPEN: "o", ABOVE: "^"}
 
 
 def draw(sheet: Sheet) -> Figure:
-    """The figure of a map that has three cells with a ratio at least, not all on one line."""
+    """Draws a map with at least three cells with a ratio that are not collinear."""
     definition = sheet.definition
     caption = (
         f"{sheet.device}. Colours: {definition['statistic']} of {words_of(definition['choice'])} over that of "
@@ -59,26 +59,26 @@ def draw(sheet: Sheet) -> Figure:
 
 
 def words_of(variant: dict) -> str:
-    """ "integrator=wavefront sorting=bucket"."""
+    """A variant as "integrator=wavefront sorting=bucket"."""
     return " ".join(f"{name}={value}" for name, value in {**variant["axes"], **variant.get("tunables", {})}.items())
 
 
 def can_be_drawn(sheet: Sheet) -> bool:
-    """Whether there are cells enough for an area."""
+    """Whether a map has enough cells with a ratio to span an area."""
     places = [place for place, one in sheet.known.items() if one is not None]
     return len({x for x, _ in places}) > 1 and len({y for _, y in places}) > 1 and len(places) > 3
 
 
 def _interpolated(known: dict, values: Sequence[float], xs: np.ndarray, ys: np.ndarray) -> np.ndarray:
     points = np.log(np.array(list(known), dtype=float))
-    # In a unit square, so that triangles are not slivers.
+    # Points are scaled to the unit square, so that the triangulation has no slivers.
     low, span = np.array([xs[0], ys[0]]), np.array([xs[-1] - xs[0], ys[-1] - ys[0]])
     grid = np.stack(np.meshgrid((xs - low[0]) / span[0], (ys - low[1]) / span[1]), axis=-1)
     return LinearNDInterpolator((points - low) / span, np.array(values))(grid)
 
 
 def _draw_band(axes: Axes, known: dict, xs: np.ndarray, ys: np.ndarray) -> None:
-    """Where the interval has 1 in it. A cell without an interval is taken to have it there."""
+    """Draws the band where the ratio's interval contains 1, as it does for cells without an interval."""
     lows = [-1.0 if one.low is None else math.log(one.low) for one in known.values()]
     highs = [1.0 if one.high is None else math.log(one.high) for one in known.values()]
     low, high = (_interpolated(known, ends, xs, ys) for ends in (lows, highs))

@@ -1,7 +1,7 @@
-"""Measures a map's cells with the program, and keeps what was measured in one file, cell by cell.
+"""Measures the cells of a map with the program, and stores every run in one file.
 
-A run is what both choices took in one scene and setting. Cells that ask the same run (times to an image of different
-numbers of samples) share it. The file is written after every run, so that a run that is cut short goes on.
+A run holds the times of both choices in one scene and setting. Cells may share a run (times to an image with other
+numbers of samples). The file is written after every run, so that an interrupted measurement can resume.
 """
 
 import hashlib
@@ -30,42 +30,42 @@ SCHEMA = "ptbench-map-result-1"
 SIDES = ("choice", "over")
 BUDGET, SETTLED = "the budget is spent", "every bracket is as narrow as asked, or cannot be narrower"
 
-# A run as the file has it: keys are those of `_run_of`.
+# A run as stored in the map's result file, with the keys of `_run_of`.
 Run = dict
 Measure = Callable[[Definition, Place], Run]
 
 
 @dataclass
 class Sheet:
-    """All that was measured of one map on one machine."""
+    """All measurements of one map on one machine."""
 
     definition: Definition
     device: str = ""
     sessions: list[dict] = field(default_factory=list)
     runs: dict[str, Run] = field(default_factory=dict)
-    cells: dict[Place, str] = field(default_factory=dict)  # the run of each
+    cells: dict[Place, str] = field(default_factory=dict)  # key of each cell's run in `runs`
     ended: str = ""
     _ratios: dict[tuple[Place, str], Estimate | None] = field(default_factory=dict)
 
     @property
     def seconds(self) -> float:
-        """Seconds of wall time that all runs took."""
+        """Seconds of wall time over all runs of the map."""
         return sum(run["seconds"] for run in self.runs.values())
 
     @property
     def known(self) -> dict[Place, Estimate | None]:
-        """The ratio of every measured cell; None where there is none."""
+        """The ratio of every measured cell; None where its run gave none."""
         return {place: self.ratio(place) for place in self.cells}
 
     def ratio(self, place: Place) -> Estimate | None:
-        """Ratio of the choice over the other, with its interval; a disturbed run's has no ends and settles nothing."""
+        """The map's ratio in a cell with its interval; a disturbed run's ratio has no interval and decides nothing."""
         key = place, self.cells[place]
         if key not in self._ratios:
             self._ratios[key] = self._ratio(place, self.runs[key[1]])
         return self._ratios[key]
 
     def forget_ratios(self) -> None:
-        """Before runs are taken out: another one of the same cell has another ratio."""
+        """Clears cached ratios before runs are removed, as a new run of the same cell has another ratio."""
         self._ratios.clear()
 
     def _ratio(self, place: Place, run: Run) -> Estimate | None:
@@ -74,21 +74,21 @@ class Sheet:
         if "ratio" in run:
             ratio = Estimate(**run["ratio"])
         else:
-            # A time alone has no builds, and the number of samples cancels out.
+            # Where no build times are added, the number of samples cancels out of the ratio of times.
             samples = self.definition.samples(place)
             sides = (run.get(f"{side}_build_ms", 0) + samples * np.array(run[f"{side}_ms"]) for side in SIDES)
             ratio = ratio_estimate(*sides)
         return Estimate(ratio.value, None, None, ratio.n) if run["disturbed"] else ratio
 
     def document(self) -> dict:
-        """As the file has it."""
+        """The measurements as the JSON document of their file."""
         cells = [{"x": x, "y": y, "run": key} for (x, y), key in sorted(self.cells.items())]
         return {"schema": SCHEMA, "map": self.definition.document, "device": self.device, "ended": self.ended,
                 "sessions": self.sessions, "cells": cells, "runs": self.runs}  # fmt: skip
 
 
 def sheet_of(definition: Definition, file: Path) -> Sheet:
-    """What a file holds of a map, an empty sheet where there is none; raises InputError for another map's."""
+    """Reads the measurements of a map, none if there is no file; raises InputError for a file of another map."""
     if not file.exists():
         return Sheet(definition)
     about = read_json(file).fields()
@@ -99,15 +99,15 @@ def sheet_of(definition: Definition, file: Path) -> Sheet:
 
 
 def write_sheet(sheet: Sheet, file: Path) -> None:
-    """Whole or not at all."""
+    """Writes the measurements of a map atomically."""
     file.parent.mkdir(parents=True, exist_ok=True)
     write_text(file, json.dumps(sheet.document(), indent=1) + "\n")
 
 
 def refine(sheet: Sheet, measure: Measure, budget_s: float, kept: Callable[[Sheet], None] = lambda _: None) -> None:
-    """Measures cell after cell until all is settled or the next one would not fit into the budget.
+    """Measures cell after cell until every bracket is settled or the next cell would exceed the budget.
 
-    Disturbed and failed runs of an earlier session are run once more.
+    Disturbed and failed runs of an earlier session are repeated.
     """
     again = {key for key, run in sheet.runs.items() if run["disturbed"] or run["failed"]}
     sheet.cells = {place: key for place, key in sheet.cells.items() if key not in again}
@@ -133,13 +133,13 @@ def refine(sheet: Sheet, measure: Measure, budget_s: float, kept: Callable[[Shee
 
 
 def run_key(definition: Definition, place: Place) -> str:
-    """What a cell's run depends on, in short."""
+    """A short hash of everything that a cell's run depends on."""
     text = json.dumps([definition.scene(place), definition.study(place, "scene")], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def measured_by(program: Program, told: Callable[[Result], None] = lambda _: None) -> Measure:
-    """Measures with the program; `told` hears of every result."""
+    """A function that measures a cell with the program and passes every result to `told`."""
 
     def measure(definition: Definition, place: Place) -> Run:
         start = time.monotonic()
@@ -183,7 +183,7 @@ def _run_of(definition: Definition, result: Result, seconds: float) -> Run:
 
 
 def _counts_of(cell: Cell) -> dict[str, float]:
-    """What the scene's paths are like, for whoever looks for scenes that are alike."""
+    """Path statistics of a cell's scene, for finding similar scenes."""
     if cell.instrumented is None or not cell.instrumented.paths:
         return {}
     segments = sum(cell.instrumented.live_paths) / cell.instrumented.paths

@@ -1,4 +1,4 @@
-"""The command line of `map`."""
+"""The command line options of `map`."""
 
 import argparse
 

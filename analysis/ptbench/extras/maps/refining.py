@@ -1,7 +1,7 @@
-"""Where the next cells of a map are to be measured: between neighbours of different verdict, until the line is known.
+"""Chooses which cells of a map to measure next: between neighbours whose verdicts differ, to find the break-even line.
 
-A coarse grid first; then, along each of its rows and columns, the geometric middle between two neighbours whose
-verdicts differ, the widest bracket first, until all are as narrow as the map asks (bisection in logarithms).
+A coarse grid comes first. Then each row and column is bisected at the geometric middle of two neighbours whose verdicts
+differ, the widest bracket first, until all are as narrow as the map asks.
 """
 
 import math
@@ -17,49 +17,49 @@ Place = tuple[float, float]
 
 @dataclass(frozen=True)
 class Axis:
-    """One axis of a map, from its lowest to its highest value in equal steps of the logarithm."""
+    """One axis of a map, with logarithmically spaced values."""
 
     name: str
     low: float
     high: float
-    cells: int  # of the coarse grid
+    cells: int  # number of cells of the coarse grid along the axis
     is_integer: bool = False
 
     @property
     def grid(self) -> list[float]:
-        """The coarse grid's values, each once."""
+        """The distinct values of the coarse grid."""
         step = math.log(self.high / self.low) / (self.cells - 1)
         return list(dict.fromkeys(self.rounded(self.low * math.exp(step * index)) for index in range(self.cells)))
 
     def rounded(self, value: float) -> float:
-        """As the axis has it: an integer, or four digits."""
+        """A value rounded as the axis has it: to an integer or to four digits."""
         inside = min(max(value, self.low), self.high)
         return float(round(inside)) if self.is_integer else float(f"{inside:.4g}")
 
     def middle(self, low: float, high: float) -> float | None:
-        """Between two values; None where the axis has none there."""
+        """The geometric middle of two values; None where rounding leaves none between them."""
         value = self.rounded(math.sqrt(low * high))
         return value if low < value < high else None
 
 
 @dataclass(frozen=True)
 class Bracket:
-    """Two neighbours on a row or a column of the grid whose verdicts differ."""
+    """Two neighbouring cells in a row or column of the map whose verdicts differ."""
 
-    along: int  # 0: along x, 1: along y
-    at: float  # the other axis's value
+    along: int  # axis of the map that the bracket lies along, 0: x, 1: y
+    at: float  # position of the bracket on the map's other axis
     low: float
     high: float
-    is_firm: bool  # the two are on different sides of 1; else one of them is open
+    is_firm: bool  # the bracket's ends are decidedly on different sides of ratio 1; else one is undecided
 
     @property
     def width(self) -> float:
-        """A ratio of its ends."""
+        """The ratio of the bracket's upper to its lower end."""
         return self.high / self.low
 
 
 def verdict_of(estimate: Estimate | None) -> str | None:
-    """On which side of 1 the whole interval lies; None where there is no number."""
+    """On which side of 1 the whole interval of a ratio lies; None where there is no ratio."""
     if estimate is None:
         return None
     if estimate.low is None or estimate.high is None:
@@ -70,14 +70,14 @@ def verdict_of(estimate: Estimate | None) -> str | None:
 def lines_of(
     axes: tuple[Axis, Axis], known: Mapping[Place, Estimate | None]
 ) -> Iterator[tuple[int, float, list[Place]]]:
-    """Every row and column of the grid: which axis it is along, where it is, and its measured cells in order."""
+    """Every row and column of a map: its axis, its position, and its measured cells in order."""
     for along in (0, 1):
         for at in axes[1 - along].grid:
             yield along, at, sorted(place for place in known if place[1 - along] == at)
 
 
 def brackets_of(axes: tuple[Axis, Axis], known: Mapping[Place, Estimate | None]) -> list[Bracket]:
-    """All between which the line may be, as narrow as they are known."""
+    """All brackets that may contain the break-even line, as narrow as measured."""
     found = []
     for along, at, places in lines_of(axes, known):
         judged = [(place[along], verdict) for place in places if (verdict := verdict_of(known[place])) is not None]
@@ -88,7 +88,7 @@ def brackets_of(axes: tuple[Axis, Axis], known: Mapping[Place, Estimate | None])
 
 
 def spans_of(axes: tuple[Axis, Axis], known: Mapping[Place, Estimate | None]) -> list[Bracket]:
-    """Where the line is, a row or a column each: from the last firm cell on one side to the first on the other."""
+    """Where the break-even line crosses each row and column: from the last decided cell on one side to the next one."""
     found = []
     for along, at, places in lines_of(axes, known):
         firm = [(place[along], verdict) for place in places if (verdict := verdict_of(known[place])) in (BELOW, ABOVE)]
@@ -100,7 +100,7 @@ def spans_of(axes: tuple[Axis, Axis], known: Mapping[Place, Estimate | None]) ->
 
 
 def next_cells(axes: tuple[Axis, Axis], known: Mapping[Place, Estimate | None], bracket: float) -> list[Place]:
-    """What to measure next, the most telling first; none: every bracket is as narrow as `bracket`, or cannot be."""
+    """The cells to measure next, most informative first; empty: no bracket is wider than `bracket` or divisible."""
     grid = [(x, y) for x in axes[0].grid for y in axes[1].grid]
     if missing := [place for place in grid if place not in known]:
         return sorted(missing, key=lambda place: _coarseness(axes, place), reverse=True)
@@ -116,5 +116,5 @@ def next_cells(axes: tuple[Axis, Axis], known: Mapping[Place, Estimate | None], 
 
 
 def _coarseness(axes: tuple[Axis, Axis], place: Place) -> int:
-    """Corners first, so that a run that is cut short has been everywhere."""
+    """Sort key that puts corners of the grid first, so that an interrupted measurement has covered the whole range."""
     return sum(place[index] in (axes[index].grid[0], axes[index].grid[-1]) for index in (0, 1))

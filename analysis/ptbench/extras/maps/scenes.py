@@ -1,4 +1,4 @@
-"""Scenes of cells, made by rules: a rule and its parameters give one scene file."""
+"""Generators of map scenes: a rule and its parameters make one scene file."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -8,7 +8,7 @@ _INSIDE = {"eye": [0, 5, 10.5], "look_at": [0, 5, 0], "up": [0, 1, 0], "vertical
 
 
 def _scene(name: str, camera: Mapping, materials: Mapping, objects: list) -> dict:
-    # The camera's resolution and the depth are the cell's own.
+    # The file's resolution and depth are only defaults, which each cell overrides.
     return {
         "name": name, "max_depth": 8, "camera": {**camera, "resolution": [800, 800]},
         "materials": dict(materials), "objects": objects,
@@ -20,7 +20,7 @@ def _box(material: str, translate: list[float], scale: list[float]) -> dict:
 
 
 def balls(materials: float) -> dict:
-    """The closed box of scenes/scaling with 64 equal balls, their material split into that many."""
+    """The closed box of scenes/scaling with 64 equal balls, divided among `materials` equal materials."""
     count = int(materials)
     names = {f"ball_{index:02}": {"type": "diffuse", "albedo": [0.7, 0.7, 0.7]} for index in range(count)}
     places = [
@@ -36,7 +36,7 @@ def balls(materials: float) -> dict:
 
 
 def _room(front: float) -> list[dict]:
-    """The Cornell box from its back to a wall at z = `front`, with its lamp."""
+    """The Cornell box with its lamp, from its back wall to a wall at z = `front`."""
     middle, length = (front - 5) / 2, front + 5
     return [
         _box("light", [0, 10, 0], [3, 0.3, 3]),
@@ -50,7 +50,7 @@ def _room(front: float) -> list[dict]:
 
 
 def openness(openness: float) -> dict:
-    """A room whose front half, with the camera in it, is closed but for that share of each wall's height or width."""
+    """A room around the camera whose front half is closed except for a fraction `openness` of each wall's extent."""
     rest = 1 - openness
     walls = [one for one in _room(5.0) if one["translate"] != [0, 5, 5.0]]
     if rest > 0:
@@ -68,7 +68,7 @@ def openness(openness: float) -> dict:
 
 
 def trefoil(triangles: float) -> dict:
-    """The open room of scenes/meshes with a knot of about so many triangles (16 N^2)."""
+    """The open room of scenes/meshes with a knot of about `triangles` triangles (16 N^2)."""
     size = max(3, round(math.sqrt(triangles / 16)))
     materials = {"light": {"type": "emitter", "radiance": [8, 8, 8]},
                  "white": {"type": "diffuse", "albedo": [0.9, 0.9, 0.9]}}  # fmt: skip
@@ -80,7 +80,7 @@ def trefoil(triangles: float) -> dict:
 
 
 def lamps(lamps: float, size: float) -> dict:
-    """The open Cornell box with square lamps of that side under its ceiling, of the same power together."""
+    """The open Cornell box with square lamps of side `size` under its ceiling, with constant total power."""
     count, side = int(lamps), math.ceil(math.sqrt(lamps))
     radiance = [45 / (count * size * size)] * 3
     pitch = 9.0 / side

@@ -1,1 +1,1 @@
-"""How fast ptbench and other renderers make the same pictures, side by side in one run on one machine."""
+"""Compares how fast ptbench and other renderers make the same pictures, in one run on one machine."""

@@ -1,7 +1,7 @@
-"""`python3 -m ptbench peers SCENE..`: ptbench's variants and other renderers by turns, on one machine in one run.
+"""`python3 -m ptbench peers SCENE..`: times ptbench's variants and other renderers in turn, on one machine in one run.
 
-Exit codes: 0 all was measured; 1 a picture differs or is too noisy to tell, or a peer failed; 2 a wrong call. What was
-measured is in the file after every round, and `--resume` goes on with it.
+Exit codes: 0 all was measured; 1 a picture differs or is too noisy to tell, or a peer failed; 2 a wrong call. The file
+is written after every round, and `--resume` continues it.
 """
 
 import argparse
@@ -23,7 +23,7 @@ from ptbench.terminal import say
 
 
 def peers_command(options: argparse.Namespace) -> int:
-    """The exit code; raises InputError."""
+    """Runs `peers` and returns the exit code; raises InputError."""
     Program(options.binary).check()
     plan = _plan(options)
     context = _context(plan)
@@ -68,7 +68,7 @@ def _wanted(options: argparse.Namespace, meshes: int | None, entry: dict) -> Seq
 
 
 def _begun(options: argparse.Namespace, plan: Plan, context: dict, out: Path) -> dict:
-    """The file as far as it is; a new one unless `--resume` finds one of the same call."""
+    """The document of a run so far: a new one, or with `--resume` the existing file of the same call."""
     scenes = list(dict.fromkeys(options.scenes))
     new = {
         "schema": SCHEMA,
@@ -83,7 +83,7 @@ def _begun(options: argparse.Namespace, plan: Plan, context: dict, out: Path) ->
         return new
     if not options.resume:
         raise bad_value(out, "output file", "one that is there", "another name, --resume or --overwrite")
-    # What holds files against schemas need not be on a machine that only measures.
+    # The schema validator is imported only here, as a machine that only measures need not have it.
     from ptbench.io.validate import complaints
 
     there = read_json(out).value
@@ -130,7 +130,7 @@ def _context(plan: Plan) -> dict:
 
 
 def _device(backend: str) -> str:
-    """What all ran on, as the driver or the kernel calls it."""
+    """The name of the device that all peers ran on, from the driver or the kernel."""
     if backend == "cuda":
         fields = "name,driver_version,clocks.max.sm"
         try:

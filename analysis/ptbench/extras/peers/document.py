@@ -1,4 +1,4 @@
-"""The file of a run (schema/ptbench-peers.schema.json), read, and its table for a terminal."""
+"""Reads the file of a `peers` run (schema/ptbench-peers.schema.json), and prints its table."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,72 +15,72 @@ from ptbench.numbers import figures, interval
 from ptbench.stats.estimates import Estimate, interval_of_ratio
 
 SCHEMA = "ptbench-peers-1"
-# Share of a render's wall time: if other processes took more, its time may be wrong for it.
+# Largest share of a render's wall time that other processes may take before its time is in doubt.
 MOST_FOREIGN = limit("most_foreign_share")
 
 
 @dataclass(frozen=True)
 class Peer:
-    """A peer in one scene, as the file has it."""
+    """One renderer (peer) in one scene, from the file."""
 
     value: dict
     on_gpu: bool
 
     @property
     def name(self) -> str:
-        """As the tables call it."""
+        """The peer's name in tables."""
         return self.value["name"]
 
     @property
     def kind(self) -> str:
-        """ptbench, mitsuba or program."""
+        """The kind of peer: ptbench, mitsuba or program."""
         return self.value["kind"]
 
     @property
     def estimator(self) -> str:
-        """nee_mis or off."""
+        """The estimator of the peer: nee_mis (next-event estimation with MIS) or off (BSDF sampling only)."""
         return self.value["estimator"]
 
     @property
     def verdict(self) -> str:
-        """What its picture is, held against the first peer's; why there is none, where it failed."""
+        """The verdict of comparing the peer's picture with the first peer's; for a failed peer the reason."""
         if self.value["status"] != "ok":
             return f"failed: {self.value['reason']}"
         return self.value["picture"]["verdict"] if "picture" in self.value else "not measured"
 
     @property
     def compares(self) -> bool:
-        """Whether a ratio may be given: it ran, was timed, and its picture was found to be the same."""
+        """Whether the peer may be given a ratio: it ran, was timed, and its picture agrees with the reference."""
         return self.verdict == AGREES and self.has_times
 
     @property
     def has_times(self) -> bool:
-        """Whether it was timed."""
+        """Whether the peer was timed."""
         return bool(self.value["samples"])
 
     @cached_property
     def measured(self) -> Measured:
-        """What ratios are made of."""
+        """The peer's times and variances, from which ratios are computed."""
         return Measured(by_round(self.value["samples"]), np.array(self.value["picture"]["variance_of_seeds"]))
 
     @property
     def disturbed(self) -> int:
-        """Number of its renders from which other processes took processors; unknown ones count."""
+        """The number of renders that other processes disturbed; renders of unknown load count."""
         return sum(_is_disturbed(sample, self.on_gpu) for sample in self.value["samples"])
 
 
 def _is_disturbed(sample: dict, on_gpu: bool) -> bool:
     foreign, device = sample["foreign_cpu_ms"], sample["device_ms"]
-    # Other processes can only make a GPU's host late; a peer that counts its kernels alone does not notice.
+    # Other processes delay only a GPU's host; a peer that is timed by its kernels alone does not notice.
     if on_gpu and (device is None or 1 - device / sample["ms"] <= MOST_HOST_SHARE):
         return False
-    # A tick of the system's clock is no evidence.
+    # Less than a tick of the system's clock, 10 ms, proves no disturbance.
     return foreign is None or foreign > max(10.0, MOST_FOREIGN * sample["wall_ms"])
 
 
 @dataclass(frozen=True)
 class Scene:
-    """All peers of one scene."""
+    """The peers of one scene."""
 
     value: dict
     on_gpu: bool
@@ -92,44 +92,44 @@ class Scene:
 
     @cached_property
     def peers(self) -> tuple[Peer, ...]:
-        """In the order asked for: the first is the reference."""
+        """The peers in the order of the call; the first is the reference."""
         return tuple(Peer(value, self.on_gpu) for value in self.value["peers"])
 
     @property
     def reference(self) -> Peer:
-        """The peer that pictures and efficiencies are held against."""
+        """The peer against which pictures and efficiencies are compared."""
         return self.peers[0]
 
     def base_of(self, peer: Peer) -> Peer | None:
-        """ptbench's first variant with the same estimator."""
+        """The first ptbench variant with the same estimator as the peer."""
         own = (one for one in self.peers if one.kind == "ptbench" and one.estimator == peer.estimator and one.compares)
         return next(own, None)
 
     def time_over(self, peer: Peer) -> Estimate | None:
-        """Time a sample over that of ptbench's first variant with the same estimator; None where none may be given."""
+        """The peer's time per sample over the first ptbench variant's with its estimator; None: not comparable."""
         base = self.base_of(peer)
         return peer.measured.time_over(base.measured) if base is not None and peer.compares else None
 
     def cost_over(self, peer: Peer) -> Estimate | None:
-        """Variance times time over the reference's; None where none may be given."""
+        """The peer's variance times time over the reference's; None where they are not comparable."""
         return peer.measured.cost_over(self.reference.measured) if peer.compares and self.reference.compares else None
 
 
 def scenes_of(document: dict) -> list[Scene]:
-    """In the file's order."""
+    """The scenes of a run's document, in order."""
     on_gpu = document["settings"]["backend"] == GPU_BACKEND
     return [Scene(value, on_gpu) for value in document["scenes"]]
 
 
 def shown_ratio(estimate: Estimate | None) -> str:
-    """ "25.1 [24.9, 25.3]", or a dash."""
+    """A ratio as "25.1 [24.9, 25.3]", or a dash."""
     if estimate is None:
         return "—"
     return f"{figures(estimate.value, 3)} {interval_of_ratio(estimate)}".rstrip()
 
 
 def shown_with_interval(estimate: Estimate) -> str:
-    """ "1.41 [1.40, 1.42]"."""
+    """A value as "1.41 [1.40, 1.42]"."""
     return f"{figures(estimate.value, 3)} {interval(estimate.low, estimate.high, 3)}"
 
 
@@ -141,7 +141,7 @@ RULE = (
 
 
 def row_of(scene: Scene, peer: Peer) -> tuple[str, ...]:
-    """The cells of a table."""
+    """The cells of a peer's row in the table."""
     timed = peer.has_times and "picture" in peer.value
     return (
         peer.name,
@@ -154,7 +154,7 @@ def row_of(scene: Scene, peer: Peer) -> tuple[str, ...]:
 
 
 def as_text(document: dict) -> list[str]:
-    """A table a scene, and what its columns mean."""
+    """The tables of all scenes as text, with the meaning of their columns."""
     lines: list[str] = []
     for scene in scenes_of(document):
         table = table_of(HEAD, (row_of(scene, peer) for peer in scene.peers))

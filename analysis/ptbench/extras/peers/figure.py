@@ -1,6 +1,6 @@
-"""Variance over time of a sample of ptbench and its peers, a panel a scene; along the grey lines efficiency is equal.
+"""The figure of a `peers` run: variance over time per sample, one panel per scene, with grey lines of equal efficiency.
 
-Of a file of `python3 -m ptbench peers`; a peer whose picture was not found to be the same is not drawn.
+Peers whose picture does not agree with the reference are not drawn.
 """
 
 from collections.abc import Sequence
@@ -17,13 +17,13 @@ from ptbench.figures import style
 from ptbench.figures.series import ticks_between
 from ptbench.stats.estimates import INTERVAL_TEXT, Estimate
 
-_LEGEND_WIDTH = 1.8  # inches, before a peer's name is wrapped
+_LEGEND_WIDTH = 1.8  # inches of width in the legend beyond which a peer's name is wrapped
 _EQUAL = "#c8c8c8"
 
 
 @dataclass(frozen=True)
 class Point:
-    """A renderer's point in a scene, time against variance."""
+    """The point of one renderer in a scene, time against variance."""
 
     label: str
     time: Estimate
@@ -32,15 +32,15 @@ class Point:
 
 @dataclass(frozen=True)
 class Data:
-    """What the page shows."""
+    """The contents of the figure."""
 
     caption: str
-    order: tuple[str, ...]  # labels, which have one look in all panels
+    order: tuple[str, ...]  # labels of the peers; each keeps its marker and colour in all panels
     panels: tuple[tuple[str, tuple[Point, ...]], ...]
 
 
 def collect(document: dict) -> Data:
-    """The peers that may be compared, where their images have noise; raises NotDrawable."""
+    """The comparable peers whose images have noise; raises NotDrawable."""
     panels = tuple((scene.name.rpartition("/")[2], _points(scene)) for scene in scenes_of(document))
     panels = tuple((name, points) for name, points in panels if points)
     if not panels:
@@ -64,7 +64,7 @@ def _points(scene: Scene) -> tuple[Point, ...]:
 
 
 def draw(data: Data) -> Figure:
-    """Draws the page; each panel has scales of its own."""
+    """Draws the page, in which each panel has its own scales."""
     looks = {label: style.look(index) for index, label in enumerate(data.order)}
     labels = {label: "\n".join(style.wrapped(label, style.LABEL_SIZE, _LEGEND_WIDTH)) for label in data.order}
     label_width = max(style.text_width(part, style.LABEL_SIZE) for text in labels.values() for part in text.split("\n"))
@@ -114,7 +114,7 @@ def _scale(axes: Axes, points: Sequence[Point]) -> None:
     for axis, ends in ((axes.xaxis, x_ends), (axes.yaxis, y_ends)):
         style.ticks(axis, FixedLocator(ticks_between(*ends)))
     axes.set_xlabel("Time of a sample a pixel, ms (log scale)")
-    # These are guide lines, each of half the work-normalised variance of the one above.
+    # Guide lines of equal work-normalised variance, each half of the next.
     line = np.array(x_ends)
     low, high = (float(np.log2(x * y)) for x, y in zip(x_ends, y_ends, strict=True))
     for power in range(round(low), round(high) + 1):

@@ -1,4 +1,4 @@
-"""One scene: pictures of every peer, held against the first one's, then rounds in which each is timed once."""
+"""Measures one scene: compares every peer's picture with the first one's, then times each peer once per round."""
 
 import os
 import sys
@@ -27,7 +27,7 @@ OK, FAILED = "ok", "failed"
 
 @dataclass(frozen=True)
 class Plan:
-    """How much is measured."""
+    """The settings of a `peers` run: scenes, rounds, seeds and limits."""
 
     call: Call
     python: Path
@@ -42,9 +42,9 @@ class Plan:
 
 
 def measure_scene(entry: dict, plan: Plan, wanted_of: Callable[[int | None], Sequence[Wanted]], save: Callable) -> None:
-    """Fills the scene's part of the file; what is there already stays. `save` is called after each step.
+    """Measures what a scene's entry lacks, and calls `save` after each step.
 
-    `wanted_of` gives the peers, by how many objects show meshes, or by None where that is not known.
+    `wanted_of` gives the peers, by the number of objects that show meshes, or by None where that is unknown.
     """
     with TemporaryDirectory(prefix="ptbench-peers-") as name, ExitStack() as stack:
         place, reasons = _placed(entry["scene"], plan, Path(name))
@@ -110,7 +110,7 @@ def _start(
 
 
 def _check_pictures(entry: dict, plan: Plan, running: dict, save: Callable) -> None:
-    """Fills `picture` of each peer; the first peer's is what the others are held against."""
+    """Compares the pictures of the peers with the first peer's and fills their `picture`."""
     missing = [peer for peer in entry["peers"] if peer["name"] in running and "picture" not in peer]
     if not missing:
         return
@@ -141,10 +141,10 @@ def _check_pictures(entry: dict, plan: Plan, running: dict, save: Callable) -> N
 
 
 def _pictures(one: OwnVariant | Talking, plan: Plan) -> tuple[np.ndarray, float]:
-    """One a seed, and the least milliseconds a sample."""
+    """One picture per seed, and the least time per sample in milliseconds."""
     width, height = plan.call.resolution
     passes = 1
-    # What must lie in memory for each sample may not fit for all at once.
+    # A peer that keeps every sample in memory may need several passes.
     while plan.spp * width * height > passes * one.wanted.most_lanes and plan.spp % (2 * passes) == 0:
         passes *= 2
     images, times = [], []
@@ -172,7 +172,7 @@ def _picture(found: Comparison, images: np.ndarray, plan: Plan, *, is_first: boo
 
 
 def _spp_of_a_render(ms_per_spp: float, wanted: Wanted, plan: Plan) -> int:
-    """A power of two, so that a render takes about what it should and no more than fits."""
+    """The power of two of samples per pixel with which a render takes the planned time and fits in memory."""
     width, height = plan.call.resolution
     most = max(1, wanted.most_lanes // (width * height))
     spp = 1
@@ -184,14 +184,14 @@ def _spp_of_a_render(ms_per_spp: float, wanted: Wanted, plan: Plan) -> int:
 def _rounds(entry: dict, plan: Plan, running: dict, save: Callable) -> None:
     for number in range(1, plan.rounds + 1):
         order = [peer for peer in entry["peers"] if peer["name"] in running and peer["status"] == OK]
-        # By turns, so that no peer is always after the same other, and the same in a run that goes on.
+        # The order is random, so that no peer always follows the same other, and is reproduced when a run is resumed.
         Random(f"{SEED} {number}").shuffle(order)
         for place, peer in enumerate(order, start=1):
             if any(sample["round"] == number for sample in peer["samples"]):
                 continue
             load = os.getloadavg()[0]
             try:
-                # Another seed than any picture's.
+                # Timed renders use seeds that no picture has.
                 timed = running[peer["name"]].times(peer["spp"], 10_000 + number, plan.repetitions)
             except PeerFailed as error:
                 _failed(entry, peer, str(error))

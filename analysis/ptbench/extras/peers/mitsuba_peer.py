@@ -1,9 +1,9 @@
-"""Mitsuba 3 as a peer: a process that stays, in a Python of its own, and takes nothing but the wheel.
+"""Mitsuba 3 as a peer: a persistent process of its own Python, which imports nothing but the wheel.
 
-`mitsuba_peer.py VARIANT ESTIMATOR MODE` reads a request in JSON a line and answers it in one: {"error"} or what
-docs/other_renderers.md lists. ESTIMATOR is `path`, Mitsuba's own integrator of the scene, or `bsdf`, the one below,
-which samples no light; MODE is `megakernel` (symbolic loops) or `evaluated` (a kernel an iteration). Exit code 4:
-Mitsuba cannot be imported.
+`mitsuba_peer.py VARIANT ESTIMATOR MODE` reads one request in JSON per line and answers each in one line: {"error"} or
+what docs/other_renderers.md lists. ESTIMATOR is `path`, Mitsuba's own integrator of the scene, or `bsdf`, the
+integrator defined below that samples no lights; MODE is `megakernel` (symbolic loops) or `evaluated` (one kernel per
+iteration). Exit code 4: Mitsuba cannot be imported.
 """
 
 import json
@@ -16,8 +16,8 @@ _MAX_DEPTH = re.compile(r"max_depth = (\d+)")
 
 
 def register_bsdf_sampling(mi, dr):
-    """Paths that meet lights by chance only, as ptbench's direct_light=off: no shadow rays, no weights."""
-    # The function that dr.syntax makes looks names up in the module.
+    """Registers an integrator without next-event estimation, like direct_light=off: no shadow rays, no weights."""
+    # The function that dr.syntax generates looks names up in the module's globals.
     globals().update(mi=mi, dr=dr)
 
     class BsdfSampling(mi.SamplingIntegrator):
@@ -27,7 +27,7 @@ def register_bsdf_sampling(mi, dr):
 
         @dr.syntax
         def sample(self, scene, sampler, ray, medium=None, active=True):
-            # Values of the loop's state; a ray that is passed in must not change.
+            # The loop's state works on a copy, as the ray that is passed in must not change.
             ray = mi.Ray3f(ray)
             radiance, throughput = mi.Spectrum(0), mi.Spectrum(1)
             segments, active, met = mi.UInt32(0), mi.Bool(active), mi.Bool(False)
@@ -50,7 +50,7 @@ def register_bsdf_sampling(mi, dr):
 
 
 class Renderer:
-    """One variant, estimator and mode, and the scene that was loaded last."""
+    """Mitsuba with one variant, estimator and mode, and the scene that was loaded last."""
 
     def __init__(self, mi, dr, variant, estimator, mode):
         mi.set_variant(variant)
@@ -67,14 +67,14 @@ class Renderer:
             dr.set_flag(dr.JitFlag.SymbolicLoops, mode == "megakernel")
 
     def about(self, _):
-        """What a result must say of the program."""
+        """Versions of the program that a result must record."""
         said = {"version": self.mi.__version__, "drjit": self.dr.__version__, "variant": self.variant}
         if "llvm" in self.variant:
             said["threads"] = int(self.dr.thread_count())
         return said
 
     def load(self, request):
-        """Reads the scene; what stands in its file is what is asked for."""
+        """Loads the scene file of the request."""
         begun = time.perf_counter()
         self.scene = self.mi.load_file(request["xml"])
         self.integrator = self.scene.integrator()
@@ -85,13 +85,13 @@ class Renderer:
         return {"load_ms": 1e3 * (time.perf_counter() - begun)}
 
     def image(self, request):
-        """Writes the picture of a seed."""
+        """Renders a seed's picture and writes it to the requested file."""
         film, said = self._rendered(request["spp"], request["seed"])
         self.mi.Bitmap(film).write(request["file"])
         return said
 
     def times(self, request):
-        """A render that warms up, and then those that count."""
+        """Renders once for warm-up, then the requested number of timed renders."""
         self._rendered(request["spp"], request["seed"])
         return {"renders": [self._rendered(request["spp"], request["seed"])[1] for _ in range(request["repetitions"])]}
 
@@ -111,7 +111,7 @@ class Renderer:
         wall_ms = 1e3 * (time.perf_counter() - begun)
         if not self.compiles:
             return film, {"ms": wall_ms, "wall_ms": wall_ms, "compile_ms": 0.0, "kernels": 0}
-        # Everything that ran, fills and sums too; milliseconds of the device, or of the threads.
+        # The kernel history has every kernel, fills and reductions included; times are device or thread ms.
         history = self.dr.kernel_history()
         compiled = sum(one.get("codegen_time", 0) + one.get("backend_time", 0) for one in history)
         kernels_ms = sum(one.get("execution_time", 0) for one in history)
@@ -121,21 +121,21 @@ class Renderer:
 
 
 def _one_line(error):
-    # What was at the bottom of it: Dr.Jit wraps errors in its own.
+    # Dr.Jit wraps errors in its own exceptions, so the innermost cause is reported.
     while error.__cause__ is not None:
         error = error.__cause__
     return " ".join(f"{type(error).__name__}: {error}".split())[:500]
 
 
 def main():
-    """Answers until there is no more request."""
+    """Answers requests from standard input until it ends."""
     try:
         import drjit as dr
         import mitsuba as mi
     except ImportError as error:
         print(error, file=sys.stderr)
         return MISSING
-    # What libraries print must not come between the answers.
+    # Libraries print to standard output, which carries the answers, so their output is redirected to stderr.
     answers, sys.stdout = sys.stdout, sys.stderr
     renderer = None
     for line in sys.stdin:
@@ -143,7 +143,7 @@ def main():
             request = json.loads(line)
             renderer = renderer or Renderer(mi, dr, *sys.argv[1:4])
             said = getattr(renderer, request["do"])(request)
-        except Exception as error:  # whatever a plugin raises, whoever asked must hear of it
+        except Exception as error:  # any exception of a plugin becomes an answer to the request
             said = {"error": _one_line(error)}
         print(json.dumps(said), file=answers, flush=True)
     return 0

@@ -1,4 +1,4 @@
-"""The options of `python3 -m ptbench peers`."""
+"""The command line options of `python3 -m ptbench peers`."""
 
 import argparse
 import re

@@ -1,4 +1,4 @@
-"""The figure of a file of `python3 -m ptbench peers`, and its tables."""
+"""The figure and the tables of a file of `python3 -m ptbench peers`."""
 
 from pathlib import Path
 
@@ -12,12 +12,12 @@ from ptbench.io.files import make_folder, write_text
 from ptbench.studies.withdrawn import withdrawals
 from ptbench.terminal import say
 
-__all__ = ["SCHEMA", "plots"]  # what plots/command.py asks for
+__all__ = ["SCHEMA", "plots"]  # names that plots/command.py looks up in this module
 FIGURE = "variance_by_time"
 
 
 def plots(document: dict, folder: Path) -> int:
-    """Draws and writes into `folder`; the exit code."""
+    """Draws the figure and writes the summary into `folder`; returns the exit code."""
     make_folder(folder)
     reason = save_if_drawable(lambda: figure.draw(figure.collect(document)), folder, FIGURE)
     say(write_text(folder / "summary.md", _summary(document, reason)))

@@ -1,4 +1,4 @@
-"""A renderer that stays and answers requests, a line of JSON each; and who takes a machine's processors."""
+"""A renderer as a persistent process that answers requests, a line of JSON each; and CPU times of processes."""
 
 import contextlib
 import json
@@ -14,11 +14,11 @@ from ptbench.io.files import one_line
 
 
 class PeerFailed(Exception):
-    """A peer that cannot do what it is asked to; the others go on."""
+    """Raised by a peer that cannot do what it is asked to; the other peers continue."""
 
 
 class Talker:
-    """One such process."""
+    """A persistent renderer process that answers requests in JSON."""
 
     def __init__(self, command: Sequence[str], seconds: float) -> None:
         self._seconds = seconds
@@ -33,12 +33,12 @@ class Talker:
 
     @property
     def pid(self) -> int:
-        """The process's number."""
+        """The process id of the renderer."""
         return self._process.pid
 
     def ask(self, **request: object) -> dict:
-        """The answer; raises PeerFailed."""
-        # A renderer that hangs ends, and so does the wait for its answer.
+        """Sends a request and returns its answer; raises PeerFailed."""
+        # The timer kills a hanging renderer, which also ends the wait for its answer.
         timer = threading.Timer(self._seconds, self._process.kill)
         timer.start()
         try:
@@ -61,7 +61,7 @@ class Talker:
         return said
 
     def close(self) -> int:
-        """Ends the process, and returns its exit code."""
+        """Ends the renderer's process, and returns its exit code."""
         with contextlib.suppress(OSError):
             self._process.stdin.close()
         try:
@@ -82,7 +82,7 @@ class Talker:
 
 
 def busy_ms() -> float | None:
-    """CPU time of all processes since the machine started; None where that cannot be known."""
+    """CPU time of all processes since the machine started, ms; None where it is unknown."""
     try:
         head, *fields = Path("/proc/stat").read_text(encoding="ascii").split("\n", 1)[0].split()
     except OSError:
@@ -92,9 +92,9 @@ def busy_ms() -> float | None:
 
 
 def process_ms(pid: int) -> float | None:
-    """CPU time of one process; None where that cannot be known."""
+    """CPU time of one process, ms; None where it is unknown."""
     try:
-        # The name, in brackets, may hold anything.
+        # In /proc/PID/stat the process name stands in brackets and may contain anything.
         fields = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8", errors="replace").rpartition(")")[2].split()
     except OSError:
         return None

@@ -1,4 +1,4 @@
-"""The peers: ptbench's own variants by `ptbench render`, all others as processes that stay and answer."""
+"""The renderers to be timed: ptbench's variants run as `ptbench render`, all others as persistent processes."""
 
 import json
 import time
@@ -20,22 +20,22 @@ _FIELDS = ("ms", "wall_ms", "compile_ms")
 
 @dataclass(frozen=True)
 class Place:
-    """A scene as it is rendered; `xml` is Mitsuba's, or None where it has no such scene."""
+    """A scene as given to the renderers; `xml` is Mitsuba's version, or None where the scene cannot be exported."""
 
     scene: str
     xml: Path | None
-    meshes: int  # objects that show one
-    folder: Path  # for what is written
+    meshes: int  # number of objects that show a mesh
+    folder: Path  # folder for files that the renderers write
 
 
 @dataclass(frozen=True)
 class Timed:
-    """One timed render: `ms` is what counts."""
+    """One timed render; `ms` is the time that results use."""
 
     ms: float
     wall_ms: float
     compile_ms: float
-    device_ms: float | None  # the part of it in which the device worked, where it has a clock
+    device_ms: float | None  # device time within `ms`, where the renderer can measure it
     foreign_cpu_ms: float | None
 
 
@@ -48,22 +48,22 @@ class OwnVariant:
         self._place: Place | None = None
 
     def load(self, place: Place) -> float | None:
-        """Nothing: each call reads the scene."""
+        """Remembers the scene; every `ptbench render` reads it anew, so that there is no loading time."""
         self._place = place
         return None
 
     def image(self, spp: int, seed: int) -> tuple[np.ndarray, float]:
-        """The picture of a seed, and its milliseconds."""
+        """The picture of a seed, and its render time in milliseconds."""
         summary = self._rendered(spp, seed, 0)
         return read_pfm(self._target), 1e3 * summary["render_seconds"]
 
     def times(self, spp: int, seed: int, repetitions: int) -> list[Timed]:
-        """The first render of a process warms up."""
+        """Timed renders of one process; its first render is a warm-up and not included."""
         summary = self._rendered(spp, seed, repetitions)
         return [_timed_here(one, 1e3 * summary["compile_seconds"]) for one in summary["repetitions"]]
 
     def close(self) -> None:
-        """Nothing stays."""
+        """Does nothing, as ptbench leaves no process running."""
 
     @property
     def _target(self) -> Path:
@@ -90,7 +90,7 @@ def _timed_here(said: dict, compile_ms: float) -> Timed:
 
 
 class Talking:
-    """A process of its own, Mitsuba's or another's, which says what its `ms` is."""
+    """A renderer that runs as a persistent process, Mitsuba's or another's, and reports its own `ms`."""
 
     def __init__(self, wanted: Wanted, call: Call) -> None:
         self.wanted, self._call = wanted, call
@@ -108,7 +108,7 @@ class Talking:
         self._place: Place | None = None
 
     def load(self, place: Place) -> float | None:
-        """Milliseconds that it took."""
+        """Loads the scene, and returns the milliseconds that took."""
         if place.xml is None and self.wanted.kind == "mitsuba":
             raise PeerFailed("Mitsuba has no such scene")
         self._place = place
@@ -122,7 +122,7 @@ class Talking:
         return _number(said, "load_ms") if "load_ms" in said else None
 
     def image(self, spp: int, seed: int) -> tuple[np.ndarray, float]:
-        """The picture of a seed, and its milliseconds."""
+        """The picture of a seed, and its render time in milliseconds."""
         target = self._place.folder / "other.pfm"
         target.unlink(missing_ok=True)
         said = self._talker.ask(do="image", spp=spp, seed=seed, file=str(target))
@@ -134,7 +134,7 @@ class Talking:
             raise PeerFailed(str(error)) from error
 
     def times(self, spp: int, seed: int, repetitions: int) -> list[Timed]:
-        """By its own clock, which no request is in."""
+        """Timed renders by the renderer's own clock, which excludes the requests."""
         begun, before, own_before = time.perf_counter(), busy_ms(), process_ms(self._talker.pid)
         renders = self._talker.ask(do="times", spp=spp, seed=seed, repetitions=repetitions).get("renders")
         whole = 1e3 * (time.perf_counter() - begun)
@@ -147,7 +147,7 @@ class Talking:
         return [_timed(one, foreign) for one in renders]
 
     def close(self) -> None:
-        """Ends it."""
+        """Ends the renderer's process."""
         self._talker.close()
 
 
@@ -168,5 +168,5 @@ def _number(said: dict, name: str) -> float:
 
 
 def started(wanted: Wanted, call: Call) -> OwnVariant | Talking:
-    """The peer, ready to load a scene; raises PeerFailed or InputError."""
+    """Starts the renderer so that it can load a scene; raises PeerFailed or InputError."""
     return OwnVariant(wanted, call) if wanted.kind == "ptbench" else Talking(wanted, call)

@@ -1,4 +1,4 @@
-"""A file of `python3 -m ptbench peers`, as a page asks it."""
+"""A file of `python3 -m ptbench peers` as a source of numbers for a page."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,7 +12,7 @@ from ptbench.numbers import figures
 
 
 class PeersSource(Source, form=SCHEMA):
-    """Scenes, and who was timed in them."""
+    """The scenes of a `peers` file, and the renderers timed in them."""
 
     def __init__(self, results: Path, file: str) -> None:
         super().__init__(results, file)
@@ -23,18 +23,18 @@ class PeersSource(Source, form=SCHEMA):
 
     @property
     def commit(self) -> str:
-        """The program's."""
+        """The commit of the ptbench program that was timed."""
         return commit_of(self._context["ptbench.version"])
 
     @property
     def folder(self) -> str:
-        """Where its figures lie, under results/."""
+        """The folder of the file's figures, under results/."""
         file = Path(self._shown)
         return f"{file.parent}/figures/{file.name.partition('.')[0]}"
 
     @property
     def settings(self) -> str:
-        """What every scene was rendered with."""
+        """The settings of every render in the file, in words."""
         width, height = self._settings["resolution"]
         return (
             f"{width}x{height}, {self._settings['rounds']} rounds, pictures of {self._settings['seeds']} seeds with "
@@ -43,27 +43,27 @@ class PeersSource(Source, form=SCHEMA):
 
     @property
     def device(self) -> str:
-        """What all ran on."""
+        """The device that all peers ran on."""
         threads = f", {self._context['processors']} processors" if self._settings["backend"] == "cpu" else ""
         return f"{self._context['device']}{threads}"
 
     @property
     def aim(self) -> str:
-        """The bias of a mean that must be seen before there is a ratio."""
+        """The bias of the mean that the comparison must be able to detect before a ratio is given."""
         return f"{figures(100 * self._settings['aim'], 2)} %"
 
     @property
     def allowed(self) -> str:
-        """The bias that counts as none."""
+        """The bias of the mean that counts as none."""
         return f"{figures(100 * self._settings['allowed'], 2)} %"
 
     def rows(self, scene: Scene) -> list[str]:
-        """The cells of a table: a peer a row."""
+        """The rows of a scene's table, one per peer."""
         return [" | ".join(row_of(scene, peer)) for peer in scene.peers]
 
     @property
     def left_out(self) -> list[str]:
-        """What the times of each peer do not hold, and what it says of itself: a line each."""
+        """For each peer, a line on what its times exclude and which version it is."""
         found: dict[str, str] = {}
         for peer in self._peers:
             about = {name: peer.value["about"][name] for name in ("version", "drjit") if name in peer.value["about"]}
@@ -75,7 +75,7 @@ class PeersSource(Source, form=SCHEMA):
 
     @property
     def without_ratio(self) -> list[str]:
-        """Peers that no ratio may be given of, and why: a line each."""
+        """A line for each peer without a ratio, with the reason."""
         return [
             f"{scene.name}: {peer.name}: {peer.verdict}"
             for scene in self.scenes
@@ -85,7 +85,7 @@ class PeersSource(Source, form=SCHEMA):
 
     @property
     def best_others(self) -> list[str]:
-        """A line for each scene: the other renderer whose cost is least, beside ptbench's variant whose cost is."""
+        """A line for each scene: the other renderer with the least cost, beside ptbench's variant with the least."""
         return [
             f"`{scene.name}`: {other.name} at {shown_ratio(other.measured.cost_over(best.measured))} times the cost of "
             f"{best.name}"
@@ -93,7 +93,7 @@ class PeersSource(Source, form=SCHEMA):
         ]
 
     def _leaders(self) -> Iterator[tuple[Scene, Peer, Peer]]:
-        """For each scene, ptbench's variant and the other renderer with the least costs."""
+        """For each scene, the ptbench variant and the other renderer with the least costs."""
         for scene in self.scenes:
             own = [peer for peer in scene.peers if peer.kind == "ptbench" and peer.compares]
             others = [peer for peer in scene.peers if peer.kind != "ptbench" and peer.compares]
@@ -101,7 +101,7 @@ class PeersSource(Source, form=SCHEMA):
                 yield scene, *(min(group, key=lambda peer: peer.measured.cost) for group in (own, others))
 
     def must_lead(self, factor: float, said: str) -> str:
-        """`said`, if in every scene all others' cost is at least that many times ptbench's, by the whole interval."""
+        """Returns `said` if in every scene all others cost at least `factor` times ptbench's, by the whole interval."""
         ratios = [other.measured.cost_over(best.measured) for _, best, other in self._leaders()]
         if len(ratios) < len(self.scenes) or any(one.low is None or one.low < factor for one in ratios):
             raise FindingError(f"{self._shown}: costs are not {factor:g} times ptbench's; the page says: {said}")
@@ -109,23 +109,23 @@ class PeersSource(Source, form=SCHEMA):
 
     @property
     def disturbed(self) -> str:
-        """How many of how many timed renders other processes took processors from."""
+        """How many of all timed renders other processes disturbed."""
         renders = sum(len(peer.value["samples"]) for peer in self._peers)
         return f"{sum(peer.disturbed for peer in self._peers)} of {renders}"
 
     def time_over(self, scene: str, peer: str) -> Quantity:
-        """Time a sample over that of ptbench's first variant with the same estimator."""
+        """A peer's time per sample over that of the first ptbench variant with the same estimator."""
         place, one = self._named(scene, peer)
         return self._given(place.time_over(one), scene, one)
 
     def cost_over(self, scene: str, peer: str) -> Quantity:
-        """Variance times time over that of the scene's first peer."""
+        """A peer's variance times time over that of the scene's first peer."""
         place, one = self._named(scene, peer)
         return self._given(place.cost_over(one), scene, one)
 
     @property
     def provenance(self) -> str:
-        """A line of a list."""
+        """A Markdown list item with the file, its device, date and version."""
         return f"- {self._link}: {self.device}, {self._context['date'][:10]}, {self._context['ptbench.version']}."
 
     @property

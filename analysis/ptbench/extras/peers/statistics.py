@@ -1,7 +1,7 @@
-"""Variance and time of a sample, and how two peers' compare: medians of rounds, bootstraps over rounds and seeds.
+"""Variance and time per sample of a renderer, and how two compare: medians of rounds, bootstraps over rounds and seeds.
 
-Variance: of a pixel's mean over N samples, between pictures of several seeds, times N; the mean over pixels and
-channels. A round's time is the median of its renders. Efficiency is 1 / (variance x time); ratios are of its
+The variance of a pixel's mean over N samples, across pictures of several seeds, is multiplied by N and averaged over
+pixels and channels. A round's time is the median of its renders. Efficiency is 1 / (variance x time); ratios are of its
 reciprocal, the cost.
 """
 
@@ -18,29 +18,29 @@ from ptbench.stats.intervals import bootstrap_interval, resampled
 
 @dataclass(frozen=True)
 class Measured:
-    """What ratios are made of: milliseconds a sample by round, and variance a sample by seed."""
+    """A renderer's time per sample by round in ms, and its variance per sample by seed."""
 
     ms_per_spp: np.ndarray
     variance: np.ndarray
 
     @property
     def time(self) -> Estimate:
-        """Median over rounds, ms."""
+        """Milliseconds per sample per pixel, the median over rounds."""
         return median_estimate(self.ms_per_spp)
 
     @property
     def noise(self) -> Estimate:
-        """Variance of one sample a pixel, the mean over pixels and channels."""
+        """Variance of one sample per pixel, the mean over pixels and channels."""
         drawn = self.variance[resampled(len(self.variance))].mean(axis=1)
         return bootstrap_interval(float(self.variance.mean()), drawn, len(self.variance))
 
     def time_over(self, base: Measured) -> Estimate:
-        """Time a sample over the base's."""
+        """Time per sample over that of `base`."""
         return ratio_estimate(self.ms_per_spp, base.ms_per_spp)
 
     def cost_over(self, base: Measured) -> Estimate:
-        """Variance times time over the base's: how often as long until the error is the same."""
-        # One generator for all four, so that nothing is drawn alike.
+        """Variance times time over that of `base`: how many times as long until the error is the same."""
+        # One generator draws all four bootstraps, so that they are independent.
         random = np.random.default_rng(SEED)
         drawn = self._drawn_cost(random) / base._drawn_cost(random)
         count = min(len(self.ms_per_spp), len(self.variance), len(base.ms_per_spp), len(base.variance))
@@ -48,7 +48,7 @@ class Measured:
 
     @property
     def cost(self) -> float:
-        """Variance times time."""
+        """Variance per sample times time per sample."""
         return float(np.median(self.ms_per_spp) * self.variance.mean())
 
     def _drawn_cost(self, random: np.random.Generator) -> np.ndarray:
@@ -57,7 +57,7 @@ class Measured:
 
 
 def variance_of_seeds(images: np.ndarray, spp: int) -> list[float]:
-    """Variance of one sample a pixel, a value a seed to be averaged; images: seeds, rows, columns, channels."""
+    """Variance of one sample per pixel, one value per seed to be averaged; images: seeds, rows, columns, channels."""
     images = images.astype(np.float64)
     seeds = len(images)
     squares = ((images - images.mean(axis=0)) ** 2).mean(axis=(1, 2, 3))
@@ -65,7 +65,7 @@ def variance_of_seeds(images: np.ndarray, spp: int) -> list[float]:
 
 
 def by_round(samples: Sequence[dict]) -> np.ndarray:
-    """Milliseconds a sample per pixel, a value a round."""
+    """Milliseconds per sample per pixel, one value per round."""
     rounds: dict[int, list[float]] = {}
     for sample in samples:
         rounds.setdefault(sample["round"], []).append(sample["ms"] / sample["spp"])

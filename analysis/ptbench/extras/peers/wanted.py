@@ -1,4 +1,4 @@
-"""What a call of `peers` asks for: the renderers that are held against each other, by their names."""
+"""The renderers that a call of `peers` compares, by their names."""
 
 import shlex
 from dataclasses import dataclass
@@ -7,46 +7,46 @@ from pathlib import Path
 from ptbench.io.files import package_file
 
 MEGAKERNEL, EVALUATED = "megakernel", "evaluated"
-# Whoever samples lights and weighs both by the balance of their densities, and whoever meets them by chance.
+# Two estimators: next-event estimation combined with BSDF sampling by MIS, and BSDF sampling alone.
 LIGHTS, CHANCE = "nee_mis", "off"
 _OWN_ESTIMATOR = "direct_light="
-_MOST_IN_TURN = 16  # objects with meshes: above, a tree over them (renderer.h: most_objects_in_turn)
+_MOST_IN_TURN = 16  # most mesh objects to intersect without a tree over them (renderer.h: most_objects_in_turn)
 OF_MITSUBA = {"path": LIGHTS, "bsdf": CHANCE}
 
 
 @dataclass(frozen=True)
 class Wanted:
-    """A peer by its name; what it leaves out is told beside its times."""
+    """A renderer to be timed, by name; `leaves_out` tells what its times exclude."""
 
     name: str
-    kind: str  # ptbench, mitsuba, program
+    kind: str  # kind of renderer: ptbench, mitsuba or program
     estimator: str
-    axes: tuple[str, ...] = ()  # ptbench's
-    command: tuple[str, ...] = ()  # of a process that stays
+    axes: tuple[str, ...] = ()  # choices of a ptbench variant, as axis=choice
+    command: tuple[str, ...] = ()  # command line of a persistent renderer process
     leaves_out: str = ""
-    most_lanes: int = 1 << 30  # samples of all pixels in one render
+    most_lanes: int = 1 << 30  # most samples over all pixels that one render can hold
 
 
 @dataclass(frozen=True)
 class Call:
-    """What holds for every peer."""
+    """Settings that all peers of a call share."""
 
     binary: Path
     backend: str
     resolution: tuple[int, int]
     depth: int | None
-    most_seconds: float  # for one answer
+    most_seconds: float  # longest wait in seconds for an answer of a peer
 
     @property
     def size(self) -> str:
-        """As the programs take it."""
+        """The image size as the programs take it, WxH."""
         return f"{self.resolution[0]}x{self.resolution[1]}"
 
 
 def own_variants(backend: str, meshes: int) -> list[Wanted]:
-    """What is timed where the call names no variant: the fastest known, and on the CPU Embree's trees.
+    """The default ptbench variants of a call: the fastest known, and on the CPU Embree's trees.
 
-    `meshes`: how many objects show one. A tree over objects costs time where there are few.
+    `meshes` is the number of objects that show a mesh. A tree over objects costs time where there are few.
     """
     if backend == "cuda":
         return _own_on_gpu(meshes)
@@ -70,13 +70,13 @@ def _own_on_gpu(meshes: int) -> list[Wanted]:
     by_tree = meshes > _MOST_IN_TURN
     kernel = ("integrator=persistent", *base)
     if meshes:
-        # Lanes put their leaves off until all have one: over large meshes the quickest order in one kernel.
+        # Lanes postpone leaves until the whole warp has one to test: the fastest megakernel traversal of large meshes.
         kernel += ("accelerator=cwbvh", "traversal=speculative", *(("levels=two_level",) if by_tree else ()))
     own = [_own(f"persistent {LIGHTS} projected", *kernel, *lit)]
     own += [_own(f"persistent {light}", *kernel, f"direct_light={light}") for light in (LIGHTS, CHANCE)]
     if not meshes or by_tree:
         return own
-    # A queue whose warps fetch rays is as quick or quicker over large meshes; its kernel meets objects in turn.
+    # A wavefront whose warps fetch rays is at least as fast over large meshes, but intersects objects in turn.
     queue = ("integrator=wavefront", "compaction=cub_select_flagged", "layout=soa", *base)
     queue += ("accelerator=cwbvh", "traversal=persistent")
     return [*own, _own(f"queue {LIGHTS} projected", *queue, *lit), _own(f"queue {CHANCE}", *queue, "direct_light=off")]
@@ -89,7 +89,7 @@ def _own(name: str, *axes: str) -> Wanted:
 
 
 def mitsubas(texts: list[str], backend: str, python: Path) -> list[Wanted]:
-    """The peers of `--mitsuba`, or the usual ones of the backend."""
+    """The Mitsuba peers of `--mitsuba`, or the backend's default ones."""
     usual = {"cuda": ["cuda_ad_rgb", "cuda_ad_rgb:bsdf", "cuda_ad_rgb:path:evaluated"]}
     usual["cpu"] = ["llvm_ad_rgb", "llvm_ad_rgb:bsdf", "llvm_ad_rgb:path:evaluated", "scalar_rgb"]
     return [_mitsuba(text, python) for text in (texts or usual[backend]) if text != "none"]
@@ -103,14 +103,14 @@ def _mitsuba(text: str, python: Path) -> Wanted:
     compiles = "scalar" not in variant
     leaves_out = "reading the scene, building trees"
     leaves_out += ", tracing and compiling kernels, launching them" if compiles else ""
-    # A megakernel holds nothing of a path in memory; evaluated loops hold all of every path.
+    # A megakernel keeps no path state in memory; evaluated loops keep the state of every path.
     lanes = 1 << (24 if mode == EVALUATED else 28)
     command = (str(python), script, variant, estimator, mode)
     return Wanted(name, "mitsuba", OF_MITSUBA[estimator], (), command, leaves_out, lanes)
 
 
 def programs(texts: list[str]) -> list[Wanted]:
-    """The peers of `--program`: NAME[:ESTIMATOR]=COMMAND."""
+    """The other renderers of `--program`: NAME[:ESTIMATOR]=COMMAND."""
     found = []
     for text in texts:
         named, _, command = text.partition("=")
@@ -121,6 +121,6 @@ def programs(texts: list[str]) -> list[Wanted]:
 
 
 def chosen_variants(texts: list[str]) -> list[Wanted]:
-    """The peers of `--variant`: NAME:AXIS=CHOICE,.."""
+    """The ptbench variants of `--variant`: NAME:AXIS=CHOICE,.."""
     pairs = (text.split(":", 1) for text in texts)
     return [_own(name, *axes.split(",")) for name, axes in pairs]

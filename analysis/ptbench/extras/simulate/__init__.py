@@ -1,1 +1,1 @@
-"""What holds at a thousand GPUs, on paper: a render split over many, simulated from parts that were measured on few."""
+"""Simulates one render on a thousand GPUs from parts that were measured on a few."""

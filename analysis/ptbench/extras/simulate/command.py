@@ -1,4 +1,4 @@
-"""`python3 -m ptbench simulate`: the exit code is 0, or 2 for bad input."""
+"""`python3 -m ptbench simulate`: simulates renders on many GPUs; exit code 0, or 2 for bad input."""
 
 import argparse
 from pathlib import Path
@@ -21,7 +21,7 @@ FIGURE = "efficiency"
 
 
 def simulate_command(options: argparse.Namespace) -> int:
-    """Simulates, or measures the map of work; raises InputError."""
+    """Runs the simulation, or measures a scene's map of rays per path; raises InputError."""
     if options.out is not None:
         check_output_folder(options.out)
     if options.work is not None:

@@ -1,4 +1,4 @@
-"""Efficiency over the number of GPUs, a panel a number of samples a pixel, a line a partition."""
+"""Parallel efficiency over the number of GPUs: one panel per number of samples per pixel, one line per partition."""
 
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator
@@ -10,7 +10,7 @@ from ptbench.figures import style
 
 
 def draw(study: Study) -> Figure:
-    """The page; the caption has the assumptions."""
+    """Draws the page of the simulation, whose caption lists the assumptions."""
     ranks, spps = study.parts.definition["ranks"], study.parts.definition["spp"]
     caption = (
         f"Simulated, {study.side}×{study.side} pixels, over {study.far.name}. Bands: the middle 90 % of trials. "

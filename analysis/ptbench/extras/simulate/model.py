@@ -1,16 +1,15 @@
-"""The render of one image on many GPUs, and what it takes: shares of the work, noise, and adding up the film.
+"""Model of rendering one image on many GPUs: division of the work, noise, and the reduction of the film.
 
-A GPU's time is t0 + c x (samples of pixels) x noise: t0 and c from renders of one GPU at several sizes. Partitions:
+A GPU's time is t0 + c x (samples x pixels) x noise, with t0 and c from renders of one GPU at several sizes. Partitions:
+- samples: every GPU renders all pixels, at most ceil(spp / P) samples of them; films are summed;
+- tiles: blocks of pixels dealt round-robin; bands: contiguous runs of as many blocks; films are put together;
+- dynamic: as in harness/render/device_shares.h, chunks of samples of all pixels go to whichever GPU is free, each half
+  of an even share of the rest; a chunk is a launch and a message; films are summed.
 
-- samples: every GPU renders all pixels, ceil(spp / P) samples of them at most; films are added up;
-- tiles: blocks of pixels dealt out in turn; bands: as many blocks, one after the other; films are put together;
-- dynamic: as harness/render/device_shares.h has it, chunks of samples of all pixels to whoever is free, each half of an
-  even share of what is left; a chunk is a launch and a message; films are added up.
-
-A message of n bytes takes alpha + n / beta. Of P films added up to one, the shorter of a binomial tree,
-ceil(log2 P) (alpha + n / beta), and of a reduce-scatter and gather, 2 ceil(log2 P) alpha + 2 (P - 1) / P n / beta;
-parts are gathered in ceil(log2 P) alpha + (P - 1) / P n / beta. (Thakur, Rabenseifner and Gropp, Optimization of
-Collective Communication Operations in MPICH, IJHPCA 19(1), 2005. The time of the additions counts as the network's.)
+A message of n bytes takes alpha + n / beta. Summing P films takes the shorter of a binomial tree, ceil(log2 P) (alpha +
+n / beta), and a reduce-scatter with gather, 2 ceil(log2 P) alpha + 2 (P - 1) / P n / beta; gathering parts takes
+ceil(log2 P) alpha + (P - 1) / P n / beta. (Thakur, Rabenseifner and Gropp, Optimization of Collective Communication
+Operations in MPICH, IJHPCA 19(1), 2005. The time of the additions counts as the network's.)
 """
 
 import heapq
@@ -20,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-# A film's pixel: three sums of 64 bits.
+# Film size per pixel: three sums of 64 bits.
 BYTES_PER_PIXEL = 24
 SAMPLES, TILES, BANDS, DYNAMIC = "samples", "tiles", "bands", "dynamic"
 PARTITIONS = (SAMPLES, TILES, BANDS, DYNAMIC)
@@ -28,7 +27,7 @@ PARTITIONS = (SAMPLES, TILES, BANDS, DYNAMIC)
 
 @dataclass(frozen=True)
 class Network:
-    """What a message takes."""
+    """A network's latency and bandwidth."""
 
     name: str
     alpha_ms: float
@@ -36,24 +35,24 @@ class Network:
     source: str = ""
 
     def ms(self, messages: float, size: float) -> float:
-        """Milliseconds of so many messages in turn, and so many bytes in all."""
+        """Milliseconds for a number of messages in sequence and their total bytes."""
         return messages * self.alpha_ms + size / self.gb_per_second / 1e6
 
 
 @dataclass(frozen=True)
 class Cost:
-    """One GPU's time: fixed a render, and of 1e6 samples of pixels."""
+    """Render time of one GPU: a fixed part, and the time per 1e6 samples."""
 
     fixed_ms: float
     ms_per_mega: float
 
     def ms(self, samples: float) -> float:
-        """Milliseconds of that many samples of pixels."""
+        """Milliseconds for a number of samples, counted over all pixels."""
         return self.fixed_ms + self.ms_per_mega * samples / 1e6
 
 
 def added_up_ms(network: Network, ranks: int, pixels: int) -> float:
-    """Time of adding up whole films to one."""
+    """Milliseconds to sum whole films into one."""
     if ranks == 1:
         return 0.0
     rounds, size = _rounds(ranks), pixels * BYTES_PER_PIXEL
@@ -61,7 +60,7 @@ def added_up_ms(network: Network, ranks: int, pixels: int) -> float:
 
 
 def gathered_ms(network: Network, ranks: int, pixels: int) -> float:
-    """Time of putting parts of a film together."""
+    """Milliseconds to gather the parts of a film."""
     return 0.0 if ranks == 1 else network.ms(_rounds(ranks), (ranks - 1) / ranks * pixels * BYTES_PER_PIXEL)
 
 
@@ -70,25 +69,25 @@ def _rounds(ranks: int) -> int:
 
 
 def of_blocks(work: np.ndarray, ranks: int, partition: str) -> np.ndarray:
-    """Each rank's share of an image's work; the shares add up to 1."""
+    """Each rank's share of an image's work under a partition by blocks; the shares add up to 1."""
     blocks = work.ravel() / work.sum()
     owner = np.arange(blocks.size) % ranks if partition == TILES else np.arange(blocks.size) * ranks // blocks.size
     return np.bincount(owner, weights=blocks, minlength=ranks)
 
 
 def of_samples(spp: int, ranks: int) -> np.ndarray:
-    """Each rank's share of the samples: contiguous, at most one more than another's."""
+    """Each rank's share of the samples: contiguous, and within one sample of even."""
     return np.array([(spp * (rank + 1)) // ranks - (spp * rank) // ranks for rank in range(ranks)]) / spp
 
 
 def finer(work: np.ndarray, factor: int) -> np.ndarray:
-    """The map of an image with `factor` times as many pixels a side, in blocks of as many pixels."""
+    """The work map of an image with `factor` times as many pixels per side, in blocks of equal size."""
     return np.kron(work, np.ones((factor, factor)))
 
 
 @dataclass(frozen=True)
 class Case:
-    """One render on many GPUs."""
+    """One render on many GPUs: pixels, samples, ranks and partition."""
 
     pixels: int
     spp: int
@@ -97,7 +96,7 @@ class Case:
 
 
 def times_ms(case: Case, work: np.ndarray, cost: Cost, network: Network, speeds: np.ndarray) -> np.ndarray:
-    """Wall time of each trial; `speeds` are noise by trial and rank, as factors of a rank's time."""
+    """Wall time of each trial; `speeds` are noise factors on a rank's time, by trial and rank."""
     whole = cost.ms_per_mega * case.pixels * case.spp / 1e6
     if case.partition == SAMPLES:
         shares, end = of_samples(case.spp, case.ranks), added_up_ms(network, case.ranks, case.pixels)
@@ -115,7 +114,7 @@ def times_ms(case: Case, work: np.ndarray, cost: Cost, network: Network, speeds:
 
 
 def chunks_of(spp: int, ranks: int) -> list[int]:
-    """The chunks of samples that a shared counter hands out, in turn."""
+    """The chunks of samples that the dynamic partition hands out, in order."""
     least = min(max(spp // (16 * ranks), 1), 16)
     chunks, left = [], spp
     while left > 0:
@@ -125,7 +124,7 @@ def chunks_of(spp: int, ranks: int) -> list[int]:
 
 
 def _in_turn(chunks: Sequence[float], factors: np.ndarray, message_ms: float) -> float:
-    """When the last is done of chunks that go, in turn, to whoever is free first."""
+    """The finishing time of the last of the chunks, each taken in order by the rank that is free first."""
     free = [(0.0, rank) for rank in range(len(factors))]
     last = 0.0
     for chunk in chunks:
@@ -137,6 +136,6 @@ def _in_turn(chunks: Sequence[float], factors: np.ndarray, message_ms: float) ->
 
 
 def efficiency(case: Case, work: np.ndarray, cost: Cost, network: Network, speeds: np.ndarray) -> np.ndarray:
-    """One GPU's time, without noise, over P times that of P GPUs; a trial each."""
+    """Parallel efficiency of each trial: one GPU's time, without noise, over P times that of P GPUs."""
     alone = cost.ms(case.pixels * case.spp)
     return alone / (case.ranks * times_ms(case, work, cost, network, speeds))

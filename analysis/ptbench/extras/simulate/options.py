@@ -1,4 +1,4 @@
-"""The command line of `simulate`."""
+"""The command line options of `simulate`."""
 
 import argparse
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The measured parts of a simulation, from result files, each with how well what it is taken for fits it."""
+"""The measured inputs of a simulation, from result files, with the fit error of each model."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ WORK = "ptbench-work-1"
 
 @dataclass(frozen=True)
 class Point:
-    """What a formula says, and what was measured."""
+    """A model's value and the measured one."""
 
     name: str
     said: float
@@ -28,31 +28,31 @@ class Point:
 
     @property
     def error(self) -> float:
-        """Error of what the formula says, relative to what was measured."""
+        """The relative error of the model's value."""
         return self.said / self.measured - 1
 
 
 @dataclass(frozen=True)
 class Parts:
-    """All that a simulation takes from measurements; `definition` is the rest."""
+    """All measured inputs of a simulation; `definition` holds the rest."""
 
     definition: Mapping
     cost: Cost
-    cost_points: tuple[Point, ...]  # of the fit itself
+    cost_points: tuple[Point, ...]  # measurements that the cost line is fitted to
     device: str
-    noise: np.ndarray  # a render's time over its cell's median
+    noise: np.ndarray  # time of each render over its cell's median
     noise_cells: int
-    work: np.ndarray  # rays a path, by block of pixels
+    work: np.ndarray  # rays per path, by block of pixels
     work_scene: str
-    reduction: Network  # of ranks on one host
-    reduction_points: tuple[Point, ...]  # of the fit itself
-    reduction_checks: tuple[Point, ...]  # of another number of ranks
+    reduction: Network  # network model fitted to film reductions between ranks on one host
+    reduction_points: tuple[Point, ...]  # measurements that the network model is fitted to
+    reduction_checks: tuple[Point, ...]  # measurements with other numbers of ranks, for checks
     networks: Mapping[str, Network]
-    devices: Path | None  # a result of several GPUs, where there is one
+    devices: Path | None  # result file of a multi-GPU run; None: there is none
 
 
 def parts_of(results: Path, definition: Path | None = None) -> Parts:
-    """Loads what the definition names; raises InputError."""
+    """Loads the files that the definition names; raises InputError."""
     root = read_json(definition or package_file("extras", "simulate", DEFINITION))
     render, noise, reduction = (root.need(name) for name in ("render", "noise", "reduction"))
     cost, cost_points, device = _cost(results, render)
@@ -96,7 +96,7 @@ def _cost(results: Path, about: Node) -> tuple[Cost, tuple[Point, ...], str]:
 
 
 def _line(x: np.ndarray, y: np.ndarray) -> tuple[float, float]:
-    """a and b, both at least 0, of y = a + b x with the least sum of squared relative errors."""
+    """Fits y = a + b x with a, b >= 0 by least squares of the relative error; returns a and b."""
     columns = np.stack([1 / y, x / y], axis=1)
     (a, b), *_ = np.linalg.lstsq(columns, np.ones_like(y), rcond=None)
     if a < 0:
@@ -105,7 +105,7 @@ def _line(x: np.ndarray, y: np.ndarray) -> tuple[float, float]:
 
 
 def _noise(result: Result, least_ms: float) -> tuple[np.ndarray, int]:
-    """Each render's time over its cell's median, of cells that take long enough to be timed well."""
+    """The time of each render over its cell's median, and the number of cells; very short renders are left out."""
     found = []
     for cell in result.cells:
         times = np.array([sample.wall_ms for sample in cell.samples])
@@ -117,9 +117,9 @@ def _noise(result: Result, least_ms: float) -> tuple[np.ndarray, int]:
 
 
 def reduction_ms(result: Result, most_ms: float) -> dict[tuple[int, int], float]:
-    """The median time of adding up films by (ranks, pixels), of sizes that take less than a scheduler's slice.
+    """Median time of the film reduction by (ranks, pixels), for sizes shorter than a scheduler's time slice.
 
-    On a host that others use as well, whatever takes longer is interrupted, and tells of them.
+    On a shared host longer reductions are interrupted by other processes, so their times are not the network's.
     """
     root = read_json(result.path)
     times: dict[tuple[int, int], list[float]] = {}
@@ -153,7 +153,7 @@ def _points(network: Network, measured: Mapping[tuple[int, int], float]) -> tupl
 
 
 def read_work(path: Path) -> tuple[np.ndarray, str]:
-    """Rays a path by block of pixels, and the scene; raises InputError."""
+    """Reads rays per path by block of pixels, and the scene's name; raises InputError."""
     root = read_json(path)
     root.need("schema").one_of((WORK,))
     rows = [[value.number(above_zero=True) for value in row.items()] for row in root.need("rays_per_path").items()]

@@ -1,4 +1,4 @@
-"""One render on a thousand GPUs, as a page asks it: simulated from measured parts, and what of it was checked."""
+"""The simulation of a thousand GPUs as a source of numbers for a page, with the checks that were made of it."""
 
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from ptbench.stats.estimates import Estimate
 
 
 class SimulationSource(Source, form=WORK):
-    """The simulation of the package's definition, from the results of a checkout; `file` is its map of work."""
+    """The simulation of the package's definition, from a checkout's results; `file` is its map of rays per path."""
 
     def __init__(self, results: Path, file: str) -> None:
         super().__init__(results, file)
@@ -23,7 +23,7 @@ class SimulationSource(Source, form=WORK):
         self._study: Study = study_of(self._parts)
 
     def efficiency(self, partition: str, spp: int, ranks: int) -> Quantity:
-        """At the smallest image, over the far network; with the middle 90 % of trials."""
+        """Parallel efficiency at the smallest image over the far network; with the middle 90 % of trials."""
         key = (partition, spp, ranks)
         if key not in self._study.efficiencies:
             raise FindingError(f"simulation: no {partition}, {spp} spp, {ranks} GPUs")
@@ -31,71 +31,71 @@ class SimulationSource(Source, form=WORK):
         return Quantity(Estimate(one.value, one.low, one.high, self._parts.definition["trials"]), str(key))
 
     def imbalance(self, partition: str, ranks: int) -> Quantity:
-        """The greatest share of work over the mean."""
+        """Load imbalance of a partition: the largest share of work over the mean."""
         return self._number(self._study.imbalance[partition, ranks])
 
     def straggler(self, ranks: int) -> Quantity:
-        """The slowest of so many renders over the median."""
+        """The slowest rank's time over the median, by noise alone."""
         return self._number(self._study.stragglers[ranks])
 
     def slow_one(self, partition: str, ranks: int) -> Quantity:
-        """Efficiency where one GPU is slow."""
+        """Parallel efficiency where one GPU is slow."""
         return self._number(self._study.slow_one[partition, ranks])
 
     def reduction(self, side: int, ranks: int) -> Quantity:
-        """Adding up films, ms, over the far network."""
+        """Milliseconds to sum the films over the far network."""
         return self._number(self._study.reductions[side, ranks])
 
     def even(self, side: int, ranks: int) -> int | None:
-        """The least samples a pixel at which samples are as fast as tiles."""
+        """The least samples per pixel at which dividing samples is as fast as dividing tiles; None: never."""
         return self._study.even[side, ranks]
 
     @property
     def far(self) -> str:
-        """The network between hosts."""
+        """The name of the network between hosts."""
         return self._study.far.name
 
     @property
     def has_devices(self) -> bool:
-        """Whether several GPUs were measured."""
+        """Whether renders on several GPUs were measured, to check the simulation."""
         return bool(self._study.checks)
 
     @property
     def worst_device_error(self) -> Quantity:
-        """Per cent by which an efficiency of several GPUs is off at most, without its sign."""
+        """The largest error of a simulated multi-GPU efficiency in per cent, unsigned."""
         return self._number(100 * max(abs(point.error) for point in self._study.checks))
 
     def device_errors(self, least_spp: int) -> list[float]:
-        """Per cent by which efficiencies of several GPUs are off from so many samples a pixel on, without signs."""
+        """Unsigned errors of simulated multi-GPU efficiencies, per cent, for at least `least_spp` samples per pixel."""
         return [100 * abs(point.error) for point in self._study.checks if int(point.name.split()[-2]) >= least_spp]
 
     @property
     def near(self) -> str:
-        """The network within a host."""
+        """The name of the network within a host."""
         return self._parts.definition["near"]
 
     def reduction_errors(self, ranks: int) -> list[float]:
-        """Per cent by which the formula is off for so many ranks on one host, without signs."""
+        """Errors of the reduction model in per cent, unsigned, for a number of ranks on one host."""
         points = [one for one in self._parts.reduction_checks if one.name.startswith(f"{ranks} ranks")]
         return [100 * abs(point.error) for point in points]
 
     @property
     def assumptions(self) -> list[str]:
-        """A line each."""
+        """The assumptions of the simulation, one line each."""
         return assumptions(self._study)
 
     @property
     def checked(self) -> tuple[str, ...]:
-        """What was held against measurements, and what was not."""
+        """Lines on which parts of the simulation were checked against measurements, and which were not."""
         return checked_lines(self._study)
 
     def table(self, name: str) -> str:
-        """What the command tells, by the name of its table."""
+        """A table of the simulation as Markdown, by name."""
         return "\n".join(table_lines(TABLES[name](self._study)))
 
     @property
     def provenance(self) -> str:
-        """Lines of a list: the parts."""
+        """The list of files with the measured parts, as Markdown."""
         about = self._parts.definition
         files = [
             (about["render"]["file"], "one GPU's time by number of samples"),

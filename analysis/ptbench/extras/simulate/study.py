@@ -1,4 +1,4 @@
-"""The simulation itself: efficiencies by ranks, samples and partition, and what each assumption costs. Seeded."""
+"""The simulation itself: efficiencies by ranks, samples and partition, and the cost of each assumption. Seeded."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ from ptbench.extras.simulate.parts import Parts, Point
 from ptbench.io.cells import Cell
 from ptbench.io.results import load
 
-# A list of thousands of blocks is gone through for each trial.
+# Trials of the dynamic partition are few, because each simulates thousands of chunks one by one.
 _DYNAMIC_TRIALS = 20
 
 
@@ -39,17 +39,17 @@ class Spread:
 
 @dataclass(frozen=True)
 class Study:
-    """All that is told; efficiencies by (partition, spp, ranks) at the smallest image over the far network."""
+    """All simulated numbers; efficiencies by (partition, spp, ranks) at the smallest image over the far network."""
 
     parts: Parts
     side: int
     efficiencies: Mapping[tuple[str, int, int], Spread]
-    reductions: Mapping[tuple[int, int], float]  # ms by (side, ranks), over the far network
+    reductions: Mapping[tuple[int, int], float]  # film reduction in ms by (side, ranks), over the far network
     even: Mapping[tuple[int, int], int | None]  # least spp at which samples are as fast as tiles, by (side, ranks)
-    stragglers: Mapping[int, float]  # the slowest of so many renders over the median, the median of trials
-    slow_one: Mapping[tuple[str, int], float]  # efficiency where one GPU is slow, by (partition, ranks)
-    imbalance: Mapping[tuple[str, int], float]  # the greatest share of work over the mean, by (partition, ranks)
-    checks: tuple[Point, ...]  # efficiencies of several GPUs that were measured
+    stragglers: Mapping[int, float]  # slowest rank's time over the median by ranks, from noise alone; median of trials
+    slow_one: Mapping[tuple[str, int], float]  # parallel efficiency with one slow GPU, by (partition, ranks)
+    imbalance: Mapping[tuple[str, int], float]  # load imbalance: largest over mean share of work, by (partition, ranks)
+    checks: tuple[Point, ...]  # simulated against measured efficiencies of several GPUs
 
     @property
     def far(self) -> Network:
@@ -58,7 +58,7 @@ class Study:
 
 
 def study_of(parts: Parts) -> Study:
-    """Simulates; the same parts give the same numbers."""
+    """Runs the simulation; equal parts give equal numbers."""
     about = parts.definition
     sides, ranks, spps = about["sides"], about["ranks"], about["spp"]
     far = parts.networks[about["far"]]
@@ -95,7 +95,7 @@ def study_of(parts: Parts) -> Study:
 
 
 class _Noise:
-    """Factors of a rank's time by trial and rank, drawn from what was measured; for equal numbers of ranks equal."""
+    """Noise factors on a rank's time by trial and rank, drawn from measured ones; equal for equal numbers of ranks."""
 
     def __init__(self, measured: np.ndarray, seed: int, trials: int) -> None:
         self._measured, self._seed, self._trials = measured, seed, trials
@@ -131,16 +131,16 @@ def _slow_one(parts: Parts, network: Network, noise: _Noise, case: Case) -> floa
 
 
 def _checks(parts: Parts) -> tuple[Point, ...]:
-    """Efficiencies of several GPUs of one host, simulated and measured; empty where nobody measured them."""
+    """Simulated against measured efficiencies of several GPUs in one host; empty where there are no measurements."""
     if parts.devices is None:
         return ()
     return device_checks(parts, load(Path(parts.devices)).cells)
 
 
 def device_checks(parts: Parts, cells: tuple[Cell, ...]) -> tuple[Point, ...]:
-    """Checks by cells with the axes `devices` and `partition`: one GPU's time over N times that of N, at equal work.
+    """Checks simulated efficiencies T(1) / (N T(N)) by cells with the axes `devices` and `partition`, at equal work.
 
-    The measured efficiency is over one GPU's own time in the same file; the simulated one has the parts' line for both.
+    The measured efficiency uses one GPU's time in the same file; the simulated one uses the fitted cost line for both.
     """
     near = parts.networks[parts.definition["near"]]
     noise = _Noise(parts.noise, parts.definition["seed"], parts.definition["trials"])
@@ -159,7 +159,7 @@ def device_checks(parts: Parts, cells: tuple[Cell, ...]) -> tuple[Point, ...]:
 
 
 def _is_alone(cell: Cell, other: Cell) -> bool:
-    """Whether the other is the same render on one GPU."""
+    """Whether `other` is the same render as `cell`, on one GPU."""
     own, its = ({k: v for k, v in one.axes.items() if k not in ("devices", "partition")} for one in (cell, other))
     same = (cell.scene, cell.spp, cell.depth, cell.resolution, own)
     return (

@@ -1,4 +1,4 @@
-"""What a simulation found, in words and tables: what was measured, what is assumed, and what nobody has checked."""
+"""The findings of the simulation in words and tables: measurements, assumptions, and what is unchecked."""
 
 from collections.abc import Iterable
 
@@ -13,7 +13,7 @@ SHOWN_RANKS = (2, 4, 8, 64, 256, 1024)
 
 
 def assumptions(study: Study) -> list[str]:
-    """A line each: what the numbers rest on."""
+    """The assumptions of a simulation, one line each."""
     parts = study.parts
     cost, seen = parts.cost, parts.reduction
     return [
@@ -38,7 +38,7 @@ def assumptions(study: Study) -> list[str]:
 
 
 def sections(study: Study) -> list[Section]:
-    """The report."""
+    """The report of the simulation."""
     return [
         section("Assumptions", tuple(assumptions(study))),
         section(
@@ -62,7 +62,7 @@ def shown_ranks(study: Study) -> list[int]:
 
 
 def efficiency_table(study: Study) -> Table:
-    """By samples and partition."""
+    """The table of parallel efficiency by samples per pixel and partition."""
     ranks = shown_ranks(study)
     rows = [
         (str(spp), partition, *(_spread_text(study.efficiencies[partition, spp, count]) for count in ranks))
@@ -74,7 +74,7 @@ def efficiency_table(study: Study) -> Table:
 
 
 def reduction_table(study: Study) -> Table:
-    """By size of the image."""
+    """The table of film reduction times by image size."""
     ranks = shown_ranks(study)
     sides = study.parts.definition["sides"]
     rows = [(f"{side}x{side}", *(figures(study.reductions[side, count], 3) for count in ranks)) for side in sides]
@@ -83,7 +83,7 @@ def reduction_table(study: Study) -> Table:
 
 
 def even_table(study: Study) -> Table:
-    """The least spp at which sharing samples is as fast as sharing tiles, by size of the image and number of GPUs."""
+    """The least spp at which dividing samples is as fast as dividing tiles, by image size and number of GPUs."""
     ranks = shown_ranks(study)
     sides = study.parts.definition["sides"]
     rows = [
@@ -95,7 +95,7 @@ def even_table(study: Study) -> Table:
 
 
 def straggler_table(study: Study) -> Table:
-    """What each part costs by itself."""
+    """The table of what imbalance, noise and a slow GPU cost, each by itself."""
     ranks = shown_ranks(study)
     slow = f"{100 * study.parts.definition['slow']:.0f} %"
     lines = [
@@ -117,7 +117,7 @@ def straggler_table(study: Study) -> Table:
 
 
 def checked_lines(study: Study) -> tuple[str, ...]:
-    """What was held against measurements, and what was not."""
+    """Lines on which parts of the simulation were checked against measurements, and which were not."""
     lines = [
         f"The formula of adding up films, fitted to 2 ranks and held against others: "
         f"{len(study.parts.reduction_checks)} points.",
@@ -130,7 +130,7 @@ def checked_lines(study: Study) -> tuple[str, ...]:
 
 
 def check_table(study: Study) -> Table:
-    """Formula against measurement."""
+    """The table of simulated against measured values."""
     groups = (
         ("fit: one GPU, ms", study.parts.cost_points),
         ("fit: adding up, ms", study.parts.reduction_points),
@@ -157,7 +157,7 @@ def _percent(share: float) -> str:
     return f"{figures(100 * share, 2)} %"
 
 
-# As a page names them.
+# The tables of the simulation by the names that pages use.
 TABLES = {
     "efficiency": efficiency_table,
     "reduction": reduction_table,

@@ -1,8 +1,8 @@
-"""Measures how many rays a path has, by block of pixels: `python3 -m ptbench simulate --work SCENE`.
+"""Measures the rays per path of a scene, by block of pixels: `python3 -m ptbench simulate --work SCENE`.
 
-The scene is rendered once with all colours replaced: every surface reflects all light and emits 1, lights emit 1, and
-so does what lies around. Directions do not depend on colours, so each path is the same, and its radiance is the number
-of its rays.
+The scene is rendered once with all colours replaced: every surface reflects all light and emits 1, and lights and the
+environment emit 1. Directions do not depend on colours, so each path stays the same, and its radiance is the number of
+its rays.
 """
 
 import json
@@ -20,13 +20,13 @@ from ptbench.program import Program
 
 BLOCK = 16
 _ONE = [1, 1, 1]
-# What of a material says what it reflects or lets through.
+# Keys of a material that hold its reflectance or transmittance colours.
 _COLOURS = ("albedo", "reflectance", "tint")
 _COUNTED = ("diffuse", "mirror", "mix", "emitter", "rough_conductor")
 
 
 def counting(scene: dict) -> dict:
-    """The scene whose radiance counts rays; raises InputError for a material of which that is not known."""
+    """A copy of the scene whose radiance counts rays; raises InputError for a material that this cannot be done for."""
     counted = json.loads(json.dumps(scene))
     for name, material in counted["materials"].items():
         if material["type"] not in _COUNTED:
@@ -40,7 +40,7 @@ def counting(scene: dict) -> dict:
 
 
 def measure_work(binary: Path, scene_file: Path, spp: int, out: Path) -> dict:
-    """Renders, and writes the map; what was written. Raises InputError."""
+    """Renders the counting scene, writes the map of rays per path and returns it. Raises InputError."""
     scene = read_json(scene_file).fields()
     with tempfile.TemporaryDirectory() as folder:
         made, film = Path(folder) / "counting.json", Path(folder) / "counting.pfm"
@@ -56,7 +56,7 @@ def measure_work(binary: Path, scene_file: Path, spp: int, out: Path) -> dict:
 
 
 def blocks_of(image: np.ndarray, side: int) -> np.ndarray:
-    """Means of blocks of pixels; raises InputError where they do not fit."""
+    """Means over square blocks of pixels; raises InputError unless the image is a multiple of the block."""
     height, width = image.shape
     if height % side or width % side:
         raise InputError(f"--work: found {width}x{height} pixels, allowed: multiples of {side}")

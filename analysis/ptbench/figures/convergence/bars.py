@@ -1,4 +1,4 @@
-"""Bars with intervals, one group a scene: time to an error, efficiency, the price of checkpoints."""
+"""Bar charts with intervals, one group of bars per scene: time to an error, efficiency, and checkpoint overhead."""
 
 import math
 from collections.abc import Sequence
@@ -28,14 +28,14 @@ from ptbench.io.cells import Result, Study
 from ptbench.stats.estimates import INTERVAL_TEXT, Estimate
 from ptbench.studies.notes import Note
 
-_ROW, _HEAD, _GAP, _FOOT = 0.27, 0.34, 0.5, 0.6  # inches
+_ROW, _HEAD, _GAP, _FOOT = 0.27, 0.34, 0.5, 0.6  # heights in inches: bar's row, heading, gap of groups, foot
 _LOG_FROM = 8.0
-_EVERY = 10**6  # bars need no splitting
+_EVERY = 10**6  # most cells in a group: bar charts need no splitting into pages
 
 
 @dataclass(frozen=True)
 class Bar:
-    """A bar of a figure. `estimate` may be infinite or None; `text` says so."""
+    """One bar of a figure; where `estimate` is infinite or None, `text` says so."""
 
     label: str
     estimate: Estimate | None
@@ -44,7 +44,7 @@ class Bar:
 
 @dataclass(frozen=True)
 class Bars:
-    """The bars of one place, under its title."""
+    """The bars of one scene and setting, under its title."""
 
     title: str
     bars: tuple[Bar, ...]
@@ -52,7 +52,7 @@ class Bars:
 
 @dataclass(frozen=True)
 class Data:
-    """What a page of bars shows; `unit` is that of every value."""
+    """The contents of a page of bars, whose values all have the unit `unit`."""
 
     title: str
     caption: str
@@ -63,8 +63,8 @@ class Data:
     heading: str
     unit: str = ""
     line_at: float | None = None
-    from_line: bool = False  # a logarithmic axis on which bars begin at `line_at`
-    zero_based: bool = True  # bars begin at 0
+    from_line: bool = False  # whether the axis is logarithmic and bars begin at `line_at`
+    zero_based: bool = True  # whether the axis is linear and bars begin at 0
 
 
 def _data(found: Groups, groups: Sequence[Bars], title: str, caption: str, result: Result, **fields) -> Data:
@@ -73,7 +73,7 @@ def _data(found: Groups, groups: Sequence[Bars], title: str, caption: str, resul
 
 
 def time_to_error(result: Result, study: Study) -> Data:
-    """Time to the target error, a bar a cell; raises NotDrawable."""
+    """The bars of the time to the target error, one per cell; raises NotDrawable."""
     found = groups_of(result, study, _EVERY)
     groups = []
     exact = []
@@ -101,7 +101,7 @@ def time_to_error(result: Result, study: Study) -> Data:
 
 
 def efficiency(result: Result, study: Study) -> Data:
-    """Efficiency over the baseline's, a bar a cell; raises NotDrawable."""
+    """The bars of efficiency against the baseline, one per cell; raises NotDrawable."""
     found = groups_of(result, study, _EVERY)
     groups = []
     for group in found.groups:
@@ -130,7 +130,7 @@ def _efficiency_bar(one, group: Group) -> Bar:
 
 
 def checkpoint_cost(result: Result, study: Study) -> Data:
-    """Time with checkpoints over time without, a bar a cell; raises NotDrawable."""
+    """The bars of time with checkpoints over time without, one per cell; raises NotDrawable."""
     found = groups_of(result, study, _EVERY)
     groups = []
     for group in found.groups:
@@ -174,7 +174,7 @@ def _time_text(time: Estimate | None) -> str:
 
 
 def draw(data: Data) -> Figure:
-    """A page of bars."""
+    """Draws a page of bars."""
     looks = {label: style.look(index) for index, label in enumerate(data.order)}
 
     label_width = style.widest(bar.label for group in data.groups for bar in group.bars)
@@ -229,7 +229,7 @@ def _bounds(group: Bars, line_at: float | None) -> list[float]:
 
 
 def _scale(axes: Axes, bounds: list[float], log: bool, zero_based: bool) -> float:
-    """Sets the axis, and returns where bars begin."""
+    """Sets the value axis, and returns where bars begin."""
     low, high = min(bounds), max(bounds)
     if log:
         axes.set_xscale("log")
@@ -247,7 +247,7 @@ def _scale(axes: Axes, bounds: list[float], log: bool, zero_based: bool) -> floa
 
 
 def _draw_bar(axes: Axes, y: float, estimate: Estimate, start: float | None, look: style.Look) -> None:
-    """No bar without a `start`: one that does not begin at nought would show a small difference as a large one."""
+    """Draws a bar from `start`, or just its interval: a bar that does not begin at 0 would exaggerate differences."""
     end = axes.get_xlim()[1]
     if not math.isfinite(estimate.value):
         axes.barh(

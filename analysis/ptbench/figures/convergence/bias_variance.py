@@ -1,7 +1,7 @@
-"""Bias against variance: who is wrong by how much, and at what noise a sample.
+"""The figure of squared bias against the variance of one sample, one point per variant, both axes logarithmic.
 
-One point a variant, both axes logarithmic. Where no bias was found, an arrow hangs from its upper limit: the truth lies
-somewhere below. A grey diagonal joins points whose bias equals their noise at one number of samples.
+Where no bias was found, an arrow points down from its upper limit: the true bias is below. A grey diagonal joins points
+whose bias equals their noise at one number of samples.
 """
 
 import math
@@ -26,18 +26,18 @@ _LEGEND_WIDTH = 2.0
 
 @dataclass(frozen=True)
 class Point:
-    """A cell's variance of one sample and squared bias."""
+    """The variance per sample and squared bias of a cell."""
 
     label: str
     sigma2: Estimate
     bias2: Estimate
-    found: bool  # a plateau; else `limit` is all that is known
+    found: bool  # whether a plateau was found; else only an upper limit of bias^2 is known
     limit: float
 
 
 @dataclass(frozen=True)
 class Panel:
-    """The points of one place."""
+    """The points of one scene and setting."""
 
     title: str
     points: tuple[Point, ...]
@@ -45,7 +45,7 @@ class Panel:
 
 @dataclass(frozen=True)
 class Data:
-    """What the page shows."""
+    """The contents of the figure of bias against variance."""
 
     title: str
     caption: str
@@ -55,7 +55,7 @@ class Data:
 
 
 def collect(result: Result, study: Study) -> Data:
-    """A panel a place; raises NotDrawable."""
+    """Collects one panel per scene and setting; raises NotDrawable."""
     found = groups_of(result, study)
     panels, dependent, noiseless = [], [], []
     for group in found.groups:
@@ -90,7 +90,7 @@ def collect(result: Result, study: Study) -> Data:
 def _point(one: Assessment, label: str) -> Point:
     is_plateau = one.verdict.word == PLATEAU
     bias2 = one.fit.bias2
-    # A plateau that the mean error gave away may have a larger interval of bias^2.
+    # A plateau detected through the mean error may exceed the fitted bias^2.
     value = max(bias2.value, one.plateau_bias2)
     limit = max(one.bias2_family[1], 1e-30)
     return Point(label, one.fit.sigma2, Estimate(value, bias2.low, bias2.high, bias2.n), is_plateau, limit)

@@ -1,7 +1,7 @@
-"""Crops at equal render time beside the reference, and their signed error: what the curves look like.
+"""Image crops of variants at equal render time beside the reference, with their signed error.
 
-The images lie in a folder beside the result file, and a cell names its own. One crop is shown of all:
-where they miss the reference most.
+The images lie in a folder beside the result file and are named by the cells. All variants show the same crop: where
+they miss the reference most.
 """
 
 import math
@@ -26,36 +26,36 @@ from ptbench.io.convergence import Picture
 from ptbench.io.images import TONE_MAPPING, displayed, exposure_of, flip, read_pfm
 from ptbench.studies.notes import Note
 
-_CROP = 96  # pixels, where the image is larger
-_PICTURE, _BETWEEN = 1.6, 0.14  # inches
+_CROP = 96  # side of the crop in pixels, where the image is larger
+_PICTURE, _BETWEEN = 1.6, 0.14  # inches: side of a picture and gap between pictures
 _COLUMNS = 5
-_LINES = 4  # of a name over a picture
+_LINES = 4  # most lines of a variant's name above its picture
 _LABEL = 8.0
 _LONGEST_EQUAL = 1.25
 
 
 @dataclass(frozen=True)
 class Shot:
-    """One variant's image at equal time; `error` is its mean signed error over the channels."""
+    """The image of one variant at equal time; `error` is its signed error, averaged over channels."""
 
     label: str
     facts: str
     picture: np.ndarray
-    error: np.ndarray | None  # None: the reference
+    error: np.ndarray | None  # signed error image; None: the shot is the reference
 
 
 @dataclass(frozen=True)
 class Sheet:
-    """The pictures of one place, at equal time."""
+    """The pictures of one scene and setting, at equal time."""
 
     title: str
     shots: tuple[Shot, ...]
-    limit: float  # of the signed error's colours
+    limit: float  # largest signed error on the colour scale
 
 
 @dataclass(frozen=True)
 class Data:
-    """What the page shows."""
+    """The contents of the figure of crops at equal time."""
 
     title: str
     caption: str
@@ -64,7 +64,7 @@ class Data:
 
 
 def collect(result: Result, study: Study) -> Data:
-    """A sheet a place; raises NotDrawable."""
+    """Collects a sheet of crops per scene and setting; raises NotDrawable."""
     found = groups_of(result, study, 10**6)
     folder = result.path.parent
     notes, sheets, flips, reasons = list(found.notes), [], {}, []
@@ -110,7 +110,7 @@ def _title(study: Study) -> str:
 
 
 def _at_equal_time(members: Sequence[Assessment]) -> tuple[float, list[tuple[Picture, float]]]:
-    """The time that all have an image at; each one's last image within it, or its first, and that image's own time."""
+    """The latest time at which all cells have an image, and each one's last image by then, or its first."""
     timed = [_timed(one, ms) for one, ms in zip(members, render_times(members)[0], strict=True)]
     time = min(max(times.values()) for times in timed)
     chosen = []
@@ -128,7 +128,7 @@ def _sheet(
     time: float,
     chosen: Sequence[tuple[Picture, float]],
 ) -> tuple[Sheet, str, str]:
-    """The sheet, the settings of FLIP, and why it is not there."""
+    """The sheet of crops, FLIP's settings, and why FLIP values are missing, if so."""
     reference = read_pfm(folder / members[0].cell.convergence.reference_picture)
     exposure = exposure_of(reference)
     images, facts, settings, failure = [], [], "", ""
@@ -159,13 +159,13 @@ def _sheet(
     for one, image, text, error in zip(members, images, facts, errors, strict=True):
         shots.append(Shot(group.names[one.cell.name], text, displayed(image, exposure)[window], error[window]))
     shown = np.abs([error[window] for error in errors])
-    # Where most pixels are right, it is the others that need the colours.
+    # The colour scale ignores exact pixels; in an image that is mostly exact the others would have no contrast.
     limit = float(np.percentile(shown[shown > 0], 98)) if shown.any() else 1.0
     return Sheet(f"{group.title}, after {numbers.figures(time, 3)} ms", tuple(shots), limit), settings, failure
 
 
 def _timed(one: Assessment, ms: np.ndarray) -> dict[Picture, float]:
-    """Render wall time by picture; `ms` is that of every checkpoint."""
+    """Render wall time by picture, from the times `ms` of all checkpoints."""
     times = dict(zip(one.curve.spp.astype(int), ms, strict=True))
     timed = {picture: float(times[picture.spp]) for picture in one.cell.convergence.pictures if picture.spp in times}
     if not timed:
@@ -175,7 +175,7 @@ def _timed(one: Assessment, ms: np.ndarray) -> dict[Picture, float]:
 
 
 def _window(errors: Sequence[np.ndarray]) -> tuple[slice, slice]:
-    """The crop in which the images, each by its own measure, miss the reference most; all of a small image."""
+    """The crop with the largest error of all images, each relative to its own mean; the whole of a small image."""
     height, width = errors[0].shape
     squares = sum(error**2 / max(float(np.mean(error**2)), 1e-300) for error in errors)
     rows, columns = min(_CROP, height), min(_CROP, width)

@@ -1,7 +1,7 @@
-"""How the error falls with render time: a line a variant, a panel a scene, with the seeds' band and found plateaus.
+"""Error against render time: one line per variant, one panel per scene, with the seeds' band and plateaus.
 
-Both axes are logarithmic, so that noise that averages out is a straight line of slope -1/2, as the grey lines are, and
-the distance between two of them is how many times longer one variant takes.
+Both axes are logarithmic, so that noise that averages out is a straight line of slope -1/2, as the grey lines are. The
+horizontal distance of two lines is how many times as long one variant takes.
 """
 
 import math
@@ -24,49 +24,49 @@ from ptbench.io.asked import CONVERGENCE
 from ptbench.io.cells import Result, Study
 from ptbench.studies.notes import Note
 
-_LEGEND_WIDTH = 2.0  # inches, before a line's name is wrapped
-_SECONDS_FROM = 2e4  # milliseconds
-_LOWEST_FLOOR = 100.0  # times below the lowest error, the reference's noise is only told of
+_LEGEND_WIDTH = 2.0  # inches of width in the legend beyond which a line's name is wrapped
+_SECONDS_FROM = 2e4  # milliseconds from which on the time axis is in seconds
+_LOWEST_FLOOR = 100.0  # the reference's noise is not drawn if this many times below the lowest error
 _GUIDE = "#dadada"
 
 
 @dataclass(frozen=True)
 class Line:
-    """A cell's error, one value a checkpoint."""
+    """The error of one cell at each checkpoint."""
 
     label: str
-    times: np.ndarray  # milliseconds
-    errors: np.ndarray  # root of the mean dual squared error over seeds; NaN where that is below 0
-    low: np.ndarray  # of the seeds
+    times: np.ndarray  # render time at each checkpoint in milliseconds
+    errors: np.ndarray  # root of the mean dual squared error over seeds; NaN where the mean is negative
+    low: np.ndarray  # lower end of the seeds' band
     high: np.ndarray
     plateau: float | None
-    plateau_is_bound: bool  # the line's end is told of, not drawn: it lies higher
+    plateau_is_bound: bool  # whether `plateau` is only a lower bound, told in words but not drawn
     crossing_ms: float | None
 
     @property
     def has_drawn_plateau(self) -> bool:
-        """Whether a line is drawn where the error stops falling."""
+        """Whether the plateau is drawn where the error stops falling."""
         return self.plateau is not None and not self.plateau_is_bound
 
     @property
     def drawn(self) -> np.ndarray:
-        """What a logarithmic axis shows: the errors, or the highest seeds where no mean is above 0."""
+        """The errors that a logarithmic axis can show; if all means are negative, the upper ends of the seeds' band."""
         errors, high = (values[~np.isnan(values)] for values in (self.errors, self.high))
         return errors if len(errors) else high
 
 
 @dataclass(frozen=True)
 class Panel:
-    """The lines of one place."""
+    """The lines of one scene and setting."""
 
     title: str
     lines: tuple[Line, ...]
-    floor: float | None  # root of the reference's variance; None: it is exact
+    floor: float | None  # root of the reference's variance, its noise; None: the reference is exact
 
 
 @dataclass(frozen=True)
 class Data:
-    """What the page shows."""
+    """The contents of the figure of error against time."""
 
     title: str
     caption: str
@@ -76,12 +76,12 @@ class Data:
 
     @property
     def in_seconds(self) -> bool:
-        """Whether the axis is in seconds; else milliseconds."""
+        """Whether the time axis is in seconds instead of milliseconds."""
         return max(float(line.times[-1]) for panel in self.panels for line in panel.lines) >= _SECONDS_FROM
 
 
 def collect(result: Result, study: Study) -> Data:
-    """A panel a place; raises NotDrawable."""
+    """Collects one panel per scene and setting; raises NotDrawable."""
     found = groups_of(result, study)
     members = [one for group in found.groups for one in group.members]
     times, how = render_times(members)
@@ -232,7 +232,7 @@ def _draw_panel(page: style.Page, axes: Axes, panel: Panel, data: Data, looks: d
 
 
 def _draw_guides(axes: Axes) -> None:
-    """Lines of slope -1/2, a factor of ten in time apart, under everything."""
+    """Draws grey guide lines of slope -1/2, a factor of ten in time apart, below everything else."""
     (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
     first = math.floor(math.log10(low**2 * left))
     for power in range(first, math.ceil(math.log10(high**2 * right)) + 1):

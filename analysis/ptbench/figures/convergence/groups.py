@@ -1,4 +1,4 @@
-"""What the figures of a convergence study share: which cells stand together, their names, and what to say below."""
+"""Groups of cells that the figures of a convergence study show together, their labels, and the notes below."""
 
 import math
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ from ptbench.studies.notes import Note, withdrawn_notes
 
 @dataclass(frozen=True)
 class Group:
-    """Cells of one place; the baseline stands in every part of a place that is too large for one panel."""
+    """Cells of one scene and setting; where they fill several panels, the baseline is in each."""
 
     title: str
     members: tuple[Assessment, ...]
@@ -25,7 +25,7 @@ class Group:
 
 @dataclass(frozen=True)
 class Groups:
-    """A study's places with their cells, and what every figure of it has to say."""
+    """The groups of a study's cells, and the notes for each of its figures."""
 
     groups: tuple[Group, ...]
     notes: tuple[Note, ...]
@@ -33,12 +33,12 @@ class Groups:
 
     @property
     def order(self) -> tuple[str, ...]:
-        """All labels; each has one look in all of a study's figures."""
+        """The distinct labels of all groups; a label has the same colour and marker in all figures of a study."""
         return tuple(dict.fromkeys(group.names[one.cell.name] for group in self.groups for one in group.members))
 
 
 def groups_of(result: Result, study: Study, most: int = MOST_TOGETHER) -> Groups:
-    """The study's fitted cells; raises NotDrawable where there are none."""
+    """Groups the study's fitted cells; raises NotDrawable where there are none."""
     assessed = assess(result)
     of_study = [assessed[cell.name] for cell in result.cells_of(study) if cell.name in assessed]
     notes = convergence_notes(result, study, of_study)
@@ -70,7 +70,7 @@ def _baselines(groups: Sequence[Group]) -> str:
 
 
 def _shared(fitted: Sequence[Assessment], groups: Sequence[Group]) -> str:
-    """Which lines are one error curve on several clocks."""
+    """A sentence on which lines show the same error curve with different times."""
     names = {name: label for group in groups for name, label in group.names.items()}
     curves: dict[str, list[str]] = {}
     for one in fitted:
@@ -82,7 +82,7 @@ def _shared(fitted: Sequence[Assessment], groups: Sequence[Group]) -> str:
 
 
 def convergence_notes(result: Result, study: Study, assessed: Sequence[Assessment]) -> list[Note]:
-    """All that keeps the study's figures from being the whole story."""
+    """Notes on everything that limits what the study's figures show."""
     notes: list[Note] = []
     if result.interrupted:
         text = "the run was interrupted: cells and samples may be missing"
@@ -107,7 +107,7 @@ def convergence_notes(result: Result, study: Study, assessed: Sequence[Assessmen
 
 
 def setting_of(result: Result, found: Groups) -> str:
-    """What was run on what, and the notes."""
+    """The caption of a convergence figure: what was run on which machine, and the notes."""
     cells = [one.cell for group in found.groups for one in group.members]
     once = list({cell.name: cell for cell in cells}.values())
     return "\n".join([setting(result, once, told=False), *note_lines(found.notes)])

@@ -1,4 +1,4 @@
-"""What stands under every figure of stability."""
+"""The caption under every figure of a stability file."""
 
 from collections.abc import Sequence
 
@@ -7,6 +7,6 @@ from ptbench.stability.summary import setting
 
 
 def caption(stability: Stability, what: str, remarks: Sequence[str] = ()) -> str:
-    """How to read the figure, what ran where, and whether the run is complete."""
+    """The caption: how to read the figure, what ran where, and whether the run is complete."""
     notes = [] if stability.is_complete else [f"Note: the run is not complete ({stability.about('status')})."]
     return "\n".join([what, *remarks, setting(stability), *notes])

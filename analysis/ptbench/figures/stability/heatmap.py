@@ -1,4 +1,4 @@
-"""Cases x variants: error over allowed, blue where it is allowed, red where it is not."""
+"""Heat map of cases x variants: the error over the allowed error, blue where it is within, red where it is beyond."""
 
 import math
 from collections.abc import Sequence
@@ -18,11 +18,11 @@ from ptbench.figures.stability.caption import caption
 from ptbench.io.stability import Stability
 from ptbench.stability.layout import HeatCell, Layout, Place, heat_cell, short_power
 
-MOST_ROWS = 45  # a page
-DECADES = 4.0  # beyond, all is of one colour
+MOST_ROWS = 45  # most rows of cases on a page
+DECADES = 4.0  # decades from 1 at which the colour scale saturates
 GREY, BLANK = "#d0d0d0", "#ffffff"
 
-_ROW, _CELL, _HEAD, _APART, _SPLIT = 0.205, 0.46, 0.31, 0.1, 0.12  # inches
+_ROW, _CELL, _HEAD, _APART, _SPLIT = 0.205, 0.46, 0.31, 0.1, 0.12  # layout in inches
 _NUMBER_SIZE, _COLUMN_SIZE = 7.5, 9.0
 _LEGEND = 0.95
 _CAPTION = (
@@ -35,7 +35,7 @@ _CAPTION = (
 
 @dataclass(frozen=True)
 class HeatRow:
-    """A row of the heat map: a case at a point, with a cell a column."""
+    """A row of the heat map: a case at a point, with one cell per column."""
 
     label: str
     cells: tuple[HeatCell, ...]
@@ -43,7 +43,7 @@ class HeatRow:
 
 @dataclass(frozen=True)
 class HeatGroup:
-    """The rows of one family."""
+    """The rows of one family of cases."""
 
     family: str
     rows: tuple[HeatRow, ...]
@@ -53,26 +53,26 @@ class HeatGroup:
 class HeatPage:
     """One page of the heat map."""
 
-    name: str  # of the file
+    name: str  # file name of the page
     title: str
     caption: str
     columns: tuple[str, ...]
-    must_pass: int  # so many of the columns, the first ones
+    must_pass: int  # number of leading columns whose variants must pass
     groups: tuple[HeatGroup, ...]
 
 
 def colour(over_allowed: float) -> str:
-    """Blue up to 1 and red above it, the darker the farther from it; white is neither."""
+    """The colour of an error over the allowed one: blue up to 1, red above, the darker the farther from 1."""
     decades = -DECADES if over_allowed == 0 else DECADES if math.isinf(over_allowed) else math.log10(over_allowed)
-    # The scale's middle, where both sides are pale, is left out: 0.9 and 1.1 have to look different.
-    # In steps of half a decade: a page has few colours, and a cell's number says the rest.
+    # The pale middle of the colour scale is skipped, so that 0.9 and 1.1 look different. Steps of half a decade keep
+    # the number of colours low; the cell's number tells the rest.
     share = min(math.floor(2 * abs(decades)) / (2 * DECADES), 1.0)
     offset = 0.1 + 0.4 * share
     return to_hex(colormaps["RdBu_r"](0.5 - offset if over_allowed <= 1 else 0.5 + offset))
 
 
 def number(over_allowed: float) -> str:
-    """An error over what is allowed, in few characters."""
+    """An error over the allowed one, in few characters."""
     if over_allowed == 0:
         return "0"
     if math.isinf(over_allowed):
@@ -84,7 +84,7 @@ def number(over_allowed: float) -> str:
 
 
 def collect(stability: Stability) -> list[HeatPage]:
-    """Collects one page, or one a family where that would have too many rows."""
+    """Collects one page, or one per family where one page would have too many rows."""
     if not stability.rows:
         raise NotDrawable("the file has no rows")
     layout = Layout(stability)
@@ -117,7 +117,7 @@ def collect(stability: Stability) -> list[HeatPage]:
 
 
 def _pages(places: Sequence[Place]) -> list[tuple[str, str, Sequence[Place]]]:
-    """(file name, addition to the title, places) of each page; a case is never torn apart unless it fills pages."""
+    """(file name, title suffix, places) of each page; a case is split only if it exceeds a page."""
     if len(places) <= MOST_ROWS:
         return [("heatmap", "", places)]
     pages = []
@@ -153,7 +153,7 @@ def draw(data: HeatPage) -> Figure:
     left = style.MARGIN + label_width + 0.14
     is_split = 0 < data.must_pass < len(data.columns)
     width = _CELL * len(data.columns) + (_SPLIT if is_split else 0)
-    # The first family's name stands beside the columns' names.
+    # The first family's name shares a line with the column names.
     head = max(_widest(data.columns, _COLUMN_SIZE) + 0.16 - _HEAD, 0)
     heights = [_HEAD + _ROW * len(group.rows) for group in data.groups]
     body = head + sum(heights) + _LEGEND
@@ -222,7 +222,7 @@ _SCALE = (0, 1e-3, 1e-2, 0.1, 0.99, 2, 10, 100, 1e3, math.inf)
 
 
 def _draw_legend(page: style.Page, left: float) -> None:
-    """The scale's colours with the numbers that they stand for, and what is no number."""
+    """Draws the colour scale with its numbers, and the colours for cells without a number."""
     cells = [HeatCell("value", value) for value in _SCALE]
     width = _CELL * len(cells)
     x0 = min(max(left - 1.2, style.MARGIN + 0.1), page.width - style.MARGIN - width - 0.1)

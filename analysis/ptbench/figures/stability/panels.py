@@ -1,4 +1,4 @@
-"""What the sweeps of a stability file show: pages of panels, of which each is a case, a quantity and some lines."""
+"""Sweeps of a stability file as pages of panels, each for one case and quantity with a line per formula."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -11,11 +11,11 @@ from ptbench.io.stability import Case, Row, Stability
 from ptbench.stability.layout import Layout, Place, point_label
 
 LEAST_POINTS = 3
-MOST_FIGURES = 4  # one a case; of more cases, one a family
-MOST_PANELS = 10  # a page
+MOST_FIGURES = 4  # most cases that get a page each; more cases share one page per family
+MOST_PANELS = 10  # most panels on a page
 RELATIVE, ABSOLUTE = "error / exact value", "absolute error"
 
-# Each line of a panel: its label, and the axes that its variants have. Fast arithmetic is that of the file's backend.
+# Lines of a panel: a label, and the axes of its variants. Fast arithmetic means that of the file's backend.
 LINES = (
     ("robust float", {}),
     ("robust double_intersection", {"precision": "double_intersection"}),
@@ -33,7 +33,7 @@ _CAPTION = (
 
 @dataclass(frozen=True)
 class Line:
-    """The errors of one formula along a sweep; `errors` may be 0 or infinite."""
+    """The errors of one formula along a sweep; values in `errors` may be 0 or infinite."""
 
     label: str
     xs: tuple[float, ...]
@@ -44,7 +44,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Panel:
-    """A case and quantity: its lines over the swept parameter."""
+    """A panel for a case and quantity: its lines over the swept parameter."""
 
     title: str
     x_label: str
@@ -53,7 +53,7 @@ class Panel:
 
     @property
     def bounds(self) -> list[Line]:
-        """Whose `allowed` is drawn: single precision's, and double's where it is another."""
+        """Lines whose allowed error is drawn: single precision's, and double's where it differs."""
         found = {line.label: line for line in self.lines if line.label in BOUNDS}
         single, double = found.get("robust float"), found.get("robust double")
         if single and double and _alike(single, double):
@@ -65,7 +65,7 @@ class Panel:
 class SweepPage:
     """One page of panels."""
 
-    name: str  # of the file
+    name: str  # file name of the page
     title: str
     caption: str
     panels: tuple[Panel, ...]
@@ -80,7 +80,7 @@ def _alike(one: Line, other: Line) -> bool:
 
 
 def collect(stability: Stability) -> list[SweepPage]:
-    """Collects one page a case, or a family where there are many; raises NotDrawable."""
+    """Collects one page per case, or per family where there are many cases; raises NotDrawable."""
     layout = Layout(stability)
     swept: dict[Case, list[Place]] = {}
     for place in layout.places:
@@ -103,7 +103,7 @@ _Page = tuple[str, str, Sequence[Case], Sequence[Panel]]
 
 
 def _pages(panels: dict[Case, list[Panel]]) -> Iterable[_Page]:
-    """The pages, each as file name, title, cases and panels."""
+    """Distributes panels over pages, each with file name, title, cases and panels."""
     if len(panels) <= MOST_FIGURES:
         for case, found in panels.items():
             yield from _split(f"sweep_{case.name}", f"{case.shown}: {case.title}".rstrip(": "), [case], found)
@@ -140,7 +140,7 @@ def _others(case: Case, place: Place) -> tuple[tuple[str, float], ...]:
 
 
 def _series(case: Case, places: Sequence[Place]) -> list[tuple[str, list[Place]]]:
-    """Points that differ in the swept parameter only, where there are enough; else one point a value of it."""
+    """Series of points that differ in the swept parameter only, if long enough; else one point per value."""
     groups: dict[tuple, list[Place]] = {}
     for place in places:
         groups.setdefault(_others(case, place), []).append(place)
@@ -163,7 +163,7 @@ def _by_value(case: Case, places: Iterable[Place]) -> list[Place]:
 
 
 def _left_out(case: Case, places: Sequence[Place]) -> list[str]:
-    """Labels of the points that no panel shows, though their estimator has one."""
+    """Labels of points that no panel shows, although another point of their estimator is shown."""
     left = []
     for estimator in dict.fromkeys(place.estimator for place in places):
         of_estimator = [place for place in places if place.estimator == estimator]
@@ -182,7 +182,7 @@ def _rows_at(layout: Layout, place: Place, formula: dict[str, str]) -> list[Row]
 
 
 def _quantities(layout: Layout, places: Sequence[Place]) -> list[str]:
-    """The quantities measured at enough points; where none is, the empty one stands for the worst of each point's."""
+    """Quantities measured at enough points; if there are none, an empty name stands for each point's worst quantity."""
     seen: dict[str, set[Place]] = {}
     for place in places:
         for row in _rows_at(layout, place, {}) or [r for _, formula in LINES for r in _rows_at(layout, place, formula)]:
@@ -191,7 +191,7 @@ def _quantities(layout: Layout, places: Sequence[Place]) -> list[str]:
 
 
 def _panel(layout: Layout, case: Case, places: Sequence[Place], quantity: str, others: str) -> Panel | None:
-    """A panel; None where nothing is off anywhere, or there are too few points."""
+    """The panel of a quantity; None where all errors are 0 or points are too few."""
     rows = {
         label: [(place, row) for place in places if (row := _row_of(layout, place, formula, quantity)) is not None]
         for label, formula in LINES

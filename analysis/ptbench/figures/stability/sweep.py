@@ -1,4 +1,4 @@
-"""Error against the stiff parameter: a panel a case and quantity, a line a formula, and how much is allowed."""
+"""The figure of error over the swept parameter: a panel per case and quantity, a line per formula, allowed errors."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -14,12 +14,12 @@ from ptbench.stability.layout import number, short_power
 
 __all__ = ["collect", "draw"]
 
-_PLOT_WIDTH, _PLOT_HEIGHT, _LEFT, _GAP = 3.75, 2.25, 0.95, 0.85  # inches
+_PLOT_WIDTH, _PLOT_HEIGHT, _LEFT, _GAP = 3.75, 2.25, 0.95, 0.85  # layout of a page's panels in inches
 _BOUND_LINES = {"robust float": (0, (5, 2)), "robust double": (0, (1, 1.6))}
 
 
 def looks() -> dict[str, style.Look]:
-    """The looks of the formulas' lines, one each, whichever of them a panel has."""
+    """The colour and marker of each formula's line, the same in every panel."""
     return {label: style.look(index) for index, (label, _) in enumerate(LINES)}
 
 
@@ -100,7 +100,7 @@ def _draw_legend(page: style.Page, rows: Sequence[Sequence[tuple[float, str, dic
 
 
 class _Abscissa:
-    """Where the swept values stand: by their logarithm, nought a step to the left; below nought, as they are."""
+    """The x axis of a sweep: positive values by logarithm with 0 a step to the left; linear if any is negative."""
 
     def __init__(self, values: Sequence[float]):
         self.values = sorted(set(values))
@@ -134,7 +134,7 @@ class _Abscissa:
 
 
 def limits(panel: Panel) -> tuple[float, float]:
-    """The floor, where errors of 0 stand, and the ceiling, where infinite ones do."""
+    """The y limits of a panel: a floor, where errors of 0 are drawn, and a ceiling for infinite ones."""
     drawn = [value for line in panel.lines for value in line.errors] + [
         b for line in panel.bounds for b in line.allowed
     ]

@@ -1,1 +1,1 @@
-"""What a page may have as a source, a kind of file each: whatever lies here is found (findings/source.py)."""
+"""The kinds of sources that a page may use, one module per kind of file, discovered by findings/source.py."""

@@ -1,4 +1,4 @@
-"""A file of tools/rays/rays_cpu.cpp, as a page asks it: rates of ray batches on one thread, ours beside Embree's."""
+"""A file of tools/rays/rays_cpu.cpp as a source: rates of ray batches on one thread, ptbench's beside Embree's."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ PEER = "embree_native"
 
 @dataclass(frozen=True)
 class CpuRays:
-    """One class of rays over one mesh: 10^6 rays a second by contender, medians."""
+    """Rates of one class of rays over one mesh: 10^6 rays per second by contender, medians."""
 
     mesh: str
     name: str
@@ -28,7 +28,7 @@ class CpuRays:
 
     @property
     def over_peer(self) -> float:
-        """The rate of the best tree over that of Embree with its own triangle test, called ray by ray as ours is."""
+        """The rate of ptbench's best tree over Embree's with its own triangle test; both are called ray by ray."""
         return self.rates[self.best] / self.rates[PEER]
 
     def rate(self, name: str) -> str:
@@ -37,12 +37,12 @@ class CpuRays:
 
     @property
     def ratio(self) -> str:
-        """`over_peer` in figures."""
+        """`over_peer` as text."""
         return figures(self.over_peer, 3)
 
 
 class CpuRaysSource(Source, form="ptbench-rays-cpu-1"):
-    """Rates by mesh and class of rays."""
+    """Rates of ray batches on one CPU thread, by mesh and class of rays."""
 
     @property
     def commit(self) -> str:
@@ -51,12 +51,12 @@ class CpuRaysSource(Source, form="ptbench-rays-cpu-1"):
 
     @property
     def cpu(self) -> str:
-        """The processor's name."""
+        """The name of the processor on which the rays were traced."""
         return self._value["cpu"]
 
     @cached_property
     def classes(self) -> list[CpuRays]:
-        """Every class of rays over every mesh; raises FindingError where a tree did not leave the hits of `bvh2`."""
+        """Every class of rays over every mesh; raises FindingError where a tree's hits differ from those of `bvh2`."""
         return list(self._classes())
 
     def _classes(self) -> Iterator[CpuRays]:
@@ -70,11 +70,11 @@ class CpuRaysSource(Source, form="ptbench-rays-cpu-1"):
 
     @property
     def least_over_peer(self) -> str:
-        """The smallest ratio of our best tree to Embree, of all classes and meshes."""
+        """The smallest ratio of ptbench's best tree to Embree, over all classes and meshes."""
         return figures(min(one.over_peer for one in self.classes), 3)
 
     def must_reach(self, bar: float, said: str) -> str:
-        """`said`, if our best tree is at least `bar` of Embree's rate in every class over every mesh."""
+        """Returns `said` if ptbench's best tree reaches `bar` times Embree's rate in every class and mesh."""
         for one in self.classes:
             if one.over_peer < bar:
                 raise FindingError(
@@ -84,7 +84,7 @@ class CpuRaysSource(Source, form="ptbench-rays-cpu-1"):
 
     @property
     def provenance(self) -> str:
-        """A line of a list."""
+        """A Markdown list item with the file, its number of batches and its commit."""
         commit = shown_commit(self._results, self.commit)
         count = len(self.classes)
         return f"- {self._link}: `tools/rays/rays_cpu`, {count} batches; commit {commit}."

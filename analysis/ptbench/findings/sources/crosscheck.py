@@ -1,4 +1,4 @@
-"""A file of `python3 -m ptbench crosscheck`, as a page asks it."""
+"""A file of `python3 -m ptbench crosscheck` as a source of numbers for a page."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ptbench.findings.commits import commit_of
 from ptbench.findings.source import Source
 from ptbench.numbers import figures
 
-_ALIKE = ("resolution", "scale", "allowed")  # in calls that may be taken together
+_ALIKE = ("resolution", "scale", "allowed")  # settings that must be equal in cross-checks that are pooled
 
 
 def _percent(share: float, digits: int = 2) -> str:
@@ -19,7 +19,7 @@ def _percent(share: float, digits: int = 2) -> str:
 
 
 class CrosscheckSource(Source, form="ptbench-crosscheck-1"):
-    """Scenes in both renderers, and what was found."""
+    """Scenes that were cross-checked against Mitsuba, with their verdicts."""
 
     def __init__(self, results: Path, file: str) -> None:
         super().__init__(results, file)
@@ -29,7 +29,7 @@ class CrosscheckSource(Source, form="ptbench-crosscheck-1"):
 
     @property
     def commit(self) -> str:
-        """The program's."""
+        """The commit of the ptbench program that was cross-checked."""
         return commit_of(self._context["ptbench.version"])
 
     def _of(self, *verdicts: str) -> list[dict]:
@@ -37,12 +37,12 @@ class CrosscheckSource(Source, form="ptbench-crosscheck-1"):
 
     @property
     def compared(self) -> int:
-        """Scenes that were rendered in both."""
+        """The number of scenes that were rendered in both renderers."""
         return len(self._of("agrees", "differs", "too weak"))
 
     @property
     def agreeing(self) -> int:
-        """Number of scenes that agree, at the power that was asked for."""
+        """The number of scenes that agree, at the requested statistical power."""
         return len(self._of("agrees"))
 
     @property
@@ -52,36 +52,36 @@ class CrosscheckSource(Source, form="ptbench-crosscheck-1"):
 
     @property
     def differing(self) -> list[str]:
-        """Scenes that differ."""
+        """Scenes whose images differ between the renderers."""
         return [scene["scene"] for scene in self._of("differs")]
 
     def must_agree(self, said: str) -> str:
-        """`said`, if no scene differs."""
+        """Returns `said` if no scene differs; otherwise raises FindingError."""
         if self.differing:
             raise FindingError(f"{self._shown}: {', '.join(self.differing)} differ; the page says: {said}")
         return said
 
     @staticmethod
     def must_be_one(found: Pooled, said: str) -> str:
-        """`said`, unless calls taken together differ."""
+        """Returns `said` unless the pooled cross-checks differ; otherwise raises FindingError."""
         if found.verdict == "differs":
             raise FindingError(f"calls taken together differ by {found.bias}; the page says: {said}")
         return said
 
     @staticmethod
     def worst(found: Pooled) -> str:
-        """The bias of the channel that has most of it, of the mean, with its standard error."""
+        """The largest bias of a channel, relative to the mean, with its standard error."""
         channel = max(range(len(found.bias)), key=lambda i: abs(found.bias[i]))
         bias, error = found.bias[channel], found.errors[channel]
         return f"{'+' if bias > 0 else ''}{_percent(bias)} ± {_percent(error)}"
 
     @staticmethod
     def seen(found: Pooled) -> str:
-        """The bias that would have been seen."""
+        """The bias that the pooled test would have detected."""
         return _percent(found.sees)
 
     def together(self, scene: str, *others: CrosscheckSource) -> Pooled:
-        """A scene of this file and of others, by other seeds."""
+        """A scene of this file pooled with its cross-checks in other files, which have other seeds."""
         found = [
             (one, source._settings["seeds"])
             for source in (self, *others)
@@ -97,7 +97,7 @@ class CrosscheckSource(Source, form="ptbench-crosscheck-1"):
 
     @property
     def mitsuba(self) -> str:
-        """Mitsuba's version and variant."""
+        """Mitsuba's version and variant, as text."""
         return f"{self._context['mitsuba.version']} (`{self._context['mitsuba.variant']}`)"
 
     @property
@@ -107,40 +107,39 @@ class CrosscheckSource(Source, form="ptbench-crosscheck-1"):
 
     @property
     def settings(self) -> str:
-        """What every scene was rendered with."""
+        """The settings of every render of the cross-check, as text."""
         width, height = self._settings["resolution"]
         return f"{width}x{height}, {self._settings['seeds']} seeds in each renderer"
 
     @property
     def aim(self) -> str:
-        """The bias that was to be seen."""
+        """The bias that the cross-check was to detect."""
         return _percent(max(scene["aim"] for scene in self._scenes))
 
     @property
     def power(self) -> str:
-        """The probability with which it would have been."""
+        """The probability of detecting a bias as large as the aim."""
         return _percent(self._settings["power"])
 
     @property
     def family(self) -> str:
-        """The probability of a false alarm, of all scenes that were asked for.
+        """The probability of a false alarm over all scenes of the call.
 
-        A scene that was too noisy at first had a chance of one each time that it was rendered.
+        A scene that was first too noisy had another chance of a false alarm each time that it was rendered again.
         """
         scenes = self._settings["family_scenes"]
         again = sum(self._renders(scene) - 1 for scene in self._scenes)
         return _percent(self._settings["family"] * (scenes + again) / scenes)
 
     def _renders(self, scene: dict) -> int:
-        """How often it was rendered: once, and again with later seeds where it was too noisy."""
+        """How often a scene was rendered: once, and again with later seeds where it was too noisy."""
         return 1 + (scene.get("first_seed", 1) - self._first_seed) // self._settings["seeds"]
 
     def told_apart(self, *others: CrosscheckSource, with_pooled: Pooled | None = None) -> str:
-        """The probability, at most, that equal renderers are told apart in any scene that these files have, or in any
-        channel where their scene is taken together.
+        """Upper bound on the probability that equal renderers are told apart in any scene of these files, or in a pool.
 
-        A scene has its call's share each time that it was rendered. A share that is smaller than another call's makes
-        limits wider, so calls of different numbers of scenes may stand side by side.
+        A scene has its call's share each time that it was rendered. A share smaller than another call's only widens
+        limits, so calls with different numbers of scenes can be combined.
         """
         shares = (
             one._settings["family"] / one._settings["family_scenes"] * one._renders(scene)
@@ -151,7 +150,7 @@ class CrosscheckSource(Source, form="ptbench-crosscheck-1"):
         return _percent(sum(shares) + (len(with_pooled.bias) * with_pooled.limit_p if with_pooled else 0))
 
     def shared_by(self, *others: CrosscheckSource) -> int:
-        """How many scenes share `family`; raises FindingError for files of calls that do not share one."""
+        """The number of scenes that share `family`; raises FindingError for files of calls that do not share one."""
         counts = {one._settings.get("family_scenes") for one in (self, *others)}
         names = [scene["scene"] for one in (self, *others) for scene in one._scenes if "image" in scene]
         if len(counts) != 1 or None in counts or len(set(names)) < len(names):
@@ -160,28 +159,28 @@ class CrosscheckSource(Source, form="ptbench-crosscheck-1"):
 
     @property
     def missing(self) -> int:
-        """Scenes of the call that were not rendered yet."""
+        """The number of scenes of the call that are not rendered yet."""
         return self._settings["family_scenes"] - len(self._scenes)
 
     @property
     def largest_bias(self) -> str:
-        """The largest bias of the means of images that agree."""
+        """The largest bias of the image means among scenes that agree."""
         biases = [bias for scene in self._of("agrees") for bias in scene["image"]["bias"]]
         return _percent(max(map(abs, biases)))
 
     @property
     def blocks_beyond(self) -> int:
-        """Blocks beyond their limit, each channel for itself."""
+        """The number of block means beyond their limit, each channel by itself."""
         return sum(scene["blocks"]["beyond"] for scene in self._scenes if "blocks" in scene)
 
     @property
     def blocks(self) -> int:
-        """Blocks that were compared, each channel for itself."""
+        """The number of block means that were compared, each channel by itself."""
         return sum(scene["blocks"]["count"] for scene in self._scenes if "blocks" in scene)
 
     @property
     def rows(self) -> list[str]:
-        """The cells of a table: a scene a row."""
+        """The rows of the table of scenes."""
         return [_row(scene) for scene in self._scenes if "image" in scene]
 
     def refused(self, *others: CrosscheckSource) -> list[str]:
@@ -192,14 +191,14 @@ class CrosscheckSource(Source, form="ptbench-crosscheck-1"):
 
     @property
     def provenance(self) -> str:
-        """A line of a list."""
+        """A Markdown list item with the file, its machine, date and version."""
         date = self._context["date"][:10]
         version = self._context["ptbench.version"]
         return f"- {self._link}: {self._context['ptbench.machine']}, {date}, {version}."
 
 
 def _short(reasons: list[str]) -> str:
-    """What was found, without what is allowed."""
+    """The places and values of refusals, without what is allowed."""
     return "; ".join(f"`{place}` {found}" for place, found in map(_place_and_found, reasons))
 
 

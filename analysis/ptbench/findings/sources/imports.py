@@ -1,4 +1,4 @@
-"""A file of tools/imports/survey.py, as a page asks it."""
+"""A file of tools/imports/survey.py as a source of numbers for a page."""
 
 from ptbench.errors import FindingError
 from ptbench.findings.commits import commit_of
@@ -7,16 +7,16 @@ from ptbench.numbers import figures
 
 
 class ImportsSource(Source, form="ptbench-imports-1"):
-    """Other people's scenes, and how many came through."""
+    """A survey of other authors' scene files, and how many of them could be imported and rendered."""
 
     @property
     def commit(self) -> str:
-        """The program's."""
+        """The commit of the ptbench program that imported the scenes."""
         return commit_of(self._value["context"]["ptbench.version"])
 
     @property
     def authors(self) -> int:
-        """Whose files were tried."""
+        """The number of authors whose scene files were tried."""
         return self._value["authors"]
 
     def _share(self, dialect: str, group: str) -> dict:
@@ -24,24 +24,24 @@ class ImportsSource(Source, form="ptbench-imports-1"):
         return found[group] if group in found else found["groups"][group]
 
     def files(self, dialect: str = "all", group: str = "all") -> int:
-        """How many were tried; a group is "all", "with_their_files" or another of the file's."""
+        """The number of scene files tried; a group is "all", "with_their_files" or another of the file's."""
         return self._share(dialect, group)["files"]
 
     def came_through(self, dialect: str = "all", group: str = "all") -> int:
-        """How many were imported and rendered."""
+        """The number of scene files that were imported and rendered."""
         return self._share(dialect, group)["imported_and_rendered"]
 
     def exact(self, dialect: str = "all", group: str = "all") -> int:
-        """How many of them without a warning."""
+        """The number of scene files that were imported without a warning."""
         return self._share(dialect, group)["without_a_warning"]
 
     def share(self, dialect: str = "all", group: str = "all") -> str:
-        """The share of the files that were tried which came through, as a percentage."""
+        """The percentage of tried scene files that were imported and rendered."""
         files = self.files(dialect, group)
         return f"{figures(100 * self.came_through(dialect, group) / files, 3)} %" if files else "none"
 
     def must_reach(self, least: float, dialect: str, group: str, said: str) -> str:
-        """`said`, if at least that share came through."""
+        """Returns `said` if at least that share of scene files was imported and rendered; else raises FindingError."""
         if self.came_through(dialect, group) < least * self.files(dialect, group):
             raise FindingError(
                 f"{self._shown}: of {group} {self.share(dialect, group)} come through; the page says: {said}"
@@ -50,16 +50,16 @@ class ImportsSource(Source, form="ptbench-imports-1"):
 
     @property
     def reasons(self) -> list[tuple[str, int]]:
-        """Why others did not, and how many files each keeps out; a file may have several."""
+        """The reasons why scene files failed to import, with the number of files; a file may have several reasons."""
         return list(self._value["dialects"]["all"]["reasons"].items())
 
     @property
     def left_out(self) -> str:
-        """What was not tried."""
+        """The scene files that were not tried: numbers with reasons."""
         return ", ".join(f"{count} ({reason})" for reason, count in self._value["left_out"].items())
 
     @property
     def provenance(self) -> str:
-        """A line of a list."""
+        """A Markdown list item with the file, its date and version."""
         context = self._value["context"]
         return f"- {self._link}: {context['date'][:10]}, {context['ptbench.version']}."

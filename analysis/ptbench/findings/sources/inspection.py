@@ -1,4 +1,4 @@
-"""A file of `ptbench inspect --counters`, as a page asks it: what kernels are made of."""
+"""A file of `ptbench inspect --counters` as a source for a page: resources and hardware counters of kernels."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from ptbench.numbers import figures, share
 
 
 class Inspection(Source, form=LIST):
-    """A file of `ptbench inspect --counters`."""
+    """Hardware counters and resources of kernels, from a file of `ptbench inspect --counters`."""
 
     def __init__(self, results: Path, file: str) -> None:
         super().__init__(results, file)
@@ -18,7 +18,7 @@ class Inspection(Source, form=LIST):
     def kernel(
         self, integrator: str, specialisation: str = "features", kernel: str = "", scene: str = ""
     ) -> KernelCounters:
-        """The one kernel of that name, of the one entry with those choices, in that scene where one is named."""
+        """The one kernel of the one entry with these choices and names; raises FindingError for none or several."""
         found = [
             one
             for entry in self._entries
@@ -32,7 +32,7 @@ class Inspection(Source, form=LIST):
         return found[0]
 
     def row(self, integrator: str, specialisation: str = "features", kernel: str = "", scene: str = "") -> str:
-        """Cells of a table: registers, occupancy, lanes, instructions and bytes a ray, parts of the ceilings."""
+        """A kernel's table row: registers, occupancy, lanes, instructions and bytes per ray, fractions of ceilings."""
         one = self.kernel(integrator, specialisation, kernel, scene)
         ceiling = one.of_ceiling or {}
         counted = (one.active_lanes, one.thread_instructions_per_ray, one.memory_bytes_per_ray)
@@ -47,5 +47,5 @@ class Inspection(Source, form=LIST):
 
     @property
     def provenance(self) -> str:
-        """A line of a list: the file and what it is."""
+        """A Markdown list item with the file and what it is."""
         return f"- {self._link}: `ptbench inspect --counters`, hardware counters."

@@ -1,4 +1,4 @@
-"""A file of `ptbench rays --leaks`, as a page asks it: how many rays there were from within closed meshes, and left."""
+"""A file of `ptbench rays --leaks` as a source for a page: rays from inside closed meshes, and how many escaped."""
 
 from ptbench.errors import FindingError
 from ptbench.findings.commits import shown_commit
@@ -7,7 +7,7 @@ from ptbench.numbers import figures
 
 
 class LeaksSource(Source, form="ptbench-leaks-1"):
-    """Rays at vertices and edges, by mesh, tree and kernel."""
+    """Rays aimed at vertices and edges from inside closed meshes, by mesh, tree and kernel."""
 
     @property
     def commit(self) -> str:
@@ -24,27 +24,27 @@ class LeaksSource(Source, form="ptbench-leaks-1"):
 
     @property
     def ways(self) -> int:
-        """Meshes by trees by kernels: each had rays of its own."""
+        """The number of combinations of mesh, tree and kernel, each of which traced its own rays."""
         return len(self._ways())
 
     @property
     def least_rays(self) -> str:
-        """Rays of the way that had the fewest, in 1e9."""
+        """The fewest rays of any combination of mesh, tree and kernel, in 1e9."""
         return figures(min(way["rays"] for way in self._ways()) / 1e9, 3)
 
     @property
     def leaks(self) -> int:
-        """Rays that no triangle stopped."""
+        """The number of rays that escaped, as no triangle stopped them."""
         return sum(way["leaks"] for way in self._ways())
 
     def must_be_closed(self, said: str) -> str:
-        """`said`, if there was a ray and none left."""
+        """Returns `said` if rays were traced and none escaped; otherwise raises FindingError."""
         if self.leaks or not all(way["rays"] for way in self._ways()) or not self._ways():
             raise FindingError(f"{self._shown}: {self.leaks} rays leave {self.ways} meshes; the page says: {said}")
         return said
 
     @property
     def provenance(self) -> str:
-        """A line of a list."""
+        """A Markdown list item with the file, its number of combinations and its commit."""
         commit = shown_commit(self._results, self.commit)
         return f"- {self._link}: `ptbench rays --leaks`, {self.ways} ways; commit {commit}."

@@ -1,7 +1,7 @@
-"""A folder of `ptbench rays` and a peer's files, as a page asks it: rates, and times over the peer's of the same rays.
+"""A folder of `ptbench rays` with a peer's files as a source for a page: rates, and time ratios for equal rays.
 
-A selection is a few words: "mesh=tori_4M class=primary accelerator=cwbvh builder=hploc kernel=persistent". A word left
-out is any value, and `diffuse_*` all that begin so.
+A selection is a few words: "mesh=tori_4M class=primary accelerator=cwbvh builder=hploc kernel=persistent". A word that
+is left out matches any value, and `diffuse_*` matches every value with that beginning.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from ptbench.stats.estimates import Estimate, median_estimate, ratio_estimate, v
 from ptbench.studies.programs import devices_of, why_not_one
 from ptbench.studies.selection import parsed
 
-# Two programs' triangle tests may differ at an edge; more than one ray in a million is another scene.
+# Largest share of rays whose hits may differ between programs, as triangle tests do at edges.
 MOST_APART = 1e-6
-# As a reader knows them.
+# Display names of the throughput ceilings.
 CEILINGS = {
     "issue": "issue", "fma": "multiply-adds", "alu": "ALU", "xu": "XU", "l1": "L1", "l2": "L2", "memory": "memory",
 }  # fmt: skip
@@ -34,7 +34,7 @@ _NAMES = ("mesh", "class", "accelerator", "builder", "kernel")
 
 @dataclass(frozen=True)
 class Traced:
-    """One batch with where it stands."""
+    """One batch of rays with its tree, mesh and file."""
 
     mesh: RayMesh
     tree: Tree
@@ -42,7 +42,7 @@ class Traced:
 
     @property
     def counters_row(self) -> str:
-        """Cells of a table: lanes, instructions and bytes a ray, occupancy, parts of ceilings, waiting, the nearest."""
+        """A table row of counters: lanes, instructions and bytes per ray, occupancy, ceilings, stalls, the nearest."""
         one = self.batch.counters
         if one is None:
             raise FindingError(f"{self.text}: no counters")
@@ -60,18 +60,18 @@ class Traced:
 
     @property
     def names(self) -> dict[str, str]:
-        """What a selection may name."""
+        """The values of the batch that a selection may match."""
         values = (self.mesh.name, self.batch.ray_class, self.tree.accelerator, self.tree.builder, self.batch.kernel)
         return dict(zip(_NAMES, values, strict=True))
 
     @property
     def text(self) -> str:
-        """In words, for messages."""
+        """The batch in words, for messages."""
         return " ".join(f"{name}={value}" for name, value in self.names.items())
 
 
 class RaysFolder(Source, form=FOLDER):
-    """All files of one folder; those with too few rays to tell a rate are left out."""
+    """All files of a folder of `ptbench rays`; meshes with too few rays to measure a rate are left out."""
 
     def __init__(self, results: Path, folder: str) -> None:
         super().__init__(results, folder)
@@ -82,7 +82,7 @@ class RaysFolder(Source, form=FOLDER):
         self._traced = [Traced(m, tree, batch) for m in self.meshes for tree in m.trees for batch in tree.batches]
 
     def traced(self, selection: str = "") -> list[Traced]:
-        """Every batch of a selection; none, or one that is there twice, is an error."""
+        """Every batch of a selection; raises FindingError for an empty selection or a duplicate batch."""
         chosen = parsed(selection)
         if unknown := chosen.keys() - set(_NAMES):
             raise FindingError(f"{self._shown}: no batch has {', '.join(sorted(unknown))}")
@@ -97,44 +97,44 @@ class RaysFolder(Source, form=FOLDER):
         return found
 
     def rate(self, selection: str) -> Quantity:
-        """1e9 rays a second, of the one batch of a selection."""
+        """The rate of the one batch of a selection, 1e9 rays per second."""
         one = self._one(selection)
         return Quantity(median_estimate(one.batch.giga_rays_per_second), one.text)
 
     def rate_if(self, selection: str) -> str:
-        """The rate of a selection as text, or a dash where nobody measured it."""
+        """The rate of a selection as text, or a dash where it was not measured."""
         try:
             return str(self.rate(selection))
         except FindingError:
             return "—"
 
     def best(self, selection: str) -> Traced:
-        """The batch of a selection with the greatest rate."""
+        """The batch of a selection with the highest rate."""
         return max(self.traced(selection), key=lambda one: float(np.median(one.batch.giga_rays_per_second)))
 
     def rate_of(self, one: Traced) -> Quantity:
-        """1e9 rays a second of a batch."""
+        """The rate of a batch, 1e9 rays per second."""
         return Quantity(median_estimate(one.batch.giga_rays_per_second), one.text)
 
     def peer_rate(self, mesh: str, ray_class: str) -> Quantity:
-        """1e9 rays a second of the peer for a class of rays over a mesh."""
+        """The peer's rate for a class of rays over a mesh, 1e9 rays per second."""
         batch = self._peer(mesh, ray_class)
         return Quantity(median_estimate(batch.giga_rays_per_second), f"{batch.kernel} on {mesh}, {ray_class}")
 
     def over_peer(self, one: Traced) -> Ratio:
-        """Time of a batch over the peer's for the same rays."""
+        """The time of a batch over the peer's time for the same rays."""
         batch = self._peer(one.mesh.name, one.batch.ray_class)
         if batch.rays != one.batch.rays:
             raise FindingError(f"{one.text}: {one.batch.rays} rays, but the peer traced {batch.rays}")
         return _ratio(one.batch, batch, f"{one.text} over {batch.kernel}")
 
     def best_over_peer(self, ray_class: str) -> Ratios:
-        """Our least time over the peer's for every mesh that the peer traced, in one class of rays."""
+        """ptbench's least time over the peer's, for each mesh that the peer traced, in one class of rays."""
         meshes = [mesh for mesh in self.meshes if peer_batch(self.peers, mesh.name, ray_class) is not None]
         return Ratios(tuple(self.over_peer(self.best(f"mesh={mesh.name} class={ray_class}")) for mesh in meshes))
 
     def ratios(self, selection: str, over: str) -> Ratios:
-        """Time of every batch of a selection over that of the batch that differs by the words of `over`."""
+        """Times of a selection's batches, each over the batch that differs by the words of `over`."""
         others = parsed(over)
         found = []
         for one in self.traced(selection):
@@ -147,7 +147,7 @@ class RaysFolder(Source, form=FOLDER):
         return Ratios(tuple(found))
 
     def ratios_over(self, selection: str, other: RaysFolder) -> Ratios:
-        """Time of every batch of a selection over that of the same batch in another folder, where that has it."""
+        """Times of a selection's batches, each over the same batch in another folder, where that exists."""
         files = [*self.files, *other.files]
         if len({devices_of(file) for file in files}) > 1 and (reason := why_not_one(files)):
             raise FindingError(f"{self._shown} and {other._shown} cannot be compared as machines: {reason}")
@@ -165,29 +165,29 @@ class RaysFolder(Source, form=FOLDER):
         return Ratios(tuple(found))
 
     def tree(self, mesh: str, accelerator: str, builder: str) -> Tree:
-        """The one tree of that mesh."""
+        """The tree of a mesh with that accelerator and builder."""
         return self.traced(f"mesh={mesh} accelerator={accelerator} builder={builder}")[0].tree
 
     def device_ms(self, mesh: str, accelerator: str, builder: str, what: str) -> Quantity:
-        """Median time on the GPU to `build` or to `encode` a tree, ms."""
+        """Median GPU time to `build` or `encode` a tree, ms."""
         times = getattr(self.tree(mesh, accelerator, builder), f"device_{what}_ms")
         if not times:
             raise FindingError(f"{self._shown}: {mesh} {accelerator} {builder}: no {what} on the GPU")
         return Quantity(median_estimate(np.array(times)), f"{what} of {builder}, {mesh}")
 
     def host_encode_ms(self, mesh: str, accelerator: str, builder: str) -> Quantity:
-        """Time of the host to encode the same tree, once, ms."""
+        """The host's time to encode a tree, measured once, ms."""
         tree = self.tree(mesh, accelerator, builder)
         return Quantity(Estimate(tree.encode_ms, None, None, 1), f"encoding of {builder}, {mesh}")
 
     def sah_over(self, mesh: str, accelerator: str, builder: str, over: str) -> Quantity:
-        """SAH cost of one builder's tree over another's."""
+        """The SAH cost of one builder's tree over another's."""
         one, base = (self.tree(mesh, accelerator, name).sah_cost for name in (builder, over))
         return Quantity(Estimate(one / base, None, None, 1), f"SAH cost of {builder} over {over}, {mesh}")
 
     @property
     def counted(self) -> list[Traced]:
-        """The batches with counters, in the files' order; FindingError where there is none."""
+        """The batches with hardware counters, in the files' order; raises FindingError if there are none."""
         found = [one for one in self._traced if one.batch.counters is not None]
         if not found:
             raise FindingError(f"{self._shown}: no batch has counters")
@@ -195,7 +195,7 @@ class RaysFolder(Source, form=FOLDER):
 
     @property
     def nearest_ceiling(self) -> str:
-        """Which share of which ceiling the batches with counters come to, each of its nearest: "ALU, 47 % to 71 %"."""
+        """The ceilings that the counted batches come nearest to, and the fraction they reach: "ALU, 47 % to 71 %"."""
         counters = [one.batch.counters for one in self.counted]
         shares = [one.of_ceiling[one.bound] for one in counters]
         names = " or ".join(dict.fromkeys(CEILINGS[one.bound] for one in counters))
@@ -203,22 +203,22 @@ class RaysFolder(Source, form=FOLDER):
 
     @property
     def classes(self) -> list[str]:
-        """Classes of rays, in the files' order."""
+        """The classes of rays, in the files' order."""
         return list(dict.fromkeys(name for mesh in self.meshes for name in mesh.rays))
 
     @property
     def accelerators(self) -> list[str]:
-        """Accelerators, in the files' order."""
+        """The accelerators, in the files' order."""
         return list(dict.fromkeys(one.tree.accelerator for one in self._traced))
 
     @property
     def peer(self) -> str:
-        """The peer's name and version."""
+        """The name and version of the peer."""
         return ", ".join(dict.fromkeys(f"{peer_name(peer)} ({peer.by})" for peer in self.peers))
 
     @property
     def hits_apart(self) -> int:
-        """By how many our numbers of hits and the peer's differ, all batches together; FindingError for too many."""
+        """The total difference between ptbench's and the peer's numbers of hits; raises FindingError if too large."""
         apart, rays = sum(peer.hits_differ for peer in self.peers), self.peer_rays
         if apart > MOST_APART * rays:
             raise FindingError(f"{self._shown}: hits differ from the peer's by {apart} of {rays}")
@@ -226,28 +226,28 @@ class RaysFolder(Source, form=FOLDER):
 
     @property
     def peer_rays(self) -> int:
-        """Rays that the peer traced, all batches together."""
+        """The number of rays that the peer traced, over all batches."""
         return sum(batch.rays for peer in self.peers for batch in peer.batches)
 
     @property
     def rays(self) -> str:
-        """Rays a batch, in millions."""
+        """The number of rays of a batch, in millions."""
         counts = {count for mesh in self.meshes for count in mesh.rays.values()}
         return " or ".join(f"{count / 1e6:.1f}" for count in sorted(counts))
 
     @property
     def device(self) -> str:
-        """The GPU."""
+        """The name of the GPU that traced the rays."""
         return ", ".join(dict.fromkeys(file.about("cuda_device") for file in self.files))
 
     @property
     def commit(self) -> str:
-        """The commit of the program that measured first, seven digits."""
+        """The commit of the earliest file, seven digits."""
         return min(self.files, key=lambda file: file.context.get("date", "")).about("git_sha")[:7]
 
     @property
     def provenance(self) -> str:
-        """A line of a list: the folder, what it holds, the commits."""
+        """A Markdown list item with the folder, its contents and its commits."""
         commits = ", ".join(dict.fromkeys(shown_commit(self._results, file.about("git_sha")) for file in self.files))
         summary = f"{Path(self._shown).parent}/figures/{Path(self._shown).name}/summary.md"
         every_row = f" Every row: [summary](../../results/{summary})." if (self._results / summary).exists() else ""

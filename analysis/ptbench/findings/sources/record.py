@@ -1,4 +1,4 @@
-"""Any other JSON file, such as a record made by hand, as a page asks it."""
+"""Any other JSON file, such as a manual record, as a source for a page."""
 
 from ptbench.errors import FindingError
 from ptbench.findings.source import OTHER, Source
@@ -6,10 +6,10 @@ from ptbench.numbers import figures
 
 
 class Record(Source, form=OTHER):
-    """Numbers and texts by their place in the file."""
+    """Numbers and texts of a JSON file, looked up by their path in it."""
 
     def __call__(self, place: str) -> str:
-        """The number or text at "prototype.cornell_open.nee_over_off"."""
+        """The number or text at a path such as "prototype.cornell_open.nee_over_off"."""
         value = self._value
         for name in place.split("."):
             if not isinstance(value, dict) or name not in value:
@@ -19,5 +19,5 @@ class Record(Source, form=OTHER):
 
     @property
     def provenance(self) -> str:
-        """A line of a list: the file and what it is."""
+        """A Markdown list item with the file and what it is."""
         return f"- {self._link}: a record made by hand, which says what it leaves out."

@@ -1,4 +1,4 @@
-"""A file of `ptbench stability`, as a page asks it: what stiff cases found."""
+"""A file of `ptbench stability` as a source for a page: the outcomes of numerically stiff cases."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ptbench.stability.summary import family_text
 
 
 class StabilitySource(Source, form=STABILITY):
-    """A file of `ptbench stability`."""
+    """The checks of a file of `ptbench stability`, counted by outcome."""
 
     def __init__(self, results: Path, file: str) -> None:
         super().__init__(results, file)
@@ -23,21 +23,21 @@ class StabilitySource(Source, form=STABILITY):
 
     @property
     def rows(self) -> int:
-        """Checks and what could not be asked, in the file."""
+        """The number of rows in the file: checks, and cases that could not be run."""
         return len(self._stability.rows)
 
     @property
     def cases(self) -> int:
-        """Cases in the file."""
+        """The number of cases in the stability file."""
         return len({row.case.name for row in self._stability.rows})
 
     @property
     def asked(self) -> int:
-        """Cases in the file that could be asked in any variant."""
+        """The number of cases that could be run in any variant."""
         return len({row.case.name for row in self._stability.rows if row.status != NOT_APPLICABLE})
 
     def cover_all(self, other: StabilitySource, said: str) -> str:
-        """`said`, if each case that either program has, this file or the other has rows of."""
+        """Returns `said` if every case that either program has is in either file; else raises FindingError."""
         both = (self._stability, other._stability)
         seen = {row.case.name for one in both for row in one.rows}
         missing = {case.name for one in both for case in one.cases} - seen
@@ -49,43 +49,43 @@ class StabilitySource(Source, form=STABILITY):
 
     @property
     def passed(self) -> int:
-        """Checks that must pass and passed."""
+        """The number of required checks that passed."""
         return count(self._required, PASSED)
 
     @property
     def known_limits(self) -> int:
-        """Checks that must pass and met a known limit."""
+        """The number of required checks that met a known limit."""
         return count(self._required, KNOWN_LIMIT)
 
     @property
     def failed(self) -> int:
-        """Checks that must pass and failed or broke."""
+        """The number of required checks that failed or broke."""
         return len(failures(self._required))
 
     def must_not_fail(self, said: str) -> str:
-        """`said`, if no check failed that must pass."""
+        """Returns `said` if no required check failed; otherwise raises FindingError."""
         if self.failed:
             raise FindingError(f"{self._shown}: {self.failed} checks failed that must pass; the page says: {said}")
         return said
 
     @property
     def families(self) -> list[str]:
-        """A paragraph a family of cases."""
+        """A paragraph on each family of cases."""
         return [family_text(self._stability, self._layout, family) for family in self._stability.families]
 
     @property
     def commit(self) -> str:
-        """The commit of the program that measured, seven digits."""
+        """The commit of the program that ran the cases, seven digits."""
         return self._stability.about("git_sha")[:7]
 
     @property
     def device(self) -> str:
-        """The GPU."""
+        """The name of the GPU on which the cases ran."""
         return self._stability.about("cuda_device")
 
     @property
     def provenance(self) -> str:
-        """A line of a list: the file and what it is."""
+        """A Markdown list item with the file and what it is."""
         file = Path(self._shown)
         summary = file.parent / "figures" / file.stem / "summary.md"
         drawn = f" [summary](../../results/{summary})" if (self._results / summary).is_file() else ""

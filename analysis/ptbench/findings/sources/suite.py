@@ -1,4 +1,4 @@
-"""A result of `ptbench run`, as a page asks it: by the words of a selection (studies/selection.py)."""
+"""A result of `ptbench run` as a source for a page, looked up by the words of a selection (studies/selection.py)."""
 
 from ptbench.findings.source import SUITE
 from ptbench.findings.suite.errors import Errors
@@ -7,4 +7,4 @@ from ptbench.findings.suite.times import Times
 
 
 class SuiteSource(Times, Errors, Made, form=SUITE):
-    """Times, errors, and what made them."""
+    """The times, error curves and build facts of a result of `ptbench run`."""

@@ -1,4 +1,4 @@
-"""What a command printed, committed as it was."""
+"""The committed output of a command, as a source for a page."""
 
 from pathlib import Path
 
@@ -6,7 +6,7 @@ from ptbench.findings.source import TEXT, Source
 
 
 class Transcript(Source, form=TEXT):
-    """A page shows it as a block."""
+    """The text of a command's output, which a page shows as a block."""
 
     def __init__(self, results: Path, file: str) -> None:
         super().__init__(results, file)

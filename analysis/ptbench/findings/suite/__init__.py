@@ -1,1 +1,1 @@
-"""A result of `ptbench run` as a page asks it, by what is asked."""
+"""A result of `ptbench run` as a source for a page, in parts by what a page asks for."""

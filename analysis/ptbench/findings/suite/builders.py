@@ -1,4 +1,4 @@
-"""Builders as a page asks them: what a tree costs to make, what a sample takes with it, and when the image is there."""
+"""Tree builders for a page: the cost of a tree, the time per sample with it, and the time to an image."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,87 +12,87 @@ from ptbench.studies.rows import time_ratio
 
 @dataclass(frozen=True)
 class Built:
-    """One way to an image, beside that of `sah_binned` in the same scene."""
+    """The time to an image with one builder, beside that of `sah_binned` in the same scene."""
 
     way: Way
     base: Way
 
     @property
     def scene(self) -> str:
-        """The scene's name."""
+        """The name of the scene in which the builder was measured."""
         return self.way.scene
 
     @property
     def label(self) -> str:
-        """The builder, and what ran where."""
+        """The builder, and whether the CPU or the GPU ran it."""
         return self.way.label
 
     @property
     def triangles(self) -> int:
-        """Triangles of the scene's meshes."""
+        """The number of triangles in the scene's meshes."""
         return self.way.cell.meshes.triangles
 
     @property
     def is_baseline(self) -> bool:
-        """Whether it is `sah_binned`'s own."""
+        """Whether the builder is the baseline `sah_binned`."""
         return self.way is self.base
 
     @property
     def before(self) -> Quantity:
-        """Build and encoding, ms."""
+        """Milliseconds to build and encode the tree."""
         return Quantity(Estimate(self.way.before_ms, None, None, 1), self.label)
 
     @property
     def sample(self) -> Quantity:
-        """A sample a pixel, ms."""
+        """Milliseconds per sample per pixel with the builder's tree."""
         return Quantity(self.way.sample, self.label)
 
     @property
     def ratio(self) -> Ratio:
-        """Time of a sample over that with `sah_binned`'s tree."""
+        """Time per sample over that with the tree of `sah_binned`."""
         estimate, verdict = time_ratio(self.way.cell, self.base.cell)
         return Ratio(estimate, verdict, f"{self.way.cell.name} over {BASELINE}")
 
     @property
     def sah(self) -> Quantity:
-        """SAH cost over `sah_binned`'s."""
+        """SAH cost over that of `sah_binned`."""
         costs = [one.cell.meshes.sah_cost for one in (self.way, self.base)]
         return Quantity(Estimate(costs[0] / costs[1], None, None, 1), self.label)
 
     def time(self, spp: int) -> Quantity:
-        """To an image of so many samples a pixel, ms."""
+        """Milliseconds to an image with `spp` samples per pixel."""
         return Quantity(self.way.time(spp), self.label)
 
 
 @dataclass(frozen=True)
 class Crossed:
-    """Where two ways to an image change places."""
+    """The number of samples at which two builders take equal time to an image."""
 
     crossing: Crossing
 
     @property
     def scene(self) -> str:
-        """The scene's name."""
+        """The name of the scene in which the builders cross."""
         return self.crossing.later.scene
 
     @property
     def sooner(self) -> str:
-        """Whose image is there first with few samples."""
+        """The builder whose image is first with few samples."""
         return self.crossing.sooner.label
 
     @property
     def later(self) -> str:
-        """Whose is from `spp` on."""
+        """The builder whose image is first from `spp` samples per pixel on."""
         return self.crossing.later.label
 
     @property
     def spp(self) -> Quantity:
-        """Samples a pixel."""
+        """Samples per pixel at which both builders take equal time."""
         return Quantity(Estimate(self.crossing.spp, None, None, 1), self.later)
 
 
 def built(ways: Sequence[Way]) -> list[Built]:
-    """Every way beside the baseline of its scene and accelerator; raises FindingError where there is none."""
+    """Every builder's times beside the baseline of its scene and accelerator; raises FindingError without one."""
     bases = {_place(way): way for way in ways if way.cell.axes["builder"] == BASELINE}
     if missing := [way.scene for way in ways if _place(way) not in bases]:
         raise FindingError(f"{missing[0]}: no tree of {BASELINE}")
@@ -100,7 +100,7 @@ def built(ways: Sequence[Way]) -> list[Built]:
 
 
 def crossed(ways: Sequence[Way]) -> list[Crossed]:
-    """Where ways of one scene and accelerator change places, by scene and then by samples."""
+    """All crossings of builders in one scene with one accelerator, by scene and then by samples."""
     places = dict.fromkeys(map(_place, ways))
     return [Crossed(one) for place in places for one in crossings([way for way in ways if _place(way) == place])]
 

@@ -1,4 +1,4 @@
-"""Cells of a result by the words of a selection, and what the file says of itself."""
+"""The cells of a result, looked up by the words of a selection, and facts about the file."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ptbench.studies.selection import cell_of, cells_of, parsed
 
 
 class Cells(Source):
-    """One result file; `where` is what every selection of the page means besides what it says."""
+    """One result file; `where` is added to every selection that the page makes."""
 
     def __init__(self, results: Path, file: str, where: str = "") -> None:
         super().__init__(results, file)
@@ -27,7 +27,7 @@ class Cells(Source):
 
     @classmethod
     def of(cls, results: Path, about: Mapping) -> Cells:
-        """The file, with what each selection of the page means besides what it says."""
+        """Makes the source of a page's entry; its "where" is added to every selection."""
         return cls(results, about["file"], about.get("where", ""))
 
     def cell(self, selection: str) -> Cell:
@@ -40,7 +40,7 @@ class Cells(Source):
 
     @property
     def device(self) -> str:
-        """The GPU."""
+        """The name of the GPU on which the result was measured."""
         return self.result.about("cuda_device")
 
     @property
@@ -60,29 +60,29 @@ class Cells(Source):
 
     @property
     def count(self) -> int:
-        """Cells in the file."""
+        """The number of cells in the result file."""
         return len(self.result.cells)
 
     @property
     def samples(self) -> str:
-        """Timed samples of a cell, "9" or "7 to 9"."""
+        """The number of timed samples per cell, "9" or "7 to 9"."""
         counts = sorted({len(cell.samples) for cell in self.result.cells if cell.measured})
         return f"{counts[0]}" if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
 
     @property
     def failed(self) -> int:
-        """Cells that failed."""
+        """The number of cells that failed."""
         return sum(cell.failed for cell in self.result.cells)
 
     @property
     def timed_seconds(self) -> Quantity:
-        """What its timed samples took, each from end to end, s."""
+        """The total time of all timed samples, each from end to end, in seconds."""
         total = sum(sample.end_to_end_ms or sample.wall_ms for cell in self.result.cells for sample in cell.samples)
         return Quantity(Estimate(total / 1e3, None, None, 1), str(self.result.path))
 
     @property
     def provenance(self) -> str:
-        """A line of a list: the file, what it holds, the commit and the day."""
+        """A Markdown list item with the file, its contents, commit and date."""
         failed = f"{self.failed} failed" if self.failed else "none failed"
         dirty = " with uncommitted changes" if self.is_dirty else ""
         summary = Path(self._shown).parent / "figures" / Path(self._shown).stem / "summary.md"
@@ -94,7 +94,7 @@ class Cells(Source):
         )
 
     def _any(self, selection: str) -> list[Cell]:
-        """Every measured cell; of a selection, those with these words, whatever the rest is."""
+        """Every measured cell that has the words of the selection, whatever its other settings."""
         chosen = parsed(selection)
         return [
             cell

@@ -1,4 +1,4 @@
-"""Error against time in a result as a page asks it."""
+"""Error curves of a result, as a source for a page."""
 
 from collections import Counter
 from collections.abc import Callable
@@ -18,22 +18,22 @@ from ptbench.studies.withdrawn import between
 
 
 class Errors(Cells):
-    """What error curves say."""
+    """The bias, variance, efficiency and verdicts that the error curves of a result give."""
 
     def bias2(self, selection: str) -> Quantity:
-        """Squared bias of the image, of the error curve's fit."""
+        """The squared bias of a cell's image, fitted to its error curve."""
         return self._fitted(selection, lambda fit: fit.bias2)
 
     def sigma2(self, selection: str) -> Quantity:
-        """Variance of one sample, the mean over pixels and channels."""
+        """The variance of one sample per pixel, the mean over pixels and channels."""
         return self._fitted(selection, lambda fit: fit.sigma2)
 
     def slope(self, selection: str) -> Quantity:
-        """Slope of the squared error over spp, both logarithmic: -1 for independent samples without a bias."""
+        """The log-log slope of the squared error over samples: -1 for independent samples without bias."""
         return self._fitted(selection, lambda fit: fit.slope.estimate)
 
     def mean_error(self, selection: str) -> Quantity:
-        """How far the image's mean (green) is off in the longest renders, the median over seeds."""
+        """The error of the image's mean (green channel) at the last checkpoint, the median over seeds."""
         cell = self.assessment(selection).cell
         last = [sample.checkpoints[-1].mean_error for sample in cell.samples]
         if not all(last):
@@ -41,23 +41,23 @@ class Errors(Cells):
         return Quantity(median_estimate(np.abs([error[1] for error in last if error])), cell.name)
 
     def wall(self, selection: str) -> Quantity:
-        """Render wall time a sample per pixel, ms, with checkpoints."""
+        """Render wall time per sample per pixel with checkpoints, ms."""
         one = self.assessment(selection)
         return Quantity(one.ms_per_spp["wall_ms"], one.cell.name)
 
     def wall_alone(self, selection: str) -> Quantity:
-        """Render wall time a sample per pixel, ms, of the companion cell, which ran without checkpoints."""
+        """Render wall time per sample per pixel of the companion cell without checkpoints, ms."""
         one = self.assessment(selection)
         if one.ms_alone is None:
             raise FindingError(f"{self.result.path}: not run without checkpoints: {selection}")
         return Quantity(median_estimate(one.ms_alone), one.cell.name)
 
     def verdicts(self) -> Counter:
-        """How many cells of the studies of error converge, have a plateau, ..., by the first words of the verdict."""
+        """The number of convergence cells by verdict: converges, plateau, ..."""
         return Counter(one.verdict.word for one in assess(self.result).values())
 
     def efficiency(self, selection: str) -> Ratio:
-        """Against the baseline of the cell's scene in the study that the selection names; FASTER: above 1."""
+        """The efficiency of a cell against its scene's baseline, in the study that the selection names; FASTER: > 1."""
         one = self.assessment(selection)
         study = self._chosen(selection)["study"]
         members = [other for other in assess(self.result).values() if study in other.cell.studies]
@@ -68,20 +68,20 @@ class Errors(Cells):
         if between(one.cell, base.cell):
             raise FindingError(f"{one.cell.name}: its efficiency is withdrawn (analysis/withdrawn.json)")
         value = compared.efficiency
-        # More efficient is faster at equal error: the rule for times, on the reciprocal.
+        # Higher efficiency means less time at equal error, so the rule for times applies to the reciprocal.
         word = UNSURE if value.low is None or value.high is None else word_of(1 / value.high, 1 / value.low)
         verdict = withheld(Verdict(word), compared.doubt) if compared.doubt else Verdict(word)
         return Ratio(value, verdict, one.cell.name)
 
     def must_stop_above(self, selection: str, error: float) -> str:
-        """Nothing, if a plateau above that error was found; FindingError where a page says it and none was."""
+        """Returns an empty text if a plateau above `error` was found; otherwise raises FindingError."""
         plateau = self.assessment(selection).verdict.plateau
         if plateau is None or plateau <= error:
             raise FindingError(f"{self.result.path}: no plateau above {error}, as the page says: {selection}")
         return ""
 
     def ms_to(self, selection: str, error: float) -> Quantity:
-        """Wall time of a render in one piece to a root mean square error, ms (convergence/efficiency.py)."""
+        """Wall time of a render in one piece until its RMS error is `error`, ms (convergence/efficiency.py)."""
         one = self.assessment(selection)
         time = time_to(one, error)
         if time is None:
@@ -89,7 +89,7 @@ class Errors(Cells):
         return Quantity(time, one.cell.name)
 
     def assessment(self, selection: str, over: str = "") -> Assessment:
-        """The error curve of the one cell of a selection, changed by the words of `over`."""
+        """The error curve of the one cell of a selection, modified by the words of `over`."""
         found = cells_of(self.result, {**self._chosen(selection), **parsed(over)})
         assessed = assess(self.result)
         named = [assessed[cell.name] for cell in found if cell.name in assessed]

@@ -1,4 +1,4 @@
-"""What cells of a result are made of, as a page asks it: trees, kernels, paths and films."""
+"""What cells of a result consist of, as a source for a page: trees, kernels, paths and films."""
 
 from ptbench.errors import FindingError
 from ptbench.figures.time_to_image import Way, sibling_meshes, ways
@@ -11,29 +11,29 @@ from ptbench.studies.selection import cell_of, parsed
 
 
 class Made(Cells):
-    """What renders used and left."""
+    """The trees, kernels, path counts and films of a result's cells."""
 
     def built(self, selection: str) -> list[Built]:
-        """What each builder's tree costs and is worth, in every cell of a selection with a mesh."""
+        """The cost and benefit of each builder's tree, for every cell of a selection with a mesh."""
         return built(self._ways(selection))
 
     def crossings(self, selection: str) -> list[Crossed]:
-        """From how many samples a pixel on one builder's image is there before another's."""
+        """The samples per pixel at which one builder overtakes another, for the cells of a selection."""
         return crossed(self._ways(selection))
 
     def meshes(self, selection: str) -> MeshFacts:
-        """What the cell's meshes and trees are made of."""
+        """Facts about the meshes and trees of a cell."""
         facts = self.cell(selection).meshes
         if facts is None:
             raise FindingError(f"{self.result.path}: {selection} has no mesh")
         return facts
 
     def sah(self, selection: str) -> Quantity:
-        """SAH cost of the cell's largest tree."""
+        """The SAH cost of a cell's largest tree."""
         return Quantity(Estimate(self.meshes(selection).sah_cost, None, None, 1), selection)
 
     def alive_percent(self, selection: str) -> float:
-        """Per cent of the slots of all rounds, where ended paths stay, that are alive."""
+        """The per cent of queue slots, over all bounces, that hold live paths if ended ones stay."""
         cell = self.cell(selection)
         alive = None if cell.instrumented is None else cell.instrumented.live_share(cell.depth)
         if alive is None:
@@ -41,12 +41,12 @@ class Made(Cells):
         return 100 * alive
 
     def same_film(self, selection: str, over: str) -> bool:
-        """Whether both sides of that ratio left the same film, bit for bit."""
+        """Whether a cell and its baseline left the same film, bit for bit."""
         base = cell_of(self.result, {**self._chosen(selection), **parsed(over)})
         return self.cell(selection).film_hash == base.film_hash
 
     def films_of(self, older: Cells) -> tuple[int, int]:
-        """How many of the cells that an older program has too, by what they render, left the same film; and all."""
+        """The number of cells whose film equals that of the same cell in an older result, and of all that both have."""
         theirs = {cell.shown: cell.film_hash for cell in older.result.cells if cell.measured}
         same = [theirs[cell.shown] == cell.film_hash for cell in self.result.cells if cell.shown in theirs]
         if not same:
@@ -54,15 +54,15 @@ class Made(Cells):
         return sum(same), len(same)
 
     def registers(self, selection: str, kernel: str) -> int:
-        """Registers a thread of a kernel."""
+        """Registers per thread of a kernel."""
         return self._kernel(selection, kernel).registers
 
     def local_bytes(self, selection: str, kernel: str) -> int:
-        """Local memory a thread of a kernel, bytes."""
+        """Local memory per thread of a kernel, in bytes."""
         return self._kernel(selection, kernel).local_bytes
 
     def path_state_bytes(self, selection: str) -> int:
-        """One copy of a path in the queue, bytes."""
+        """Bytes of one path's state in the queue."""
         cuda = self.cell(selection).cuda
         if cuda is None or cuda.path_state_bytes is None:
             raise FindingError(f"{self.result.path}: {selection} tells no bytes of a path")

@@ -1,4 +1,4 @@
-"""Times of a result as a page asks them: milliseconds, rates, and ratios with their verdicts."""
+"""Times of a result as a source for a page: milliseconds, rates, and ratios with their verdicts."""
 
 from dataclasses import dataclass
 
@@ -20,7 +20,7 @@ from ptbench.studies.withdrawn import between
 
 @dataclass(frozen=True)
 class Told:
-    """A row of a study's table; no ratio: it is the baseline, or has none."""
+    """A row of a study's table; without a ratio, it is the baseline or its ratio is withheld."""
 
     scene: str
     label: str
@@ -29,28 +29,28 @@ class Told:
 
 
 class Times(Cells):
-    """What renders took."""
+    """Times, rates and ratios of a result's cells."""
 
     def ms(self, selection: str) -> Quantity:
-        """Render wall time of a sample a pixel, ms."""
+        """Milliseconds of render wall time per sample per pixel."""
         return self._median(selection, lambda cell: cell.ms_per_spp)
 
     def rays(self, selection: str) -> Quantity:
-        """Rays traced over render wall time, 1e9 a second."""
+        """The rate of rays over render wall time, 1e9 per second."""
         return self.rate(selection).over(1e3)
 
     def rate(self, selection: str) -> Quantity:
-        """Rays traced over render wall time, 1e6 a second."""
+        """The rate of rays over render wall time, 1e6 per second."""
         return self._median(selection, lambda cell: np.array([one.mega_rays_per_second for one in cell.samples]))
 
     def ratio(self, selection: str, over: str) -> Ratio:
-        """Quantity of one cell over that of the cell that differs from it by the words of `over`."""
+        """The time ratio of a cell over the cell that differs from it by the words of `over`."""
         cell = self.cell(selection)
         base = cell_of(self.result, {**self._chosen(selection), **parsed(over)})
         return _ratio(cell, base)
 
     def ratio_if(self, selection: str, over: str) -> Ratio | None:
-        """The ratio that `ratio` gives, or None where one of the two was not measured."""
+        """The ratio as by `ratio`, or None where either cell was not measured."""
         for side in (parsed(selection), {**parsed(selection), **parsed(over)}):
             try:
                 cell_of(self.result, {**self._where, **side})
@@ -59,7 +59,7 @@ class Times(Cells):
         return self.ratio(selection, over)
 
     def ratios(self, selection: str, over: str) -> Ratios:
-        """Ratios of every measured cell of a selection with `*`, each over its own baseline."""
+        """Ratios of all measured cells of a selection with `*`, each over its own baseline."""
         chosen = self._chosen(selection)
         open_names = [name for name, value in chosen.items() if value == "*"]
         others = parsed(over)
@@ -74,20 +74,20 @@ class Times(Cells):
         return Ratios(tuple(found))
 
     def rows(self, study: str) -> list[Told]:
-        """Every measured cell of a study with its ratio to the study's baseline; none, where the file lacks it."""
+        """Every measured cell of a study with its ratio to the baseline; empty where the file lacks the study."""
         found = [one for one in self.result.studies if one.name == study]
         return [_told(row) for one in found for row in measure(self.result, one) if row.estimate is not None]
 
     def strong(self) -> list[Scaled]:
-        """Every cell on several GPUs beside the same image on one."""
+        """Strong scaling: every cell on several GPUs beside the same image on one GPU."""
         return strong(self.result.cells)
 
     def weak(self) -> list[Scaled]:
-        """Every cell on several GPUs beside as many times fewer samples on one."""
+        """Weak scaling: every cell on several GPUs beside one GPU with a fraction of the samples."""
         return weak(self.result.cells)
 
     def common(self, other: Cells, selection: str = "") -> Ratios:
-        """Time of every cell of a selection here over that of the same cell in another file, of another machine."""
+        """Times of a selection's cells over the same cells of another machine's file."""
         self._must_be_comparable(other)
         theirs = {cell.name: cell for cell in other.result.cells if cell.measured}
         found = [(cell, theirs[cell.name]) for cell in self._any(selection) if cell.name in theirs]
@@ -96,7 +96,7 @@ class Times(Cells):
         return Ratios(tuple(_ratio(cell, base, one_clock=False) for cell, base in found))
 
     def mean_over(self, other: Cells, selection: str = "") -> Quantity:
-        """The geometric mean of the same ratios, with its interval, without cells that were disturbed on either."""
+        """The geometric mean of time ratios over another file, with its interval, without cells disturbed in either."""
         self._must_be_comparable(other)
         theirs = {cell.name: cell for cell in other.result.cells if cell.measured}
         pairs = [(cell, theirs[cell.name]) for cell in self._any(selection) if cell.name in theirs]
@@ -106,14 +106,14 @@ class Times(Cells):
         return Quantity(geometric_mean_of_ratios(sides), f"{self.result.path} over {other.result.path}")
 
     def _must_be_comparable(self, other: Cells) -> None:
-        """Raises FindingError for machines that differ where the programs do as well."""
+        """Raises FindingError if two results differ in both machine and program, as the difference has no one cause."""
         files = self.result, other.result
         if len({devices_of(file) for file in files}) > 1 and (reason := why_not_one(files)):
             raise FindingError(f"{self.result.path} and {other.result.path} cannot be compared as machines: {reason}")
 
 
 def _told(row: Row) -> Told:
-    # What else stands there is a withdrawn verdict's mark.
+    # Any other note marks a withdrawn verdict, whose ratio is not given.
     is_told = row.ratio is not None and row.verdict.note in ("", CLOCK_UNKNOWN)
     ratio = Ratio(row.ratio, row.verdict, row.cell.name) if is_told else None
     return Told(row.cell.scene, row.label, Quantity(row.estimate, row.cell.name), ratio)
