@@ -7,8 +7,8 @@
 #include "kernels/pick_header.h"
 #include "kernels/sampler_list.h"
 
-#define PT_STEM(name) name,
-#define PT_SAMPLER_FILE(n) PT_FILE_AT(n, samplers, PT_SAMPLERS(PT_STEM) PT_NO_MORE)
+#define PT_SAMPLER_STEM(name) name,
+#define PT_SAMPLER_FILE(n) PT_FILE_AT(n, samplers, PT_SAMPLERS(PT_SAMPLER_STEM) PT_NO_MORE)
 
 #include PT_SAMPLER_FILE(0)
 #include PT_SAMPLER_FILE(1)
@@ -19,7 +19,7 @@
 #include PT_SAMPLER_FILE(6)
 #include PT_SAMPLER_FILE(7)
 
-#undef PT_STEM
+#undef PT_SAMPLER_STEM
 
 namespace pt {
 

@@ -30,6 +30,7 @@ Command add_new_command(CLI::App& app);
 Command add_completion_command(CLI::App& app);
 Command add_replay_command(CLI::App& app);
 Command add_stability_command(CLI::App& app, const std::string& command_line);
+Command add_passport_command(CLI::App& app, const std::string& command_line);
 Command add_rays_command(CLI::App& app, const std::string& command_line);
 
 // The kinds of files that `ptbench new` can write, "compaction" for instance.

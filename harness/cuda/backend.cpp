@@ -92,6 +92,8 @@ nlohmann::ordered_json inspect_kernels(const Scene& scene, const Variant& varian
     return inspect(scene, variant, architecture.empty() ? device().architecture() : architecture);
 }
 
+nlohmann::ordered_json ceilings() { return ceilings_json(ceilings_here()); }
+
 void require_counters() {
     if (!not_available().empty() || find_ncu().empty()) {
         throw MachineError("counters: not available (" +

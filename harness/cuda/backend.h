@@ -47,6 +47,9 @@ nlohmann::ordered_json inspect_kernels(const Scene& scene, const Variant& varian
 nlohmann::ordered_json kernel_counters(const std::vector<std::string>& arguments,
                                        const std::vector<std::string>& kernels, double rays);
 
+// Peak rates of the first GPU (harness/cuda/ceilings.h), by the keys of `ceilings` in ptbench-inspect.schema.json.
+nlohmann::ordered_json ceilings();
+
 // Throws MachineError if hardware counters are not available: no device or no ncu.
 void require_counters();
 // Hardware counters of batches of rays, for the arguments of `ptbench rays`. A batch is the name of its kernel function

@@ -19,6 +19,7 @@ nlohmann::ordered_json inspect_kernels(const Scene&, const Variant&, const std::
 nlohmann::ordered_json kernel_counters(const std::vector<std::string>&, const std::vector<std::string>&, double) {
     throw MachineError(reason);
 }
+nlohmann::ordered_json ceilings() { throw MachineError(reason); }
 void require_counters() { throw MachineError(reason); }
 nlohmann::ordered_json batch_counters(const std::vector<std::string>&,
                                       const std::vector<std::pair<std::string, double>>&) {

@@ -24,7 +24,7 @@ _MODULE = "python3 -m ptbench"
 # Folders of the package whose options.py declares commands, in the order of --help.
 FOLDERS = (
     "plots", "report", "compare", "extras.fleet", "crosscheck", "extras.peers", "extras.explain", "findings", "claims",
-    "extras.maps", "extras.advise", "gallery", "flat", "validate", "submit", "extras.simulate",
+    "extras.maps", "extras.advise", "gallery", "flat", "validate", "submit", "extras.simulate", "extras.passport",
 )  # fmt: skip
 
 

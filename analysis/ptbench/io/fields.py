@@ -88,13 +88,17 @@ class _Schema:
     def _target(self, reference: str) -> tuple[_Schema, dict]:
         file, _, pointer = reference.partition("#/$defs/")
         name = re.fullmatch(r"ptbench-(\w+)\.schema\.json", file)[1] if file else self.name
+        if not pointer:  # a whole file of another kind
+            return _Schema(name), schema(name)
         found = schema(name)["$defs"]
         for step in pointer.split("/"):
             found = found[step]
         return _Schema(name), found
 
     def _link(self, reference: str) -> str:
-        owner, _ = self._target(reference)
+        owner, target = self._target(reference)
+        if target is schema(owner.name):
+            return f"[{owner.name}](#{owner.name})"
         title = f"{owner.name}: {reference.rpartition('/')[2]}"
         return f"[{title}](#{title.replace(': ', '-')})"
 

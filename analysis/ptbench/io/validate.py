@@ -35,6 +35,7 @@ KINDS = (
     "tuning",
     "journal",
     "gpu-tests",
+    "passport",
 )
 # Files that people write: validated like the others, but not in the tables of what ptbench writes.
 WRITTEN_BY_HAND = ("claim", "map")
@@ -45,10 +46,11 @@ _BY_SCHEMA = {
     "ptbench-advice-1": "advice",
     "ptbench-map-1": "map",
     "ptbench-gpu-tests-1": "gpu-tests",
+    "ptbench-passport-1": "passport",
 }
 _WRITTEN_BY_US = (
-    "a file of ptbench run, merge, stability, rays, inspect, autotune, crosscheck or peers, of a package's gpu_tests, "
-    "a run's .journal.jsonl, a claim, a map"
+    "a file of ptbench run, merge, stability, rays, inspect, autotune, crosscheck, peers or passport, of a package's "
+    "gpu_tests, a run's .journal.jsonl, a claim, a map"
 )
 
 
@@ -140,7 +142,8 @@ def validate(path: Path) -> list[str]:
     root = read_json(path)
     kind = kind_of(path, root.value)
     found = list(complaints(root.value, kind))
-    return found or (list(_contradictions(root)) if kind == "result" else [])
+    results = {"result": lambda: [root], "passport": lambda: root.need("runs").items()}.get(kind, list)
+    return found or [line for result in results() for line in _contradictions(result)]
 
 
 def _contradictions(root: Node) -> Iterator[str]:

@@ -1,0 +1,78 @@
+"""Passports in words: one table a question, machines side by side."""
+
+from collections.abc import Sequence
+
+from ptbench.document.blocks import Section, section
+from ptbench.document.table import table_of
+from ptbench.extras.passport.answers import Answer, answers_of
+from ptbench.extras.passport.passport import Passport
+from ptbench.numbers import figures
+from ptbench.stats.estimates import Estimate
+
+RULE = (
+    "Times as fast: above 1 the answer is yes. Each side is the best of its variants, chosen in one run and compared "
+    "in the other. A word stands where both runs agree; the 95 % interval is the second run's."
+)
+
+
+def sections(passports: Sequence[Passport]) -> list[Section]:
+    """The machines, and a section for each question."""
+    by_machine = [answers_of(passport) for passport in passports]
+    asked = list(dict.fromkeys(answer.asked for answers in by_machine for answer in answers))
+    return [
+        section("Machines", (RULE,), _machines(passports)),
+        *(section(question, (), _answers(question, passports, by_machine)) for question in asked),
+    ]
+
+
+def _machines(passports: Sequence[Passport]) -> object:
+    return table_of(("Machine", "Fact", "Value"), [row for one in passports for row in _facts(one)], ("Value",))
+
+
+def _facts(passport: Passport) -> list[tuple[str, str, str]]:
+    cpu = passport.chip["cpu"]
+    copies = cpu["copies"]
+    facts = [
+        ("threads of the CPU", str(cpu["threads"])),
+        (f"copy of {_size(copies[0]['bytes'])}, GB/s", figures(copies[0]["gb_per_s"], 3)),
+        (f"copy of {_size(copies[-1]['bytes'])}, GB/s", figures(copies[-1]["gb_per_s"], 3)),
+        ("multiplications and additions, 10^9/s", figures(cpu["gflops"], 3)),
+        ("atomic additions to one counter, 10^6/s", figures(1e-6 * cpu["atomics_per_s"], 3)),
+        ("start and end of a parallel loop, us", figures(cpu["fork_join_us"], 3)),
+    ]
+    if "gpu" in passport.chip:
+        gpu = passport.chip["gpu"]
+        facts += [
+            ("copy in GPU memory, GB/s", figures(gpu["memory_gb_per_second"], 3)),
+            ("multiply-adds of warps, 10^9/s", figures(gpu["fma_g_warp_instructions_per_second"], 3)),
+        ]
+    return [(passport.name, fact, value) for fact, value in facts]
+
+
+def _size(count: int) -> str:
+    kib = count // 1024
+    return f"{kib} KiB" if kib < 1024 else f"{kib // 1024} MiB"
+
+
+def _answers(question: str, passports: Sequence[Passport], by_machine: Sequence[Sequence[Answer]]) -> object:
+    head = ("Scene", "Machine", "Answer", "Times as fast", "95 %", "Best", "Against")
+    rows = [
+        (answer.scene, passport.name, *_row(answer))
+        for passport, answers in zip(passports, by_machine, strict=True)
+        for answer in answers
+        if answer.asked == question
+    ]
+    scenes = list(dict.fromkeys(scene for scene, *_ in rows))
+    return table_of(head, sorted(rows, key=lambda row: scenes.index(row[0])), ("Times as fast", "95 %"))
+
+
+def _row(answer: Answer) -> tuple[str, ...]:
+    second = answer.sides[1]
+    word = answer.word + (f" ({answer.reason})" if answer.reason else "")
+    return word, figures(second.ratio.value, 2), _interval(second.ratio), second.choice, second.without
+
+
+def _interval(ratio: Estimate) -> str:
+    if ratio.low is None or ratio.high is None:
+        return ""
+    return f"[{figures(ratio.low, 2)}, {figures(ratio.high, 2)}]"
