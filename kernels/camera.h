@@ -21,8 +21,8 @@ struct Camera {
     std::uint32_t initial_medium;       // material whose medium the eye is in, or Path::no_medium
 };
 
-// Unit vector along a camera ray. Without a lens the direction is no shorter than the camera's forward vector, so the
-// in-range functions apply; with a lens it is as long as the focus distance, whatever the scene's scale.
+// Unit vector along a camera ray. Without a lens `direction` is no shorter than the camera's forward vector, so the
+// functions of kernels/in_range.h apply; with a lens it is as long as the focus distance, whatever the scene's scale.
 template <class Config>
 PT_HD inline Vec3<typename Config::Real> unit_ray(const Vec3<typename Config::Real>& direction) {
     if constexpr (has<Config>(Feature::lens)) {

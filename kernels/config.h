@@ -54,7 +54,7 @@ enum class Feature : FeatureSet {
 #define PT_FEATURE(name, Type, traits) name = feature_bit::material << static_cast<std::uint32_t>(MaterialType::name),
     PT_MATERIALS(PT_FEATURE)
 #undef PT_FEATURE
-    // Features of what materials do beyond their type.
+    // Features of materials that do not follow from a material's type.
     emission = feature_bit::material << 11,             // surfaces that both reflect and emit light
     absorption = feature_bit::material << 12,           // Beer-Lambert absorption inside a dielectric, smooth or rough
     subsurface_boundary = feature_bit::material << 13,  // a subsurface body whose index of refraction is not 1
@@ -66,13 +66,13 @@ enum class Feature : FeatureSet {
     final_bounce = feature_bit::light << 1,
     next_event = feature_bit::light << 2,
     multiple_importance = feature_bit::light << 3,
-    // How light samples lie on a light (kernels/light_sampling.h). A kernel with none of these samples by solid angle,
-    // one with a single feature in that way, and one with all chooses at run time (SceneView::light_sampling).
+    // How points on a light are sampled (kernels/light_sampling.h). A kernel with none of these features samples by
+    // solid angle, with one of them in that way, with all as chosen at run time (SceneView::light_sampling).
     area_sampling = feature_bit::light << 4,
     projected_sampling = feature_bit::light << 5,
     automatic_sampling = feature_bit::light << 6,
-    // How next-event estimation chooses a light (kernels/light_selection.h). A kernel with neither feature chooses
-    // uniformly, one with a single feature in that way, and one with both at run time (SceneView::light_selection).
+    // How next-event estimation chooses a light (kernels/light_selection.h): a kernel with neither feature uniformly,
+    // with one of them in that way, with both as chosen at run time (SceneView::light_selection).
     power_selection = feature_bit::light << 7,
     tree_selection = feature_bit::light << 8,
     // One-sample MIS: at random either the connection to a light counts or the light that the path hits
@@ -98,7 +98,7 @@ enum class Feature : FeatureSet {
     double_intersection = feature_bit::traversal << 1,
     naive = feature_bit::traversal << 2,
     // Ways to search mesh instances other than one by one: a tree over them (kernels/object_tree.h), and one tree over
-    // all their triangles. On the host the scene says which (MeshSearch), and no kernel has either feature.
+    // all their triangles. On the host the scene chooses (MeshSearch), and no kernel has either feature.
     object_tree = feature_bit::traversal << 3,
     flat_tree = feature_bit::traversal << 4,
 };
@@ -152,7 +152,7 @@ inline constexpr FeatureSet samplings = samplers | static_cast<FeatureSet>(Featu
 // Features with which a kernel traverses meshes. Only kernels for scenes with meshes have them, since the traversal of
 // an acceleration structure takes registers from every other shape.
 inline constexpr FeatureSet traversals = set_of(Feature::mesh);
-// Features for a tree over all meshes (TLAS, or one flat tree), at most one per kernel, only for scenes with meshes.
+// Features for one tree over all meshes (top-level or flat), at most one per kernel, only for scenes with meshes.
 inline constexpr FeatureSet mesh_levels = set_of(Feature::object_tree, Feature::flat_tree);
 
 // Features of kernels whose paths split. A kernel has one only for a variant that asks for it: the branches that wait
@@ -224,8 +224,8 @@ __noinline__
     return function();
 }
 
-// Runs `function`. A kernel with all features calls it out of line, so all call sites share one body; the lambda must
-// stand in a function that is the same for all of them. A copy at each call site would be 10^5 instructions.
+// Calls `function`: out of line in a kernel with all features, so that all call sites share one body of 10^5
+// instructions. For that the lambda must stand in a function that is the same for all call sites.
 template <class Config, class Function>
 PT_HD inline auto in_one_place(const Function& function) {
     if constexpr (has_everything(Config::features)) {

@@ -1,10 +1,10 @@
 // Environment light as an equirectangular image, y up, importance-sampled by a piecewise-constant distribution: first a
 // row, then a texel in it (Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th edition, sections 12.5 and
 // A.5). A direction has the radiance of its texel, and directions in a texel are drawn uniformly by solid angle, so
-// radiance over pdf is constant in a texel. Probabilities are whole multiples of 2^-32, none 0: the sampled one and the
-// one divided by are the same. A constant environment is an image of one texel, drawn uniformly over the sphere.
-//
-// The image's left edge is in the direction -z, and a quarter of its width on is +x, as in Mitsuba's `envmap`.
+// radiance over pdf is constant in a texel. Probabilities are whole multiples of 2^-32, none 0: weights divide by
+// exactly the probability drawn by. A constant environment is an image of one texel, drawn uniformly over the sphere.
+// |
+// |The image's left edge is in the direction -z, and a quarter of its width on is +x, as in Mitsuba's `envmap`.
 #pragma once
 
 #include "kernels/sampling.h"
@@ -31,7 +31,7 @@ struct EnvironmentMap {
     View<EnvironmentRow<Real>> rows;      // rows of the image from +y down
     View<EnvironmentTexel<Real>> texels;  // texels of the image, row by row
     std::uint32_t width;                  // number of texels in a row
-    Real turn;                            // rotation about y: where -z is in the image, in widths
+    Real turn;                            // rotation about y: where the direction -z is in the image, in widths
     std::uint32_t object_share;           // a random word below this draws an object that emits, not the environment
     std::uint32_t stretch;                // 2^63 / object_share, to stretch random words below object_share
     Real inverse_probability;             // 1 / probability of drawing the environment
@@ -59,8 +59,8 @@ PT_HD inline Real share_of_entry(const Entry* entries, std::uint32_t count, std:
     return static_cast<Real>(end - entries[i].first - 1u) + Real(1);
 }
 
-// Relative position in [0, 1] of a random word within its entry's interval. 16 bits of `more` place it between two
-// words, since an interval may be one word wide.
+// Relative position in [0, 1] of a random word within its table entry's interval. An interval may be one word wide, so
+// 16 bits of `more` place it between two words.
 template <class Real, class Entry>
 PT_HD inline Real place_in_entry(const Entry& entry, Real share, std::uint32_t word, std::uint32_t more) {
     const Real between = (static_cast<Real>(more & 0xffffu) + Real(0.5)) * Real(0x1p-16);

@@ -48,10 +48,10 @@ struct FilmView {
     FilmFaults* faults = nullptr;
     double scale = 1.0;  // quanta per unit of radiance, a power of two
     double limit = 0.0;  // largest quanta of one sample such that the sum of all samples cannot overflow
-    // Scale and limit in single precision, in which a product with a power of two is exact as well. A negative limit:
-    // single precision is not to be used.
+    // Scale and limit of radiance in single precision, where a product with a power of two is exact as well. A negative
+    // limit says not to use single precision.
     float single_scale = 1.0f;
-    float single_limit = -1.0f;  // the largest float not above `limit`
+    float single_limit = -1.0f;  // the largest float not above `limit`; negative: none
 
     // Converts one sample's radiance to quanta. Faults are counted; a sample that is not finite is left out.
     PT_HD FilmSum quanta(const Vec3<float>& radiance) const {
@@ -59,7 +59,7 @@ struct FilmView {
         const float x = radiance.x * single_scale;
         const float y = radiance.y * single_scale;
         const float z = radiance.z * single_scale;
-        // A NaN radiance fails each of these comparisons and takes the slow path.
+        // A NaN radiance fails each comparison with 0 and takes the slow path.
         const bool plain =
             x >= 0.0f && y >= 0.0f && z >= 0.0f && x <= single_limit && y <= single_limit && z <= single_limit;
         if (plain) {

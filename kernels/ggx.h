@@ -47,7 +47,7 @@ struct GgxFacets {
         return (incoming_cosine * cosine + shared) / (stretched(incoming_cosine) * cosine + shared);
     }
 
-    // The share of light that passes to the other side unmasked; `incoming_cosine` is to the normal on that side.
+    // Share of refracted light that is not masked below the surface; `incoming_cosine` is to the normal on that side.
     PT_HD Real share_below(Real incoming_cosine) const {
         return Real(2) * incoming_cosine / (incoming_cosine + stretched(incoming_cosine));
     }
@@ -89,7 +89,7 @@ struct GgxFacets {
         const Real facet_x = c * view_x - b * view_z;
         const Real facet_z = max(b * view_x + c * view_z, least_cosine<Real>);
 
-        // The facet's slopes in surface space: 0 for a mirror, whose facet normal is the surface normal.
+        // Slopes of the sampled facet in surface space: 0 for alpha = 0, where the facet normal is the surface normal.
         const Real scale = alpha / facet_z;
         const Real slope_x = scale * (facet_x * turn_x - a * turn_y);
         const Real slope_y = scale * (facet_x * turn_y + a * turn_x);

@@ -20,7 +20,7 @@
 
 namespace pt {
 
-// Chooses the colour channel to sample a free path by, never one without throughput while another has some.
+// Chooses the colour channel by which a free path is drawn, in proportion to throughput.
 template <class Real>
 PT_HD inline std::uint32_t choose_channel(const Vec3<Real>& throughput, Real u) {
     const Real target = u * (throughput.x + throughput.y + throughput.z);
@@ -65,7 +65,7 @@ PT_HD inline Real guided_cosine(Real decay, Real albedo, Real u) {
 }
 
 // What the pdf of a guided walk's step depends on: the cosine to the outward normal, and whether the direction was
-// drawn with the step: not so at the start, after internal reflection, or where the phase function draws all of them.
+// drawn with the step. It was not at the start, after internal reflection, or where the phase function draws it.
 template <class Real>
 struct GuidedStep {
     Real cosine;

@@ -22,7 +22,7 @@ struct HealthCounters {
     std::uint64_t first_nonfinite[health_sites] = {nowhere, nowhere, nowhere, nowhere, nowhere, nowhere, nowhere};
     std::uint64_t negative = 0;       // throughputs or radiances with a channel below 0
     std::uint64_t gains = 0;          // throughputs that sum to more than 3 (1 + 2^-20) without Russian roulette
-    std::uint64_t self_hits = 0;      // hits on the body just left outwards, within a thousandth of its size
+    std::uint64_t self_hits = 0;      // hits on the body just left, within a thousandth of its size
     std::uint64_t parity_errors = 0;  // hits on a body from the side that the path is not on
     std::uint64_t first_self_hit = nowhere;
     std::uint64_t first_parity_error = nowhere;
@@ -84,7 +84,7 @@ struct HealthRequest {
 
 template <class Real>
 PT_HD inline bool is_finite(const Vec3<Real>& v) {
-    // Entries are compared one by one, for a sum of squares would overflow where the entries do not.
+    // Components are compared one by one: a sum of squares could overflow where no component does.
     constexpr Real largest = std::numeric_limits<Real>::max();
     return absolute(v.x) <= largest && absolute(v.y) <= largest && absolute(v.z) <= largest;
 }

@@ -20,7 +20,7 @@ PT_HD inline Ray<Real> ray_of(const Path<Real>& path) {
     return {path.origin, path.direction, path.time, path.origin_surface, path.primitive};
 }
 
-// Whether the hit is on this primitive of its object; true for shapes other than meshes, which are one primitive.
+// Whether a hit is on the primitive of this number; true for shapes other than meshes, which are one primitive.
 template <class Config, class Real>
 PT_HD inline bool is_of_primitive(const Hit<Real>& hit, std::uint32_t primitive) {
     return !has<Config>(Feature::mesh) || hit.primitive == primitive;
@@ -192,15 +192,14 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
         }
         const std::uint32_t object = first + i;
         const Vec3<Real> origin = at_rest<Config>(scene, object, ray.origin, ray.time);
-        // The box is copied: by reference, nvcc 13.0 loads plane by plane, at an address that varies by lane.
+        // The axis box is copied: by reference, nvcc 13.0 loads plane by plane, at an address that varies by lane.
         const AxisBox<Real> box = scene.axis_boxes[i];
         // A ray known to hit no wall lies clearly within the enclosure, and so its direction has a finite reciprocal.
         const Interval<Real> crossing = without_walls ? finite_slab_interval(box.low, box.high, origin, inverse)
                                                       : slab_interval(box.low, box.high, origin, inverse);
         bool starts_here = ray.origin_surface.is_of(object);
         if constexpr (has<Config>(Feature::enclosure)) {
-            starts_here =
-                starts_here && !scene.enclosure.is_lamp(i);  // is_lamp: a constant if the compiler knows the enclosure
+            starts_here = starts_here && !scene.enclosure.is_lamp(i);  // is_lamp is constant if the enclosure is
         }
         if (!starts_here) {
             keep_nearer(best, crossing, object);
@@ -213,8 +212,8 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
 template <class Config>
 inline constexpr bool is_long_kernel = (Config::features & light_selections) != 0;
 
-// closest_axis_box with a loop that is not unrolled on a device, for kernels with an enclosure and so long that they
-// stall on instruction fetch: those that choose lights. (A body shared by both changes all kernels under nvcc 13.0.)
+// closest_axis_box with a loop that a device does not unroll, for kernels with an enclosure that stall on instruction
+// fetch: those that choose lights. (One function body for both changes all kernels under nvcc 13.0.)
 template <class Config, bool without_walls, class Scene>
 PT_HD inline void closest_axis_box_rolled(Hit<typename Config::Real>& best, const Scene& scene,
                                           const Ray<typename Config::Real>& ray,
@@ -305,7 +304,7 @@ struct MeshRay {
     ShearedDirection<Real> sheared;
     Vec3<Real> along;  // ray origin along the axes kx, ky and kz
     std::uint32_t object;
-    std::uint32_t passed_over;  // triangle that the ray starts on and so does not hit, or `nothing`
+    std::uint32_t passed_over;  // triangle that the ray starts on and cannot hit, or `nothing`
 
     static constexpr std::uint32_t nothing = ~0u;
 
@@ -341,7 +340,7 @@ PT_HD inline Vec3<Real> corners_along(const LeafTriangle::Row& row, const Real& 
     return Vec3<Real>(Real(row.a) - origin, Real(row.b) - origin, Real(row.c) - origin);
 }
 
-// Updates the closest hit `best` by a leaf's triangle. The leaf lies in memory, where rows are chosen by address.
+// Updates the closest hit `best` by a leaf's triangle. The leaf lies in memory, where rows can be chosen by address.
 template <class Real>
 PT_HD inline void meet_triangle(Hit<Real>& best, const LeafTriangle& leaf, const MeshRay<Real>& ray) {
     // Each row of the leaf's triangle is loaded whole, in one memory access.
@@ -398,7 +397,7 @@ PT_HD inline void closest_in_mesh(Hit<Real>& best, const MeshInstance<Real>& mes
 }
 
 // Updates the closest hit `best` by the triangles of one mesh. Where the accelerator is chosen at run time
-// (RunTimeAccelerator), a function of the scene does so.
+// (RunTimeAccelerator), the scene's function MeshSearch::meet_mesh does so.
 template <class Config, class Scene, class End>
 PT_HD inline void closest_mesh(Hit<typename Config::Real>& best, const Scene& scene,
                                const MeshInstance<typename Config::Real>& mesh, std::uint32_t object,
@@ -429,7 +428,7 @@ PT_HD inline void closest_by_flat_tree(Hit<typename Config::Real>& best, const S
     using Real = typename Config::Real;
     const FlatTree& flat = scene.mesh_search->flat;
     MeshRay<Real> in_mesh{};
-    std::uint32_t seen_by = meshes.size;  // index of the mesh instance in whose space `in_mesh` is
+    std::uint32_t seen_by = meshes.size;  // mesh instance whose space `in_mesh` is in; none at first
     NoTraversalCounter counter;
     Config::Accelerator::traverse(
         flat.tree, ray.origin, ray.direction, best.t,
@@ -654,13 +653,13 @@ PT_HD inline SurfacePoint<typename Config::Real> naive_surface_at(const Scene& s
 }
 
 // Position of a hit, pulled back onto the surface, and the object's outward unit normal. Without `normal_of_face` the
-// normal is not set if the hit has a box face, which tells it already.
+// normal is not set where the hit names a box face, from which the normal follows.
 template <class Config, bool normal_of_face = true, class Scene>
 PT_HD inline SurfacePoint<typename Config::Real> surface_at(const Scene& scene, const Ray<typename Config::Real>& ray,
                                                             const Hit<typename Config::Real>& hit) {
     using Real = typename Config::Real;
     if constexpr (has<Config>(Feature::double_intersection)) {
-        // A flat shape's points keep away from its edges by the rounding of Real, so they are not evaluated in double.
+        // Points of flat shapes are kept off the edges by the rounding of Real, so they are not computed in double.
         if (!is_flat(scene, hit.side.object())) {
             const SurfacePoint<double> point = surface_at<InDouble<Config>>(
                 WideScene(scene), widened(ray), Hit<double>{hit.t, hit.side, hit.primitive});

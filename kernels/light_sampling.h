@@ -70,7 +70,7 @@ struct SeenFaces {
                           (!(of_height > Real(0)) || height.z * of_direction > of_height * absolute(direction.z));
         return by_z ? 2 : axis;
     }
-    // Axis of the face that `pick`, from 0 to the sum of the shares, falls to; a face without a share is never picked.
+    // Axis of the face that the number `pick`, from 0 to the sum of the shares, selects; never a face of share 0.
     PT_HD static int picked(const Vec3<Real>& share, Real pick) {
         if (share.z > Real(0) && pick >= share.x + share.y) {
             return 2;

@@ -13,16 +13,16 @@ namespace pt {
 // must be asked.
 enum class Sight { clear, blocked, unsure };
 
-// Relative error to which the distance to a light sample is known. A distance to a plane is a difference of coordinates
-// over a component of the direction: it is off by some roundings of the coordinates over the height above the plane.
-// Allowed are 16 of them where the height is a 256th of the coordinates, and one where it is a 4096th. Nearer to the
-// plane a light that touches another object may be seen where paths do not hit it; it sends little at such angles.
+// Relative error allowed for the distance to a light sample. The distance to a plane is a difference of coordinates
+// over a component of the direction: a rounding of the coordinates counts times coordinates / height above the plane.
+// 16 roundings are allowed for at a height of 1/256 of the coordinates, one at 1/4096. Nearer to the plane a light that
+// touches another object may be seen where paths do not hit it; it sends little at such angles.
 template <class Real>
 PT_HD constexpr Real point_rounding() {
     return gamma<Real>(16 * 256);
 }
 
-// A shadow ray up to a point on an object; hits between `before` and `about` cannot be told from the point itself.
+// A shadow ray up to a point on an object. Hits at distances from `before` to `about` may be the point itself.
 template <class Real>
 struct Segment {
     const Ray<Real>& ray;
@@ -190,9 +190,9 @@ PT_HD inline bool passes_by(const Scene& scene, std::uint32_t object, const Ray<
 }
 
 // Whether a shadow ray reaches the light sample that it was drawn to, by its closest hit: the light itself is hit, or
-// the closest hit lies beyond the sample and the ray misses the light. Such a ray leads to the light's very edge:
-// line_of_sight, which does not test the light, calls it clear. This is the one rule for that edge, whether or not a
-// kernel knows a room's walls, and whether it tests occlusion or asks for the closest hit.
+// the closest hit lies beyond the sample and the ray misses the light. A ray that misses leads to the light's very
+// edge, and line_of_sight, which does not test the light, calls it clear. All kernels have this rule for the edge, with
+// or without a room's walls, with occlusion tests or closest hits.
 template <class Config, class Scene>
 PT_HD inline bool sees_point(const Scene& scene, std::uint32_t object, const Ray<typename Config::Real>& ray,
                              typename Config::Real distance, const Hit<typename Config::Real>& closest) {

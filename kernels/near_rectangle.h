@@ -1,7 +1,7 @@
 // Directions to a rectangle at any distance, sampled with weights below 2 pi: the position across it by the angle of
-// the strip that extends it endlessly along its longer side, and the position along it by solid angle. Ureña, Fajardo
-// and King, "An Area-Preserving Parametrization for Spherical Rectangles", EGSR 2013, draw the second so too, the first
-// so that all weights are one; this takes one arc tangent, and none of its numbers is a difference of angles.
+// the strip that extends it endlessly along its longer side, the position along it by solid angle. Ureña, Fajardo and
+// King, "An Area-Preserving Parametrization for Spherical Rectangles", EGSR 2013, draw the latter in this way too, and
+// the former so that weights are one. The form here takes one arc tangent and no difference of angles.
 #pragma once
 
 #include "kernels/in_range.h"
@@ -32,7 +32,7 @@ struct NearRectangle {
 
     struct Sample {
         Vec3<Real> point;
-        Real inverse_pdf;  // 1 / pdf by solid angle
+        Real inverse_pdf;  // 1 / pdf of the direction by solid angle
     };
     PT_HD Sample sample(Real u, Real v) const {
         const Real x = x_at(u);
@@ -81,7 +81,7 @@ private:
                                of.y0, of.y1)
                        : end;
         }
-        // high - low, without cancellation where both ends are on one side of the plane y = 0.
+        // high - low (a difference of sines), without cancellation where both ends are on one side of the plane y = 0.
         PT_HD Real share(const NearRectangle& of) const {
             if (!on_one_side) {
                 return high - low;

@@ -29,7 +29,7 @@ struct ObjectTree {
 
 template <class Real>
 struct ObjectTreeRay {
-    Vec3<Real> near_origin, far_origin;  // ray origin shifted by the margin, for entry and exit
+    Vec3<Real> near_origin, far_origin;  // ray origin shifted by the margin, for entry and exit planes
     Vec3<Real> inverse;                  // reciprocal direction; infinite along an axis that the ray does not move on
 
     PT_HD static ObjectTreeRay of(const Vec3<Real>& origin, const Vec3<Real>& direction, float margin) {

@@ -12,7 +12,7 @@
 namespace pt {
 
 template <class Real>
-struct Material;  // defined in kernels/materials.h
+struct Material;  // the class of materials, defined in kernels/materials.h
 
 // What most hits need of an object's material, in one 16-byte read.
 template <class Real>
@@ -29,8 +29,8 @@ struct Light {
 // A light's slot in the alias table of all lights, and its way through the light tree (kernels/light_selection.h).
 template <class Real>
 struct LightSlot {
-    std::uint32_t threshold;   // share, of 2^32, of the slot's own light; the rest is the alias's
-    std::uint32_t alias;       // light that gets the rest of the alias-table slot
+    std::uint32_t threshold;   // share of the slot, in 2^-32, of its own light; the rest is the alias's
+    std::uint32_t alias;       // light that has the rest of the alias-table slot
     Real inverse_probability;  // 1 / probability of the light by power
     std::uint32_t way;         // way down the light tree: bits 4i to 4i + 3 are the child at level i
 };
@@ -158,12 +158,12 @@ struct SceneView {
     std::uint32_t depth;           // most ray segments in a path, at least 1
     std::uint32_t final_bounce;    // 1: connect the last vertex to a light
     std::uint32_t next_event;      // 1: connect every diffuse vertex but the last to a light
-    std::uint32_t mis_exponent;    // MIS: 0 none (only connections count), 1 balance heuristic, 2 power heuristic
+    std::uint32_t mis_exponent;    // MIS weights: 0 none (connections only), 1 balance heuristic, 2 power heuristic
     std::uint32_t roulette_start;  // Russian roulette from the vertex at the end of this segment on; 0: none
     LightSampling light_sampling;  // light sampling of boxes and quads that emit
     std::uint16_t near_light;      // automatic sampling: near limit, in hundredths of a light's half diagonal
     LightSelection light_selection;
-    std::uint32_t one_sample;  // 1: one-sample MIS, which counts a connection or a light hit
+    std::uint32_t one_sample;  // 1: one-sample MIS: either a connection counts or a light that is hit
 
     // The search through meshes; on a device null unless the kernels have one of mesh_levels, or shading_normals.
     const MeshSearch<Real>* mesh_search;

@@ -55,8 +55,8 @@ PT_HD inline void accumulate(const FilmView& film, const Path<Real>& path) {
     film.add(path.pixel, path.radiance);
 }
 
-// Has the vertex's material pick the next direction. Returns whether the path goes on. The list of material types is
-// expanded as statements: other forms give kernels other registers.
+// Has the vertex's material pick the path's next direction. Returns whether the path goes on. The list of material
+// types is expanded as statements: other forms give kernels other registers.
 template <class Config, class At>
 PT_HD inline bool scatter(const At& at) {
     using Real = typename Config::Real;
@@ -167,7 +167,7 @@ PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const Sce
     path.bsdf_pdf = Real(0);
     const RandomWords words =
         random_words<Config>(scene.seed, {path.pixel, path.sample, path.segment, random_block::scatter});
-    // The branch is not called where it does nothing, since even such a call gives some kernels other registers.
+    // Branch policies that do nothing are not called, since even such a call gives some kernels other registers.
     if constexpr (Branch::template acts_in<Config>) {
         if (!branch.template goes_on<Config>(scene, path, vertex, hit, unit_interval<Real>(words.w))) {
             return false;

@@ -47,7 +47,7 @@ template <class Real>
 struct SphericalRectangle {
     Real x0, x1, y0, y1, height;
     Real skew;         // angle from which shares of the solid angle are counted
-    Real solid_angle;  // solid angle of the rectangle; not above 0, or NaN: not visible
+    Real solid_angle;  // solid angle of the rectangle; 0, negative or NaN: not visible
 
     PT_HD SphericalRectangle(Real low_x, Real high_x, Real low_y, Real high_y, Real z)
         : x0(low_x), x1(high_x), y0(low_y), y1(high_y), height(z) {
@@ -136,7 +136,7 @@ struct SeenBox {
             return {uniform_sphere(u, v), inverse_pdf(Real(1))};
         }
         const Real pick = w * total;
-        // Rounding may take the pick to the very end of the shares, which must not choose a face that is not seen.
+        // Rounding may take `pick` to the very end of the shares; the last face with a share is then chosen.
         const int last = share[2] > Real(0) ? 2 : share[1] > Real(0) ? 1 : 0;
         const int axis = pick < share[0] ? 0 : min(pick < share[0] + share[1] ? 1 : 2, last);
         const int b = after(axis);

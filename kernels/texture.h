@@ -34,7 +34,7 @@ struct TexelPair {
 template <class Real>
 PT_HD inline TexelPair<Real> texel_pair(Real coordinate, std::uint32_t count) {
     const Real place = (coordinate - whole_below(coordinate)) * static_cast<Real>(count) - Real(0.5);
-    const Real below = whole_below(place);  // index of the texel below, from -1 to count - 1
+    const Real below = whole_below(place);  // index of the texel below the coordinate, -1 to count - 1
     const std::uint32_t first = below >= Real(0) ? static_cast<std::uint32_t>(below) : count - 1u;
     return {first, first + 1u == count ? 0u : first + 1u, place - below};
 }

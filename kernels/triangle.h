@@ -19,7 +19,7 @@ struct Triangle {
 template <class Real>
 struct ShearedDirection {
     std::uint32_t kx, ky, kz;  // kz: the axis of the direction's largest component
-    Vec3<Real> shear;          // x, y: shift per unit of z; z: 1 / the largest component
+    Vec3<Real> shear;          // shift in x and y per unit of z, and 1 / the largest component
 
     PT_HD static ShearedDirection of(const Vec3<Real>& direction) {
         const Vec3<Real> size{absolute(direction.x), absolute(direction.y), absolute(direction.z)};
@@ -35,11 +35,11 @@ struct ShearedDirection {
 
 template <class Real>
 struct TriangleHit {
-    Real t;        // distance in multiples of the direction
+    Real t;        // distance in multiples of the direction's length
     Real det;      // determinant u + v + w
     Real u, v, w;  // barycentric weights of the corners a, b, c, times det
     bool hits;
-    bool from_behind;  // hit on the side where a, b, c go round clockwise
+    bool from_behind;  // the side on which a, b, c go round clockwise was hit
 };
 
 // Edge function ax by - ay bx: two triangles that share the edge from a to b get exact negatives of each other.

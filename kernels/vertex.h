@@ -15,7 +15,7 @@ struct Vertex {
     std::uint32_t material;
     SurfaceId hit;  // surface of the hit, with its box face where that is known
     std::uint32_t primitive = 0;
-    // Unit normal that the vertex is shaded with, on the incoming ray's side: a box face is hit from outside.
+    // Unit normal that the vertex is shaded with, on the incoming ray's side: outward for a box face, hit from outside.
     PT_HD Vec3<Real> normal() const { return hit.has_face() ? face_normal<Real>(hit) : surface_normal; }
     // The dot product of a finite vector with the normal. A face's normal has one entry that is not 0, so it is one
     // entry of the vector.

@@ -63,7 +63,7 @@ struct Principled {
         const Real both = layer_reflectance + beneath;
         diffuse_probability = diffuse_share * (both > Real(0) ? beneath / both : Real(1));
         const Vec3<Real> shown = colour * diffuse_share;
-        // The division comes last: share over probability would overflow for a colour near the least number.
+        // Division comes last: diffuse_share / diffuse_probability could overflow for a colour near the least number.
         diffuse_colour = diffuse_probability > Real(0)
                              ? Vec3<Real>(shown.x / diffuse_probability, shown.y / diffuse_probability,
                                           shown.z / diffuse_probability)

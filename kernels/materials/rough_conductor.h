@@ -24,14 +24,14 @@ struct RoughConductor {
     static constexpr bool transmits = false, may_be_opaque = false;
     GgxFacets<Real> facets;
     Vec3<Real> reflectance;
-    Vec3<Real> gain{Real(1)};  // factor on the lobe's weight
+    Vec3<Real> gain{Real(1)};  // factor on the lobe's weight, for energy compensation; 1: none
 
     PT_HD RoughConductor(const Vec3<Real>& reflectance_of, Real alpha, const Vec3<Real>& outgoing,
                          const Vec3<Real>& normal)
         : facets(alpha, outgoing, normal), reflectance(reflectance_of) {}
 
-    // Narrow lobes are not connected to lights, as mirrors are not: next to no connection would bring light. This
-    // depends on the surface alone, so either way the expectation is the same.
+    // Narrow lobes are not connected to lights, as mirrors are not: hardly any connection would bring light. The choice
+    // depends on the surface alone, so the expectation is the same either way.
     PT_HD bool is_connectable() const { return facets.are_wide(); }
 
     // Adds the compensation for multiple scattering, in kernels that have it (kernels/ggx_gain.h).
@@ -80,8 +80,8 @@ struct RoughConductorMaterial {
     Real alpha;                       // width of the GGX distribution, roughness^2
     std::uint32_t scatters_multiply;  // 1: energy lost between facets is given back
 
-    // Scatters the path by a rough conductor. The last vertex of a final-bounce path goes on, as a mirror's does. A
-    // path ends where the facet sends it into the surface.
+    // Scatters the path by a rough conductor, even at the last vertex of a final-bounce path, as a mirror does. A path
+    // ends where the facet sends it into the surface.
     template <class At>
     PT_HD bool scatter(const At& at, const Material<Real>&) const {
         using Config = typename At::Config;

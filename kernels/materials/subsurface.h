@@ -61,7 +61,7 @@ PT_HD inline Vec3<Real> flight_weight(const ScatteringMedium<Real>& medium, cons
                                    exponential((least - medium.sigma_t.y) * t),
                                    exponential((least - medium.sigma_t.z) * t)};
     const Real carried = dot(throughput, scattered ? transmittance * medium.sigma_t : transmittance);
-    // The weight stays finite where hardly anything is carried: an opaque channel must not become 0 * infinity.
+    // The weight stays finite where hardly anything is transmitted: an opaque channel must not become 0 * infinity.
     const Real inverse_mean = carried > Real(0) ? min(std::numeric_limits<Real>::max(),
                                                       (throughput.x + throughput.y + throughput.z) / carried)
                                                 : Real(0);
@@ -83,7 +83,7 @@ template <class Real>
 struct GuidedWalk : Walk {
     Vec3<Real> normal;            // outward normal of the surface that is nearest as far as is known
     StepChoice choice;            // density by which the next step is drawn
-    bool drew_direction = false;  // the direction was drawn together with `choice`
+    bool drew_direction = false;  // the walk's direction was drawn together with `choice`
 
     PT_HD void meet_surface(const Vec3<Real>& outward, const StepChoice& next) {
         normal = outward;

@@ -23,8 +23,8 @@ inline constexpr double plane_room = 1.0 / 128.0;
 // Size of the traversal stack, one entry for each level of nodes: encode() refuses a deeper tree.
 inline constexpr std::uint32_t largest_depth = 64;
 
-// Bits of the float 2^15, into which plane_number splices a plane's byte. Nodes hold them: loaded with a node they cost
-// nothing, and a constant would take the instruction's one place for constants, which the byte selector needs.
+// Bits of the float 2^15, into which plane_number splices a plane's byte. Loaded with a node they cost nothing: as a
+// constant they would take an instruction's one place for constants, which the byte selector needs.
 inline constexpr std::uint32_t plane_splice = 0x47000000u;
 
 // A compressed wide node. Child i lies at one of the node's corners: bit k of i is 1 at the high end of axis k. Bit 24
@@ -142,8 +142,8 @@ struct BoxRay {
 
     template <class Real>
     PT_HD static BoxRay of(const LoadedNode& root, const Vec3<Real>& from, const Vec3<Real>& direction) {
-        // A direction component near 0 is replaced by 2^-60 of the largest one, or by 2^-100: how far the ray then
-        // strays is within the margin, too.
+        // A direction component near 0 is replaced by 2^-60 of the largest component, or by 2^-100: the ray then strays
+        // by less than the margin.
         const float largest =
             max(absolute(static_cast<float>(direction[0])),
                 max(absolute(static_cast<float>(direction[1])), absolute(static_cast<float>(direction[2]))));
@@ -207,7 +207,7 @@ PT_HD inline std::uint32_t boxes_hit(const LoadedNode& node, const BoxRay& ray, 
     return hits & node.contents();
 }
 
-// Rounds best_t up for box tests: a triangle's t is rounded, too, by less than 4 u from where its box is entered.
+// Rounds best_t up for box tests, since a triangle's t may be off by 4 u from where its box is entered.
 template <class Real>
 PT_HD inline float limit_of(const Real& best_t) {
     return static_cast<float>(best_t) * 1.000000476837158203125f;
@@ -248,8 +248,8 @@ struct NodeGroup {
     }
 };
 
-// Passes leaves on slot by slot, though they hold up to three: one loop for all of a node keeps a warp's lanes
-// together.
+// Hands leaves on one slot at a time, though a leaf has up to three: one loop over all slots of a node keeps a warp's
+// lanes together.
 template <class Leaf, class Counter>
 PT_HD void visit_leaves(const LoadedNode& node, std::uint32_t hits, Leaf& leaf, Counter& counter) {
     for (std::uint32_t left = hits & 0xffffffu; left != 0;) {
@@ -295,7 +295,7 @@ PT_HD void traverse(const TreeView& tree, const Vec3<Real>& origin, const Vec3<R
 
 // The triangles of one node's leaves that are yet to be tested.
 struct SlotGroup {
-    std::uint32_t bits = 0;  // bits of slots yet to be tested, as boxes_hit returns them
+    std::uint32_t bits = 0;  // slots yet to be tested, a bit each as in boxes_hit's result
     std::uint32_t contents = 0, base = 0;
 
     PT_HD bool empty() const { return bits == 0; }

@@ -26,7 +26,7 @@ struct alignas(32) Cut {
     // How many of `roots` (2 to 8) subtrees the left child contributes; 0: one subtree fewer costs less.
     PT_HD std::uint32_t left_of(std::uint32_t roots) const { return choices >> (3 * (roots - 2)) & 7u; }
     PT_HD bool is_leaf() const { return (choices >> 21 & 1u) != 0; }
-    PT_HD std::uint32_t references() const { return choices >> 22; }  // references, counted up to largest_leaf + 1
+    PT_HD std::uint32_t references() const { return choices >> 22; }  // references below, up to largest_leaf + 1
 
     PT_HD static Cut of_leaf(float area, std::uint32_t count) {
         Cut cut;
@@ -163,7 +163,7 @@ PT_HD inline float next_below(double x) {
         return rounded;
     }
     const std::int32_t bits = bits_of(rounded);
-    // The result is one step down among the floats: away from zero where the number is negative.
+    // `rounded` is moved one float down: away from zero where it is negative.
     return rounded > 0.0f   ? number_of(bits - 1)
            : rounded < 0.0f ? number_of(bits + 1)
                             : number_of(std::int32_t(0x80000001u));

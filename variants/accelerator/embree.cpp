@@ -16,7 +16,7 @@ namespace {
 constexpr float smallest = 0x1p-40f, largest = 0x1p40f;
 
 struct Query {
-    RTCIntersectContext context;  // first member: Embree's callback is given the context's address
+    RTCIntersectContext context;  // first member: Embree hands callbacks this context's address
     Hit<float>* best;
     const LeafTriangle* leaves;
     MeshRay<float> ray;
@@ -125,7 +125,7 @@ private:
         return level.scene.get();
     }
 
-    std::span<const LeafTriangle> leaves_;  // owned by the MeshTree that owns this mesh, too
+    std::span<const LeafTriangle> leaves_;  // triangles owned by the MeshTree that also owns this mesh
     float low_[3] = {largest, largest, largest}, high_[3] = {-largest, -largest, -largest};
     float size_ = 0;
     mutable std::array<Level, 5> levels_;
