@@ -77,8 +77,8 @@ struct SeenNode {
     }
 };
 
-// Turns what a light-tree node's children send, which adds up to `total`, into probabilities in units of 2^-32. Each is
-// at least 2^-12, so every light has a probability whatever rounds to 0 or overflows; the last child gets the rest.
+// Turns what a light-tree node's children send, `total` together, into probabilities in 2^-32nds: each at least 2^-12,
+// so that no light is without, whatever rounds to 0 or overflows. The last child has the rest.
 template <class Real>
 struct Shares {
     static constexpr Real least = Real(0x1p20);
@@ -94,8 +94,8 @@ struct Shares {
     PT_HD Real of(Real amount) const { return scale > Real(0) ? amount * scale + floor : floor; }
 };
 
-// Picks a light by the light tree: by the first random word at the root, where stratification does most, then by
-// hashes.
+// Picks a light by the light tree, at the root by the first random word, for stratification does most there, then by
+// hashes of the words.
 template <class Real>
 PT_HD inline LightPick<Real> pick_from_tree(const View<LightNode<Real>>& nodes, const LitVertex<Real>& vertex,
                                             const RandomWords& words) {

@@ -53,7 +53,7 @@ struct Tunable {
     }
 };
 
-// A variant: one choice per axis, in the order of axis_names, and the tunables that are not at their default.
+// A variant: one choice per axis, in the order of axis_names, and the values of tunables that are not at their default.
 class Variant {
 public:
     const std::string& operator[](std::string_view axis) const { return choices_.at(index(axis)); }
@@ -107,8 +107,8 @@ struct Descriptor {
     std::string_view summary;       // what the choice is, in one line
     std::string_view origin;        // who proposed the choice, or where it was first seen
     BackendSet baseline = on_none;  // backends on which the choice is the baseline of its axis
-    // Backends on which bitwise claims on this axis are held against this choice; where no choice of the axis says so,
-    // they are held against the baseline.
+    // Backends on which this choice is the reference of its axis, to which bitwise claims are held; an axis without
+    // such a choice has the baseline as reference.
     BackendSet reference = on_none;
     Claim claim = Claim::bitwise;
     std::string_view claim_note = "";  // for a statistical or biased claim: what the film is held against, and why

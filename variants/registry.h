@@ -34,8 +34,8 @@ struct KernelOffer {
 // Picks the feature set of the kernel to run.
 using ChooseFeatures = std::function<FeatureSet(const KernelOffer& offer, const Variant& variant, Backend backend)>;
 
-// The code that a choice brings: besides `features` at most one member, which its axis and backend decide. A choice
-// that is only a name (`none`, a compiler option) brings none.
+// The code that a choice brings: `features`, and at most one other member, which the choice's axis and backend decide.
+// A choice that is only a name (`none`, a compiler option) brings none.
 struct Hook {
     MakeCompaction compaction = {};
     MakeSorting sorting = {};
@@ -44,7 +44,7 @@ struct Hook {
     AddFeatures features = {};
     ChooseFeatures specialisation = {};
     std::map<FeatureSet, RenderFunction> integrator = {};
-    std::map<FeatureSet, RenderIn<double>> integrator_in_double = {};  // empty: integrator in single precision only
+    std::map<FeatureSet, RenderIn<double>> integrator_in_double = {};  // empty: single precision only
     AcceleratorHook accelerator = {};
     BuilderHook builder = {};
     LevelsHook levels = {};
@@ -82,7 +82,7 @@ public:
 
 private:
     using Choices = std::map<std::string, Choice, std::less<>>;
-    using Axes = std::array<Choices, axis_count>;  // one map per axis, in the order of axis_table
+    using Axes = std::array<Choices, axis_count>;  // the choices of every axis, in the order of axis_table
     Choice& insert(Backend backend, const Descriptor& descriptor);
 
     std::map<Backend, Axes> backends_;

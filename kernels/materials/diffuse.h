@@ -18,8 +18,8 @@ struct DiffuseLobe {
 };
 
 // Frame::to_world for a normal along a coordinate axis: the frame's entries are 0, 1 and -1, so coordinates are only
-// permuted and negated. Returns false where a coordinate is 0, whose sign only the frame's sums give, unless samples
-// are approximate (kernels/in_range.h).
+// permuted and negated. Returns false where a coordinate is 0, whose sign takes the frame's sums, unless samples are
+// approximate.
 template <class Real>
 PT_HD inline bool axis_to_world(const SurfaceId& face, const Vec3<Real>& local, Vec3<Real>& world) {
     const Real sign = face.face_looks_up() ? Real(1) : Real(-1);
@@ -44,7 +44,7 @@ PT_HD inline void scatter_diffuse(Path<typename Config::Real>& path, const Verte
     if (!has<Config>(Feature::enclosure) || !vertex.hit.has_face() || !axis_to_world(vertex.hit, local, direction)) {
         direction = Frame<Real>(vertex.normal()).to_world(local);
     }
-    // Only the sums of Frame round the direction from unit length: normalizing it is not worth nine operations.
+    // Only Frame's sums round the direction's length off 1: normalizing is not worth nine operations.
     leave_on_same_side(path, vertex, direction);
 }
 

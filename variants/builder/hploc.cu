@@ -132,7 +132,7 @@ struct BuildView {
     const std::uint64_t* codes;
     GpuNode* nodes;
     Cluster* clusters;
-    std::uint32_t* other_end;  // [i]: the other end of the first range to arrive that ends between i and i + 1
+    std::uint32_t* other_end;  // entry i: far end of the range that first came to end between leaves i and i + 1
     std::uint32_t* root;
 };
 
@@ -218,8 +218,8 @@ struct WarpClusters {
         return w;
     }
 
-    // Returns the lane of the neighbouring cluster whose joint bounding box with this lane's has the least surface; the
-    // first of equal ones, so that some two clusters always choose each other.
+    // Returns the lane of the neighbouring cluster whose joint bounding box with this lane's has the least surface; of
+    // equal ones the first, so that at least one pair of clusters choose each other.
     __device__ std::uint32_t nearest(std::uint32_t lane) const {
         std::uint32_t best = none;
 #pragma unroll
@@ -436,7 +436,7 @@ BinaryTree GpuTree::download() const {
     tree.nodes.reserve(nodes.size());
     tree.references.reserve(count);
     tree.nodes.push_back({box_of(nodes[root]), 0, 0});
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> open{{root, 0}};  // number of a GPU node, place in tree.nodes
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> open{{root, 0}};  // GPU node, its place in tree.nodes
     while (!open.empty()) {
         const auto [number, place] = open.back();
         open.pop_back();

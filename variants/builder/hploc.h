@@ -28,7 +28,7 @@ public:
 
     std::uint32_t primitives() const;
     const GpuNode* device_nodes() const;
-    const std::uint32_t* device_root() const;  // number of the root node, in device memory
+    const std::uint32_t* device_root() const;  // number of the tree's root node, in device memory
     BinaryTree download() const;
 
 private:

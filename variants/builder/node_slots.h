@@ -10,7 +10,7 @@ namespace pt::builder {
 
 inline std::uint32_t child_slot(std::uint32_t middle) { return 2 * middle - 1; }
 
-// Packs nodes from slots into BinaryTree's order; in `slots`, `first` of an inner node is a slot.
+// Moves nodes from slots into BinaryTree's order. In `slots`, an inner node's `first` is the slot of its left child.
 inline std::vector<BinaryTree::Node> pack(const std::vector<BinaryTree::Node>& slots) {
     std::vector<BinaryTree::Node> nodes;
     std::size_t used = 0;

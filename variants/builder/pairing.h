@@ -11,7 +11,7 @@ namespace pt::builder {
 // The siblings that a builder found: nodes 0 to n - 1 are the primitives `leaf[i]`, node n + k is the inner node k.
 struct Pairing {
     std::vector<std::uint32_t> leaf;
-    std::vector<std::uint32_t> left, right;  // children of the inner nodes
+    std::vector<std::uint32_t> left, right;  // left and right child of each inner node
     std::uint32_t root = 0;
 };
 

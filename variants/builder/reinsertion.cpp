@@ -166,8 +166,7 @@ private:
         changed.push_back(parent);
         changed.push_back(above);
     }
-    // Whether `node` is in the subtree of `top`: an earlier move of the round may have brought a new place below the
-    // node.
+    // Whether `node` lies in the subtree of `top`: an earlier move may have brought a node's new place below the node.
     bool is_below(std::uint32_t node, std::uint32_t top) const {
         for (; node != no_node; node = parents_[node]) {
             if (node == top) {

@@ -14,13 +14,13 @@ namespace pt::builder::sbvh {
 
 namespace {
 
-constexpr std::size_t task_size = 1024;  // subtrees of no more references are built without an OpenMP task
+constexpr std::size_t task_size = 1024;  // most references of a subtree that is built without an OpenMP task
 
 using References = std::vector<Reference>;
 
 struct Subtree {
     Box box;
-    std::vector<std::uint32_t> primitives;  // primitives of a leaf
+    std::vector<std::uint32_t> primitives;  // primitives of the subtree if it is a leaf
     std::unique_ptr<Subtree> children[2];
 };
 

@@ -48,8 +48,8 @@ Box overlap(const Box& a, const Box& b) {
     return common;
 }
 
-// Candidate planes of spatial splits, between bins: one step apart from low + 1 step on; a plane outside of (low, high)
-// by rounding does not exist.
+// Candidate planes of spatial splits, which lie between bins at low + step, low + 2 step and so on. A plane that
+// rounding puts outside of (low, high) is left out.
 struct Planes {
     float low, step;
 
@@ -96,7 +96,7 @@ void sweep(const SpatialBin (&filled)[bins], std::size_t count, int axis, const 
         join(left.box, filled[i - 1].box);
         left.count += filled[i - 1].entering;
         const double cost = half_area(left.box) * left.count + half_area(right[i].box) * right[i].count;
-        // A split that gives one child all references is refused: the recursion would not end.
+        // A split that gives one child all references is refused, since the recursion would not end.
         if (cost < best.cost && left.count < count && right[i].count < count) {
             best = {cost, axis, planes.at(i), left, right[i]};
         }

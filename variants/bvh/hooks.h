@@ -46,7 +46,7 @@ struct LevelsHook {
     std::vector<ObjectNode> (*build)(const PrimitiveBoxes& boxes) = nullptr;
     MeetMeshes<float> meet_single = nullptr;
     MeetMeshes<double> meet_double = nullptr;
-    bool is_flat = false;  // one tree over all objects' triangles, searched by the accelerator's meet_flat
+    bool is_flat = false;  // one tree over all objects' triangles, which the accelerator's meet_flat searches
 };
 
 // Configuration of mesh searches on the host. Kernels are compiled for motion or without it, their mesh search always
@@ -59,7 +59,7 @@ void meet_flat(Hit<Real>& best, const SceneView<Real>& scene, const Ray<Real>& r
     closest_by_flat_tree<SearchConfig<Traversal, Real>>(best, scene, scene.meshes, ray, NearerThan<Real>{enough});
 }
 
-// Traces a ray through a mesh on the host, by the traversal that the kernels of a GPU have compiled in.
+// Traces a ray through a mesh on the host, by an accelerator's `Traversal`, which GPU kernels have compiled in as well.
 template <class Traversal, class Real>
 void meet_mesh(Hit<Real>& best, const MeshInstance<Real>& mesh, std::uint32_t object, const Vec3<Real>& origin,
                const Ray<Real>& ray, Real enough) {

@@ -30,7 +30,7 @@ using Truths = typename VectorOf<width>::Truths;
 
 template <int width>
 inline Floats<width> broadcast(float value) {
-    return value - Floats<width>{};  // a sum with 0 would turn -0 into 0
+    return value - Floats<width>{};  // subtraction keeps the sign of -0, which a sum with 0 would lose
 }
 template <int width>
 inline Floats<width> loaded(const float* from) {
@@ -69,7 +69,7 @@ template <int width>
 struct Mesh : HostMesh {
     std::vector<Node<width>> nodes;
     std::vector<TriangleBlock> blocks;
-    BoxSpan spans[3];  // extents of the root's bounding box
+    BoxSpan spans[3];  // bounds of the root box by axis
 
     std::uint64_t bytes() const { return nodes.size() * sizeof(Node<width>) + blocks.size() * sizeof(TriangleBlock); }
 };
@@ -92,7 +92,7 @@ inline LeafTriangle triangle_in(const TriangleBlock& block, std::uint32_t lane) 
 
 // The slots of the triangles in one block: a leaf's, or a whole subtree's if it has no more than a block holds.
 struct BlockSlots {
-    std::uint32_t count = 0;  // number of slots; 0: more than a block holds
+    std::uint32_t count = 0;  // number of slots; 0: there are more than a block holds
     std::uint32_t slot[block_width];
 
     // Adds a leaf's slots to the block's; false if there would be more than a block holds.
@@ -107,8 +107,8 @@ struct BlockSlots {
     }
 };
 
-// For each node, the slots of its subtree if they fit one block: then a test of the block costs less than a visit of
-// the node. The root always stays a node.
+// For each node of a wide tree, the slots of its subtree's triangles if one block holds them: to test the block then
+// costs less than to visit the node. The root always stays a node.
 template <int width>
 std::vector<BlockSlots> subtrees_of_a_block(std::span<const WideNode<width>> nodes) {
     std::vector<BlockSlots> fits(nodes.size());
@@ -132,7 +132,7 @@ std::vector<BlockSlots> subtrees_of_a_block(std::span<const WideNode<width>> nod
         }
         return all;
     };
-    for (std::size_t i = nodes.size(); i-- > 1;) {  // an inner child has a larger number than its parent
+    for (std::size_t i = nodes.size(); i-- > 1;) {  // from the last node on: children have larger numbers
         fits[i] = gather(nodes[i]);
     }
     return fits;
@@ -259,7 +259,7 @@ struct TriangleLanes {
 };
 
 struct Waiting {
-    std::uint64_t of;  // the distance's bits above the link: no distance is negative, so the nearer is the smaller
+    std::uint64_t of;  // distance above link in one word: no distance is negative, so the smaller word is nearer
 
     static Waiting make(float entry, std::uint32_t link) {
         return {static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(entry)) << 32 | link};
@@ -277,8 +277,8 @@ inline void put_by_distance(Waiting*& top, const Waiting* bottom, const Waiting&
     *at = next;
 }
 
-// Returns the link of the nearest child of a node among those that a ray enters, one or more; the others wait on the
-// stack. `found` has a bit for each child entered, `entries` the distances.
+// Returns the link of the nearest child of a node that a ray enters and puts its other entered children on the stack.
+// `found` has a bit for each child entered (at least one), `entries` the distances.
 template <int width>
 inline std::uint32_t take_nearest(std::uint32_t found, const float* entries, const Node<width>& node, Waiting*& top) {
     const auto take = [&] {

@@ -20,7 +20,7 @@ template <int width>
 struct alignas(16) WideNode {
     float side[6][width];
     std::uint32_t link[width];     // links to the children: variants/bvh/link.h
-    std::uint32_t padding[width];  // fills whole lines of 128 bytes
+    std::uint32_t padding[width];  // padding that makes a node fill whole lines of 128 bytes
 
     PT_HD bool has_child(int child) const { return side[0][child] <= side[1][child]; }
     PT_HD BoxSpan span(int axis) const {
@@ -36,7 +36,7 @@ struct alignas(16) WideNode {
 // The link of a child that does not exist: the leaf of slot 0, since one more triangle to test changes no hit.
 inline constexpr std::uint32_t no_child_link = leaf_link(0, 1);
 
-// Stack entries that suffice for a tree of max_tree_depth levels in any shape (collapse.h).
+// Stack size that suffices for a wide tree made from a binary one of max_tree_depth levels in any shape (collapse.h).
 template <int width>
 inline constexpr std::uint32_t wide_stack_size = width == 4 ? 1 + 3 * 32 : 1 + 7 * 22;
 
@@ -109,7 +109,7 @@ PT_HD void traverse_wide(const TreeView& tree, const Vec3<Real>& origin, const V
                 if (entries[child] < Real(0)) {
                     continue;
                 }
-                std::uint32_t at = waiting++;  // nearest child on top of the stack
+                std::uint32_t at = waiting++;  // entries are sorted: the nearest child on top
                 for (; at > bottom && entry_stack[at - 1] < entries[child]; --at) {
                     entry_stack[at] = entry_stack[at - 1];
                     link_stack[at] = link_stack[at - 1];

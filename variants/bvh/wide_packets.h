@@ -126,7 +126,7 @@ public:
     }
 
 private:
-    // Goes to the nearest child that the ray enters, and has the others wait. Returns false if the ray enters none.
+    // Goes to the nearest child that the ray enters, and stacks the others. Returns false if the ray enters none.
     bool visit(const Node<width>& node) {
         alignas(sizeof(Floats<width>)) float entries[width];
         const std::uint32_t found = entered(node, *reinterpret_cast<Floats<width>*>(entries));
@@ -182,7 +182,7 @@ private:
     Waiting stack_[wide_stack_size<width>];
 };
 
-// How many rays take turns, and the bytes of a tree from which they do: not much of it lies in the nearest caches.
+// Number of rays that take turns, and the size of a tree in bytes from which rays do: little of it is in near caches.
 inline constexpr std::uint32_t walks_at_once = 8;
 inline constexpr std::size_t most_bytes_at_hand = 1u << 19;
 
@@ -272,7 +272,7 @@ NativeMesh prepare(const EncodedTree& tree, std::span<const LeafTriangle> leaves
     return {mesh, mesh->bytes()};
 }
 
-// The hooks of an accelerator on the host. `Traversal` is for rays in double, and for a tree over all objects.
+// The functions of an accelerator on the host. `Traversal` is for rays in double, and for one tree over all objects.
 template <int width, class Traversal>
 AcceleratorHook accelerator_hook(EncodedTree (*encode)(const BinaryTree& tree)) {
     return {encode,

@@ -10,7 +10,7 @@
 namespace pt::cuda::compaction::cub_three_way {
 namespace {
 
-// Whether a live path leaves a surface of the wanted class. A camera ray leaves none, and goes with the diffuse-like.
+// Whether a path is alive and leaves a surface of the wanted class. A camera ray, which leaves none, is diffuse-like.
 struct IsAliveOfClass {
     IsAlive is_alive;
     FieldView origin_surface;

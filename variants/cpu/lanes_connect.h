@@ -17,11 +17,11 @@ template <class Real>
 struct Surfaces {
     Vectors<Real> colour, position, normal;  // the normal points to the side that the ray comes from
     Lanes<std::uint32_t> type;
-    Flags by_surface_at, by_shade;  // lanes left to the scalar surface_at() and shade()
+    Flags by_surface_at, by_shade;  // lanes whose hits are left to the scalar surface_at() or shade()
 };
 
 inline bool is_type(std::uint32_t type, MaterialType asked) { return type == static_cast<std::uint32_t>(asked); }
-// The side of a hit (object, and inside or outside) without the face that it may name.
+// A SurfaceId's word with only object and side (inside or outside), without the face that it may name.
 inline std::uint32_t without_face(std::uint32_t side) { return side & ((SurfaceId::most_objects << 1) - 1u); }
 
 // Work space for a packet's next-event estimation. It starts as zeros, so that unused lanes hold numbers, too.
@@ -32,7 +32,7 @@ struct Connections {
     Vectors<Real> emission;
     Lanes<std::uint32_t> light;  // object that is the light
     Flags connects, sends, sees;
-    Lanes<Real> weight, cosine;  // weight of light that is hit or sampled; cosine at the vertex
+    Lanes<Real> weight, cosine;  // weight of the light that is hit or sampled; cosine at the vertex
     Paths<Real> shadow;
     Hits<Real> hits;
 };

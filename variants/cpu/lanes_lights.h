@@ -30,7 +30,7 @@ struct LightTable {
     std::vector<BoxLight<Real>> boxes;
     std::vector<std::uint32_t> object, is_box;
     std::vector<Real> centre[3], half[3], emission[3], diagonal, inverse_diagonal;
-    // Numbers of SeenFaces by light: half extents in its units, its units a scene unit, and scene units a unit.
+    // By light, as in SeenFaces: half extents in scaled units, scaled units per scene unit, and the inverse of that.
     std::vector<Real> face_half[3], scale, unit;
 
     LightTable() = default;
@@ -50,7 +50,7 @@ private:
     void add(const SceneView<Real>& scene, std::uint32_t number) {
         const std::uint32_t box = number - first_of<ShapeKind::axis_box>(scene);
         const bool is_one = box < scene.axis_boxes.size;
-        // A light that is no axis box gets the unit box, whose numbers nobody uses.
+        // A light that is no axis box has a unit box in the table, whose numbers are not used.
         const AxisBox<Real> unit_box{Vec3<Real>(Real(-1)), Vec3<Real>(Real(1))};
         const BoxLight<Real> light = is_one ? boxes[box] : BoxLight<Real>(unit_box);
         object.push_back(number);
@@ -68,7 +68,7 @@ private:
     }
 };
 
-// Number of entries that loops over a packed list take at a time; results past the list's end are ignored.
+// Entries of a packed list that a loop over the list takes at a time; results past the list's end are ignored.
 inline constexpr std::uint32_t group = 16;
 static_assert(width % group == 0);
 
@@ -81,7 +81,7 @@ struct BoxViews {
     Lanes<Real> diagonal;
     Vectors<Real> share, skew;  // SeenBox::share, and skew of the SphericalRectangle, by axis
     Lanes<Real> total;
-    // Directions sampled to the box: the random numbers that they take, and the results.
+    // Directions sampled towards box lights: the random numbers that sampling takes, and the results.
     Lanes<Real> u, v, w, axis;
     Vectors<Real> direction;
     Lanes<Real> inverse_pdf;
@@ -125,7 +125,7 @@ inline Real arc_tangent(Real x) {
     const Real size = absolute(x);
     const bool is_large = size > Real(2.41421356237309504880);
     const bool is_middle = size > least_for_quarter;
-    // A small number is itself the quotient to take the arc tangent of.
+    // The dividend of the quotient whose arc tangent is taken: for a small number the number itself, divided by 1.
     const Real dividend = is_large ? Real(-1) : is_middle ? size - Real(1) : size;
     const Real divisor = is_large ? size : is_middle ? size + Real(1) : Real(1);
     const Real base = is_large ? pi<Real> / Real(2) : is_middle ? pi<Real> / Real(4) : Real(0);
@@ -260,7 +260,7 @@ struct LightDirections {
     Lanes<Real> u, v, w;              // random numbers of the light sample
     Lanes<std::uint32_t> light;       // number of the light among the scene's lights
     Vectors<Real> observer;           // observer of a box light, as in SeenBox
-    Flags is_near, is_far, is_other;  // how the light is seen, if it is a box
+    Flags is_near, is_far, is_other;  // how the lane sees a box light (near or far); other: no such light
     Vectors<Real> direction;
     Lanes<Real> inverse_pdf;
     Lanes<Real> distance;            // distance to the sampled point; 0: not known
@@ -279,7 +279,7 @@ inline T of_light(const T* from, std::uint32_t light) {
     return one_light ? *from : gathered(from, light);
 }
 
-// Computes how the lanes that sample a light see it: the observer's position, and whether the box is near or far.
+// Computes how lanes that sample a light see it: the observer's position, and whether a box light is near or far.
 template <class Real>
 inline void look_at_lights(LightDirections<Real>& drawn, const LightTable<Real>& table, const Vectors<Real>& positions,
                            const Flags& draws) {

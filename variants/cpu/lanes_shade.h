@@ -35,8 +35,8 @@ inline void look_up(Surfaces<Real>& surfaces, const SceneView<Real>& scene, cons
     }
 }
 
-// Counts a segment, adds the light of emitters that were hit, and says which paths go on. `weight`: of that light, in a
-// kernel with next-event estimation.
+// Counts a path segment, adds the light of emitters that were hit, and says which paths go on. `weight`: MIS weight of
+// that light, in a kernel with next-event estimation.
 template <class Config>
 inline void meet(Paths<typename Config::Real>& paths, Flags& goes_on, const Surfaces<typename Config::Real>& surfaces,
                  const Hits<typename Config::Real>& hits, const Lanes<typename Config::Real>& weight,
@@ -92,7 +92,7 @@ inline void place_others(Surfaces<typename Config::Real>& surfaces, const SceneV
                          const Paths<typename Config::Real>& paths, const Hits<typename Config::Real>& hits) {
     const LaneList others(surfaces.by_surface_at);
     if constexpr (has<Config>(Feature::mesh)) {
-        // Triangles lie far apart in memory: all are prefetched before the first is used.
+        // Triangles that lanes have hit lie far apart in memory, so all are prefetched before the first is used.
         for (const std::uint32_t l : others) {
             const std::uint32_t mesh = SurfaceId{hits.side[l]}.object() - first_of<ShapeKind::mesh>(scene);
             if (mesh < scene.meshes.size) {
@@ -133,7 +133,7 @@ inline void scatter(Paths<typename Config::Real>& paths, const Surfaces<typename
         paths.direction.set_if(is_here, l,
                                {is_diffuse ? spread.x : mirrored.x, is_diffuse ? spread.y : mirrored.y,
                                 is_diffuse ? spread.z : mirrored.z});
-        const std::uint32_t side_alone = (SurfaceId::most_objects << 1) - 1u;  // masks out the face that a hit may name
+        const std::uint32_t side_alone = (SurfaceId::most_objects << 1) - 1u;  // mask that leaves out a hit's box face
         paths.origin_surface[l] = is_here ? hits.side[l] & side_alone : paths.origin_surface[l];
         if constexpr (has<Config>(Feature::mesh)) {
             paths.primitive[l] = is_here ? hits.primitive[l] : paths.primitive[l];
@@ -159,7 +159,7 @@ inline void shade(Paths<typename Config::Real>& paths, Flags& goes_on, const Sce
     place_others<Config>(surfaces, scene, paths, hits);
     for (const std::uint32_t l : LaneList(surfaces.by_shade)) {
         Path<Real> path = paths.load(l);
-        path.segment -= 1;  // shade() counts the segment
+        path.segment -= 1;  // undone, since shade() counts the segment as well
         goes_on[l] = pt::shade<Config>(scene, scene, path, hits[l], counters) ? 1u : 0u;
         paths.store(l, path);
     }

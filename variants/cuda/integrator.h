@@ -14,8 +14,8 @@ namespace pt::cuda {
 
 // Bytes of device memory that one path in a queue takes.
 struct PathBytes {
-    std::size_t state = 0;       // bytes of one copy of the path itself
-    std::size_t everything = 0;  // bytes of the path with its share of all memory of the queue
+    std::size_t state = 0;       // bytes of one copy of a path itself
+    std::size_t everything = 0;  // bytes of a path with its share of all memory of the queue
 };
 
 class Integrator {
@@ -42,11 +42,11 @@ public:
 struct IntegratorNeeds {
     Variant variant;
     VariantTraits traits;
-    FeatureSet features = no_features;  // features that the kernels have
-    KeyBounds key_bounds;               // bounds of the scene's positions
+    FeatureSet features = no_features;  // features that the integrator's kernels have
+    KeyBounds key_bounds;               // bounds of the scene's positions, for sort keys
     // The queue's memory layout and the choices that work on the queue; only integrators with a queue use them.
     Layout layout = {};
-    std::vector<unsigned char> object_class = {};      // class of each object, as in Queue
+    std::vector<unsigned char> object_class = {};      // class of each object, as in Queue::object_class
     std::unique_ptr<Compaction> compaction = nullptr;  // compaction of the queue; null: none
     std::unique_ptr<Sorting> sorting = nullptr;        // sorting of the queue; null: none
 

@@ -16,7 +16,7 @@ public:
     bool exists() const { return needs_.sorting != nullptr; }
     const SortKeyTraits& key() const { return needs_.traits.sort_key; }
 
-    // Slots in a chunk of the queue, the same as long as the queue has its capacity; 0: sort keys are not by chunk.
+    // Slots in a chunk of the queue, which only the queue's capacity decides; 0: sort keys are not by chunk.
     std::uint32_t chunk(const Queue& queue) const {
         return key().by_chunk ? slots_of_chunk(queue.capacity, job_.materials, asked_chunk_) : 0;
     }
@@ -44,7 +44,7 @@ public:
 private:
     Job& job_;
     const IntegratorNeeds& needs_;
-    std::uint32_t asked_chunk_;  // slots per chunk that the tunable asks for
+    std::uint32_t asked_chunk_;  // slots per chunk that the tunable `chunk` asks for
 };
 
 }  // namespace pt::cuda

@@ -18,7 +18,7 @@ struct Queue {
     PathStore spare;                       // second store as large as `paths`, for choices that move whole paths
     void* hits = nullptr;                  // StoredHit<Real> by slot, valid between intersect and shade
     std::uint32_t* order = nullptr;        // slots by position, capacity entries
-    std::uint32_t* order_spare = nullptr;  // second array of slots, capacity entries
+    std::uint32_t* order_spare = nullptr;  // second array of slots with `capacity` entries, for sorts and compactions
     std::uint32_t* keys = nullptr;        // sort keys by position in play, capacity entries; written before a sort only
     std::uint32_t* keys_spare = nullptr;  // second array of sort keys, capacity entries
     std::uint32_t* count = nullptr;       // number of paths in play, in device memory
@@ -33,7 +33,7 @@ struct Queue {
     void swap_count() { std::swap(count, count_spare); }
 };
 
-// Threads a block in the kernels of compactions and sorts that NVRTC compiles.
+// Threads per block in the kernels of compactions and sorts that NVRTC compiles.
 inline constexpr std::uint32_t stage_block = 256;
 constexpr std::uint32_t blocks_for(std::uint32_t threads) { return (threads + stage_block - 1) / stage_block; }
 

@@ -90,7 +90,7 @@ private:
     IntegratorNeeds needs_;
     std::size_t real_bytes_, hit_bytes_;
     Batches batches_;
-    bool reads_back_;  // the host learns the count after each compaction
+    bool reads_back_;  // the host reads the count back after each compaction
     PinnedWords pinned_;
     Queue start_;  // queue in the state in which a batch starts
     PathBytes path_bytes_;

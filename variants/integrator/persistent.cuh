@@ -16,14 +16,14 @@ struct PersistentParameters {
     std::uint32_t samples;
     HitCache<Real> cache;
     Totals* totals;
-    std::uint64_t* ended;  // paths ended, by their number of segments; null: not counted
+    std::uint64_t* ended;  // counts of paths by their number of segments; null: not counted
     std::uint32_t samples_per_piece;
     std::uint64_t* next_piece;
 };
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // the device's part: kernels, which NVRTC compiles
 
 #include "variants/cuda/device/warp_items.cuh"
 
@@ -84,7 +84,7 @@ PT_KERNEL(persistent, pt::cuda::PersistentParameters<Real>,
 
 #endif
 
-#if defined(PT_HOST)  // host code: kernel launches and the choice's descriptor
+#if defined(PT_HOST)  // the host's part: launches of the kernels, and the integrator's descriptor
 
 #include "variants/cuda/persistent.h"
 #include "variants/cuda/runtime/handles.h"

@@ -9,7 +9,7 @@
 
 namespace pt::cuda {
 
-// The parameters of the kernel that takes rays through meshes, as views.
+// What the kernel that takes rays through meshes is handed, as views of the scene, the paths and the hits.
 struct MeshStage {
     const SceneViews& scene;
     const Paths& paths;

@@ -49,7 +49,7 @@ struct NextBounceParameters {
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // the device's part: kernels, which NVRTC compiles
 
 #include "variants/cuda/device/advance.cuh"
 #include "variants/cuda/device/append.cuh"
@@ -72,8 +72,8 @@ __device__ inline std::uint32_t part_capacity(const PathStore& store) {
 // The part of the queue to which the thread block's paths are appended.
 __device__ inline std::uint32_t own_part() { return blockIdx.x % tuned::append_counters; }
 
-// The number of paths in the queue, and the slot of the path at `position`. Every thread of the block must call
-// locate().
+// The number of paths in a queue, and the slot of the path at `position`, by locate(). Every thread of the block must
+// call locate().
 struct Located {
     std::uint32_t total, slot;
 };
@@ -215,7 +215,7 @@ PT_KERNEL(next_bounce, pt::cuda::NextBounceParameters<Real>,
 
 #endif
 
-#if defined(PT_HOST)  // host code: kernel launches and the choice's descriptor
+#if defined(PT_HOST)  // the host's part: launches of the kernels, and the integrator's descriptor
 
 #include "variants/cuda/walks.h"
 #include "variants/cuda/wavefronts.h"
@@ -297,7 +297,7 @@ private:
 
     void trace(std::uint32_t segment) override {
         if (appends_) {
-            queue_.count = counts_after(segment - 1);  // counts after the segment before, even one of a graph's loop
+            queue_.count = counts_after(segment - 1);  // counts that segment - 1 left, also in a graph's loop
         }
         const PathStore out = appends_ ? queue_.spare : queue_.paths;
         std::uint32_t* const out_count = appends_ ? counts_after(segment) : queue_.count;
@@ -336,8 +336,8 @@ private:
     std::uint32_t* counts_after(std::uint32_t segment) const { return counts_ + segment * words_per_segment(); }
 
     JobOf<Real>& job_;
-    std::uint32_t counters_;           // number of parts of the queue, if the kernel appends
-    std::uint32_t* counts_ = nullptr;  // in device memory: the counters of every segment
+    std::uint32_t counters_;           // number of the queue's parts, if the kernel appends
+    std::uint32_t* counts_ = nullptr;  // in device memory: counters of live paths after every segment
     Walks<Real> walks_;
 };
 

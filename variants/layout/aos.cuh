@@ -43,7 +43,7 @@ struct DevicePaths {
             pieces(slot)[i] = copy.piece[i];
         }
     }
-    // A record is written whole, since its 16-byte pieces mix what a bounce changes and what it does not.
+    // A path's whole record is written, since its 16-byte pieces mix fields that a bounce changes with others.
     template <PathFields carried>
     PT_HD void put(std::uint32_t slot, const Path<Real>& path) const {
         store(slot, path);
@@ -80,7 +80,7 @@ private:
 
 }  // namespace pt::layout::aos
 
-#if defined(PT_HOST)  // host code: the choice's descriptor
+#if defined(PT_HOST)  // the host's part: the layout's descriptor
 
 #include "variants/registry.h"
 

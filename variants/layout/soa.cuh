@@ -108,8 +108,8 @@ private:
     template <std::size_t column>
     using Element = std::conditional_t<is_word(column), std::uint32_t, Real>;
 
-    // The address of a column, in steps of whole columns of one type: counted in bytes from the store's begin,
-    // addresses take more registers.
+    // The address of a column, reckoned in whole columns from the first column of its type: reckoned in bytes from the
+    // begin of the store, addresses take more registers.
     template <std::size_t column>
     PT_HD Element<column>* at() const {
         constexpr std::size_t first = first_of_type(column);
@@ -136,8 +136,8 @@ private:
     template <PathField field>
     PT_HD void load_vector(std::uint32_t slot, Vec3<Real>& value) const {
         constexpr std::size_t x = first_column(field);
-        // An optional vector's addresses start from the first of its three columns, and the second one is stored by an
-        // index of 32 bits: other forms of the same addresses change the registers of kernels that carry the vector.
+        // Addresses of an optional vector start from the first of its three columns, and the second column has a 32-bit
+        // index: other forms of these addresses change the registers of kernels that carry the vector.
         if constexpr (info(field).is_optional) {
             const std::size_t step = padded(store_.capacity);
             value = {at<x>()[slot], at<x>()[step + slot], at<x>()[2 * step + slot]};
@@ -188,7 +188,7 @@ private:
 
 }  // namespace pt::layout::soa
 
-#if defined(PT_HOST)  // host code: the choice's descriptor
+#if defined(PT_HOST)  // the host's part: the layout's descriptor
 
 #include "variants/registry.h"
 

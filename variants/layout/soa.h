@@ -86,7 +86,7 @@ struct Columns {
     }
 };
 
-// Stands for the path in a slot where Thrust expects a reference to one.
+// A proxy for the path in a slot, where Thrust expects a reference to a path.
 template <class Real>
 class Reference {
 public:
@@ -131,7 +131,7 @@ private:
 
 }  // namespace pt::layout::soa
 
-// Thrust assigns through a proxy reference only where a trait tells of it; its own output iterators register so, too.
+// Thrust assigns through a proxy reference only if this trait is true of it; Thrust's own iterators do so, too.
 namespace thrust::detail {
 template <class Real>
 struct is_proxy_reference<pt::layout::soa::Reference<Real>> : true_type {};

@@ -27,7 +27,7 @@ struct Pieces {
 struct GivenItems {
     Items items;
     std::uint32_t first, count;
-    bool is_exhausted;  // no items are left, for any later call either
+    bool is_exhausted;  // no items are left, and later calls get none either
 };
 
 class BlockItems {

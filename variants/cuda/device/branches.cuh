@@ -24,7 +24,7 @@ struct Branches {
             }
         }
     }
-    // Rays traced for a path that has ended, and segments of its longest branch; without splitting the same number.
+    // Rays traced for a path that has ended, and segments of its longest branch; both are equal without path splitting.
     __device__ std::uint32_t rays(const Path& path) const { return path.segment; }
     __device__ std::uint32_t longest(const Path& path) const { return path.segment; }
     __device__ void start_again() {}

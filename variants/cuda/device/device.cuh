@@ -10,8 +10,8 @@
 #include "variants/cuda/device/warp_reduce.cuh"
 
 // Declares a kernel, with its parameters in brackets: it compiles only if they match the host's launch in number, type
-// and size. The parameters are one struct on the host alone: as one parameter of the kernel they are loaded elsewhere,
-// and kernels have other registers. host_bytes is in the program's text.
+// and size. Only the host has them as one struct: a kernel loads a struct's members from elsewhere than parameters, and
+// has other registers. host_bytes is in the program's text.
 #define PT_KERNEL_WITH(bounds, name, Parameters, ...)                                                      \
     extern "C" __global__ void bounds name __VA_ARGS__;                                                    \
     static_assert(pt::cuda::is_kernel_of<Parameters, decltype(name)>(#name), "not the host's parameters"); \
@@ -28,8 +28,8 @@ using Scene = pt::SceneView<Real>;
 using Path = pt::Path<Real>;
 using Hit = pt::Hit<Real>;
 using StoredHit = pt::StoredHit<Real>;
-// What a thread counts in one kernel fits in 32 bits: the host splits longer renders into several launches, or the
-// kernel adds up in between.
+// Counters of one thread, in 32 bits: the host splits longer renders into several launches, or the kernel adds the
+// counters up in between.
 using ThreadCounters = pt::PathCountersOf<std::uint32_t>;
 using HitCache = pt::cuda::HitCache<Real>;
 using pt::FilmView;
@@ -77,7 +77,7 @@ __device__ inline void add_over_block(const std::uint32_t (&values)[count], std:
     }
 }
 
-// The block's own copy of the totals: blocks that added to one address would wait for each other.
+// The copy of the totals that the thread block adds to: blocks that added to one address would wait for each other.
 __device__ inline Totals* own_copy(Totals* totals) { return totals + blockIdx.x % counter_copies; }
 
 // Adds to a total in global memory how many threads of the block say yes. Every thread must call it.

@@ -116,8 +116,8 @@ constexpr bool is_kernel_of(const char* name) {
 struct KernelSignature {
     const char* name = nullptr;
     std::size_t parameter_bytes = 0;
-    bool is_reported = true;           // whether results have the kernel's register count
-    std::uint32_t most_threads = ~0u;  // most threads of a block, if fewer than the program's
+    bool is_reported = true;           // whether results report the kernel's register count
+    std::uint32_t most_threads = ~0u;  // most threads of the kernel's block, if fewer than the program's
 };
 
 template <class Parameters>

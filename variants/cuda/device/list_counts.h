@@ -10,7 +10,7 @@ namespace pt::cuda {
 struct ListCounts {
     std::uint32_t waiting;   // number of entries in the list
     std::uint32_t taken;     // number of entries that were handed out
-    std::uint32_t finished;  // blocks that are done with the list
+    std::uint32_t finished;  // thread blocks that are done with the list
 };
 
 }  // namespace pt::cuda

@@ -74,7 +74,7 @@ __device__ inline bool enters_mesh(const ::Scene& scene, const Ray<Real>& ray, c
     return false;
 }
 
-// Appends the positions of the threads whose path `waits` to the mesh queue. Every thread of the block must call it.
+// Appends to the mesh queue the positions of threads whose path `waits`. Every thread of the block must call it.
 __device__ inline void put_position(const MeshQueue& queue, bool waits, std::uint32_t position) {
     const std::uint32_t place = append_by_block(&queue.counts->waiting, waits);
     if (waits) {

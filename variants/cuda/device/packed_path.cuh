@@ -32,9 +32,9 @@ struct Kinds {
     static constexpr SurfaceKinds surfaces = SurfaceKinds::after(over + 1);
     static constexpr std::uint32_t walking = over + 1 + surfaces.count;       // path on a walk in a body
     static constexpr std::uint32_t starting = walking + (has_walks ? 1 : 0);  // path whose next ray is yet to be traced
-    static constexpr std::uint32_t lists = starting + (has_walks ? 1 : 0);    // number of kinds with a ring of paths
-    static constexpr std::uint32_t retired = lists;                           // slot that gets no path any more
-    static constexpr std::uint32_t nothing = lists + 1;                       // lane without a slot
+    static constexpr std::uint32_t lists = starting + (has_walks ? 1 : 0);    // number of kinds with rings of paths
+    static constexpr std::uint32_t retired = lists;                           // kind of a slot without further paths
+    static constexpr std::uint32_t nothing = lists + 1;                       // kind of a lane without a slot
     static_assert(nothing < 16);
 
     __device__ static std::uint32_t of(pt::MaterialType type) {

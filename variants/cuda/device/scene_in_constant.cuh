@@ -23,7 +23,7 @@ __device__ inline void place_array(View<T>& view, std::uint32_t& offset) {
 template <class Scene>
 __device__ inline void place_traced_arrays(Scene& scene) {
     std::uint32_t offset = 0;
-// The list of arrays expands to statements: with a visitor NVRTC gives some kernels other registers.
+// The list of the scene's arrays expands to statements: with a visitor NVRTC gives some kernels other registers.
 #define PT_PLACE(name, kind, word)                                                        \
     if constexpr (SceneArray{#name, ArrayKind::kind}.is_traced(kernel_config.features)) { \
         place_array(scene.name, offset);                                                  \

@@ -11,9 +11,9 @@ namespace pt::cuda {
 
 struct KernelReport {
     std::string name;
-    int registers = 0;                                                 // registers per thread
-    int stack_bytes = 0, spill_store_bytes = 0, spill_load_bytes = 0;  // stack and spills per thread
-    int shared_bytes = 0;                                              // shared memory per block
+    int registers = 0;                                                 // registers of the kernel per thread
+    int stack_bytes = 0, spill_store_bytes = 0, spill_load_bytes = 0;  // stack and spills of the kernel per thread
+    int shared_bytes = 0;                                              // shared memory of the kernel per block
 };
 
 struct CompilerReport {

@@ -12,7 +12,7 @@ struct Device {
     int clock_khz = 0, memory_clock_khz = 0, memory_bus_bits = 0;
     int l2_bytes = 0;
     bool ecc = false;
-    bool mps = false;  // processes run on it at once, by NVIDIA's multi-process service; otherwise they take turns
+    bool mps = false;  // several processes run on the GPU at once, by NVIDIA's multi-process service, not by turns
     std::size_t memory_bytes = 0;
     int driver_version = 0, runtime_version = 0;  // versions as CUDA numbers them: 13000 is 13.0
     std::string architecture() const { return "sm_" + std::to_string(major) + std::to_string(minor); }

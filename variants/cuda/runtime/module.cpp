@@ -93,7 +93,7 @@ bool write_whole(const fs::path& path, std::string_view text) {
 // trusted only if it has the right text: it may be incomplete, or edited. Throws std::runtime_error.
 fs::path unpacked_sources() {
     const fs::path folder = cache_folder() / fmt::format("include-{:016x}", sources_hash());
-    static fs::path unpacked;  // the folder depends on XDG_CACHE_HOME
+    static fs::path unpacked;  // not the current folder where XDG_CACHE_HOME has changed
     if (unpacked == folder) {
         return folder;
     }
@@ -243,7 +243,7 @@ std::vector<std::string> precompiled_options() {
     if (precompiled_folder.empty()) {
         return {};
     }
-    // Diagnostic 629, which is suppressed, says that options differ from those of a header that lies there as well.
+    // Diagnostic 629 is suppressed: it tells that the folder has a precompiled header made with other options, too.
     return {"-pch", "-pch-dir=" + precompiled_folder.string(), "-pch-messages=false", "-diag-suppress=629"};
 }
 

@@ -19,8 +19,8 @@ struct ModuleRequest {
     std::string layout = "aos";
     std::string sort_key = "material";
     std::string accelerator = "brute_force";
-    // Choices of the axes `traversal` and `traversal_stack` that take the accelerator's steps; empty: its own loop and
-    // stack.
+    // Choices of the axes `traversal` and `traversal_stack` that run an accelerator's steps; empty: the accelerator's
+    // own loop and stack.
     std::string traversal = "";
     std::string traversal_stack = "";
     std::string scene = "in_global";  // where the scene's arrays lie: variants/cuda/device/scene_*.cuh
@@ -36,7 +36,7 @@ struct ModuleRequest {
 struct ModuleImage {
     std::string cubin;
     std::string key;                   // hash of sources, options, architecture
-    std::vector<std::string> options;  // compiler options, then the config and constants of the program's text
+    std::vector<std::string> options;  // NVRTC's options, then the config and constants of the program's text
     double compile_seconds = 0;
     bool from_cache = false;
 };
@@ -81,10 +81,10 @@ std::string kernel_cache_folder();
 
 // Resources that the compiler gave a kernel, per thread or per block.
 struct KernelFacts {
-    int registers = 0;             // registers per thread
+    int registers = 0;             // registers of the kernel per thread
     std::size_t local_bytes = 0;   // local memory per thread: spills and arrays
-    std::size_t shared_bytes = 0;  // shared memory per block
-    int max_threads = 0;           // most threads of a block
+    std::size_t shared_bytes = 0;  // shared memory of the kernel per block
+    int max_threads = 0;           // most threads of a block of the kernel
 };
 
 class Module {

@@ -143,7 +143,7 @@ void add_to_first(const Addend& addend, std::int64_t* sum, std::size_t count) {
 void disconnect_devices() {
     for (const auto& [devices, all] : connections()) {
         for (NcclCommunicator* const one : all) {
-            (void)nccl().abort(one);  // errors are ignored: the call that failed has reported its own
+            (void)nccl().abort(one);  // errors of the abort are ignored: the call that failed has been reported
         }
     }
     connections().clear();
