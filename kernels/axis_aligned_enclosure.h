@@ -15,7 +15,7 @@ struct AxisAlignedEnclosure {
     Vec3<Real> high{Real(0), Real(0), Real(0)};
     Vec3<Real> reach_low{Real(0), Real(0), Real(0)};  // bounding box of all axis boxes; infinite if one moves
     Vec3<Real> reach_high{Real(0), Real(0), Real(0)};
-    // Face of the wall behind the low and the high side of each axis; `nowhere` where that side is open.
+    // Face of the wall behind the low (high) side of each axis; `nowhere` if that side is open.
     SurfaceId low_side[3], high_side[3];
     std::uint32_t walls = 0;       // bit i: axis box i is a wall of the enclosure; 0: there is no enclosure
     std::uint32_t lamps = 0;       // bit i: axis box i has an emitter material: no path starts there
@@ -29,7 +29,7 @@ struct AxisAlignedEnclosure {
     }
 };
 
-// Where a ray leaves the enclosure. If the exit is not known, the slab test of every axis box decides.
+// Where a ray leaves the enclosure. Without a known exit the slab tests of all axis boxes decide.
 template <class Real>
 struct EnclosureExit {
     bool known;
@@ -37,7 +37,7 @@ struct EnclosureExit {
     SurfaceId side;  // face of the wall that the ray leaves at; nowhere: an open side
 };
 
-// Ray distances within this factor are a tie, left to the slab test, which accepts near <= far (1 + 2 gamma(3)).
+// Factor within which two ray distances tie, to be left to the slab test, which accepts near <= far (1 + 2 gamma(3)).
 template <class Real>
 inline constexpr Real room_slack = Real(1) + Real(4) * gamma<Real>(3);
 
@@ -114,7 +114,7 @@ PT_HD inline WallsBetween walls_between(const AxisAlignedEnclosure<Real>& enclos
     if (enclosure.walls == 0 || !enclosure.contains(from) || !(open < -margin)) {
         return WallsBetween::unknown;
     }
-    // A ray that starts exactly in the plane of a wall, as in a corner, does not hit that wall (keep_nearer).
+    // A ray that starts exactly in the plane of a wall, as in a corner, does not hit that wall, as in keep_nearer.
     return walls < -margin                       ? WallsBetween::none
            : walls > margin && to_wall > Real(0) ? WallsBetween::one
                                                  : WallsBetween::unknown;

@@ -50,8 +50,8 @@ PT_HD inline Refraction<Real> fresnel(const Boundary<Real>& boundary, Real cosin
     return {Real(0.5) * (r_s * r_s + r_p * r_p), q};
 }
 
-// The Fresnel reflectance in the form that the kernel is compiled for: the stable one, or the textbook's in a naive
-// kernel.
+// The Fresnel reflectance in the form that the kernel is compiled for: the stable form, or the textbook's (naive
+// kernels).
 template <class Config>
 PT_HD inline Refraction<typename Config::Real> fresnel(const Boundary<typename Config::Real>& boundary,
                                                        typename Config::Real cosine) {

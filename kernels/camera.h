@@ -13,7 +13,7 @@ struct Camera {
     Vec3<Real> right, up, forward;  // orthonormal camera axes; `up` points up in the image
     Real pixel_size;                // size of a pixel at distance 1: 2 tan(vertical_fov / 2) / height
     std::uint32_t width, height;
-    Real aperture_radius;               // lens radius in scene units; 0: pinhole
+    Real aperture_radius;               // lens radius in scene units; 0: a pinhole camera
     Real focus_distance;                // distance of the plane in focus along `forward`, scene units
     Real shutter_open, shutter_length;  // shutter times in seconds
     std::uint32_t shutter_late;         // 1: ray times have density 2s/length^2, s = time since the opening
@@ -41,8 +41,8 @@ struct PixelPlace {
     }
 };
 
-// Start of a camera path: segment 0, on no surface. The random numbers are those of the sample `camera_sample`, which
-// is the path's own unless camera rays are shared between samples (first-bounce cache).
+// Start of a camera path: segment 0, on no surface. The camera ray has the random numbers of sample `camera_sample`,
+// which is the path's own unless samples share camera rays (first-bounce cache).
 template <class Config>
 PT_HD inline Path<typename Config::Real> camera_path(const Camera<typename Config::Real>& camera,
                                                      const RandomSeed& seed, const PixelPlace& place,

@@ -9,7 +9,7 @@
 
 #include <cstdint>
 
-// PT_HD marks functions for both sides. Under g++ it vanishes; under nvcc and NVRTC every function serves both.
+// PT_HD marks functions that host and device share: under g++ it is empty; under nvcc and NVRTC it compiles for both.
 #if defined(__CUDACC__)
 #define PT_HD __host__ __device__
 #else
@@ -27,7 +27,7 @@ namespace pt {
 
 using FeatureSet = std::uint64_t;
 
-// First bit of each group of features in a FeatureSet. A group's bits stand together, with room for more of its kind.
+// First bit of each group of features in a FeatureSet. The bits of a group are contiguous, with spare ones for more.
 namespace feature_bit {
 inline constexpr FeatureSet camera = FeatureSet{1} << 0;      // 2 feature bits for the camera
 inline constexpr FeatureSet shape = FeatureSet{1} << 2;       // 16 feature bits for shapes
@@ -47,8 +47,8 @@ enum class Feature : FeatureSet {
     // Spheres that are close to the eye for their size, as a ground sphere is (NearSphere in kernels/shapes/sphere.h).
     near_sphere = feature_bit::shape << 13,
     motion = feature_bit::shape << 14,
-    // Every object is intersected through its 4x4 matrix (kernels/transform.h), another formula, which changes
-    // roundings and so the film.
+    // Every object is intersected through its 4x4 matrix (kernels/transform.h), by formulas that round otherwise and so
+    // change the film.
     matrix = feature_bit::shape << 15,
 // One feature for each material type.
 #define PT_FEATURE(name, Type, traits) name = feature_bit::material << static_cast<std::uint32_t>(MaterialType::name),
@@ -57,8 +57,8 @@ enum class Feature : FeatureSet {
     // Features of materials that do not follow from a material's type.
     emission = feature_bit::material << 11,             // surfaces that both reflect and emit light
     absorption = feature_bit::material << 12,           // Beer-Lambert absorption inside a dielectric, smooth or rough
-    subsurface_boundary = feature_bit::material << 13,  // a subsurface body whose index of refraction is not 1
-    multiple_scattering = feature_bit::material << 14,  // rough conductors with energy compensation
+    subsurface_boundary = feature_bit::material << 13,  // subsurface bodies with an index of refraction other than 1
+    multiple_scattering = feature_bit::material << 14,  // rough conductors with compensation for energy that is lost
     textures = feature_bit::material << 15,             // colours and roughnesses that are images (kernels/texture.h)
     shading_normals = feature_bit::material << 16,      // normals other than geometric ones (kernels/shading_normal.h)
     environment = feature_bit::light << 0,
@@ -91,10 +91,10 @@ enum class Feature : FeatureSet {
     // Russian roulette, and splitting, by a path's expected contribution (kernels/adjoint.h, kernels/path_tree.h).
     adjoint_roulette = feature_bit::sampling << 2,
     splitting = feature_bit::sampling << 3,
-    // Features that only make a kernel faster: the film is the same with and without them, and no scene needs them.
+    // Features that only make a kernel faster: no scene needs them, and they do not change the film.
     enclosure = feature_bit::traversal << 0,
-    // Features that use other formulas and so round otherwise: intersection in double within single precision
-    // (kernels/widen.h), and textbook forms throughout (kernels/naive.h).
+    // Features that compute by other formulas and so round otherwise: intersection in double precision within single
+    // precision (kernels/widen.h), and textbook forms throughout (kernels/naive.h).
     double_intersection = feature_bit::traversal << 1,
     naive = feature_bit::traversal << 2,
     // Ways to search mesh instances other than one by one: a tree over them (kernels/object_tree.h), and one tree over
@@ -116,7 +116,7 @@ inline constexpr FeatureSet no_features = 0;
 #define PT_FEATURE(name, array, Type) | static_cast<FeatureSet>(Feature::name)
 inline constexpr FeatureSet shape_features = no_features PT_SHAPES(PT_FEATURE);
 #undef PT_FEATURE
-// Features of the material types that have any of the traits `wanted` (material_trait).
+// Features of all material types that have any of the traits `wanted` (material_trait).
 PT_HD constexpr FeatureSet materials_with(std::uint32_t wanted) {
     using namespace material_trait;
     FeatureSet set = no_features;
@@ -159,7 +159,7 @@ inline constexpr FeatureSet mesh_levels = set_of(Feature::object_tree, Feature::
 // take registers and memory.
 inline constexpr FeatureSet path_trees = set_of(Feature::splitting);
 
-// Features that change what is computed: a kernel has exactly those of them that it is asked for.
+// Features that change what is computed: a kernel has exactly those of them that its variant asks for.
 inline constexpr FeatureSet formulas = set_of(Feature::double_intersection, Feature::naive);
 
 PT_HD constexpr FeatureSet operator|(Feature a, Feature b) {
@@ -193,7 +193,7 @@ struct Config {
 };
 
 // Whether a kernel is compiled for scenes whose only light is one fixed object, so that all threads read the same light
-// data. A device's configuration says so where it knows.
+// data. A configuration on the device says so where it applies.
 template <class Config>
 PT_HD constexpr bool has_one_light() {
     if constexpr (requires { Config::has_one_light; }) {

@@ -111,7 +111,7 @@ PT_HD inline std::uint32_t row_at(const EnvironmentMap<Real>& map, Real cosine) 
     return low;
 }
 
-// Radiance of the environment texel in a unit direction, and 1 / pdf of directions to it.
+// Radiance of the environment texel that a unit direction points to, and 1 / pdf of directions to that texel.
 template <class Real>
 PT_HD inline EnvironmentPlace<Real> environment_towards(const EnvironmentMap<Real>& map, const Vec3<Real>& direction) {
     const Real across = fraction_of_turn(azimuth_in_turns(direction) + map.turn) * static_cast<Real>(map.width);

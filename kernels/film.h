@@ -7,10 +7,10 @@
 
 namespace pt {
 
-// Faults met while a film was filled. Each is reported; none is repaired in silence.
+// Counts of faults met while a film was filled. Each fault is reported; none is repaired in silence.
 struct FilmFaults {
     std::uint64_t nonfinite = 0;  // samples with a NaN or an infinity: left out of the sums
-    std::uint64_t negative = 0;   // samples with a negative channel: summed as they are
+    std::uint64_t negative = 0;   // samples with a negative channel: summed unchanged
     std::uint64_t saturated = 0;  // samples beyond the film's limit: clamped to it
 
     PT_HD bool none() const { return nonfinite == 0 && negative == 0 && saturated == 0; }
@@ -123,7 +123,7 @@ private:
     }
 };
 
-// Sum of one pixel's samples in one thread before they go to the film: in quanta, so that the order does not matter. A
+// Sum of one pixel's samples in one thread before they go to the film: in quanta, so that order does not matter. A
 // naive kernel sums radiance in its own precision, in the order of the samples.
 template <class Config>
 class PixelSum {

@@ -33,11 +33,11 @@ struct GgxFacets {
           cosine(max(dot(outgoing_to, normal_of), least_cosine<Real>)),
           q(stretched(cosine)) {}
 
-    // Whether alpha is large enough for the pdf of a direction in single precision: for a smaller alpha the pdf depends
-    // on the rounding of the directions.
+    // Whether alpha is large enough for pdfs of directions in single precision: for a smaller alpha a pdf depends on
+    // how the directions round.
     PT_HD bool are_wide() const { return alpha >= Real(0x1p-7); }
 
-    // sqrt(c^2 + alpha^2 (1 - c^2)), which enters Smith's masking; never below c, so that no share is above 1.
+    // sqrt(c^2 + alpha^2 (1 - c^2)), a part of Smith's masking; never below the cosine c, so that no share is above 1.
     PT_HD Real stretched(Real c) const {
         return max(square_root(c * c + alpha * alpha * ((Real(1) - c) * (Real(1) + c))), c);
     }
@@ -47,7 +47,7 @@ struct GgxFacets {
         return (incoming_cosine * cosine + shared) / (stretched(incoming_cosine) * cosine + shared);
     }
 
-    // Share of refracted light that is not masked below the surface; `incoming_cosine` is to the normal on that side.
+    // Share of refracted light not masked below the surface; `incoming_cosine` is to the normal on that side.
     PT_HD Real share_below(Real incoming_cosine) const {
         return Real(2) * incoming_cosine / (incoming_cosine + stretched(incoming_cosine));
     }
@@ -61,7 +61,7 @@ struct GgxFacets {
         return mirrored_pdf(alpha * alpha * (ratio * ratio) * (Real(1) / pi<Real>));
     }
 
-    // Density of the direction that is mirrored by a facet which sample() has drawn.
+    // Density of the direction in which a facet drawn by sample() mirrors the outgoing direction.
     PT_HD Real mirrored_pdf(const GgxFacet<Real>& facet) const {
         const Real stretch = facet.along * facet.along + alpha * alpha * facet.across;
         return mirrored_pdf(stretch * stretch / (alpha * alpha) * (Real(1) / pi<Real>));

@@ -20,16 +20,16 @@ struct HealthCounters {
     std::uint64_t nonfinite[health_sites] = {};
     // The first path (by pixel, sample, segment: HealthCounters::key) whose state was not finite at a site.
     std::uint64_t first_nonfinite[health_sites] = {nowhere, nowhere, nowhere, nowhere, nowhere, nowhere, nowhere};
-    std::uint64_t negative = 0;       // throughputs or radiances with a channel below 0
+    std::uint64_t negative = 0;       // throughputs or radiances with a negative channel
     std::uint64_t gains = 0;          // throughputs that sum to more than 3 (1 + 2^-20) without Russian roulette
-    std::uint64_t self_hits = 0;      // hits on the body just left, within a thousandth of its size
-    std::uint64_t parity_errors = 0;  // hits on a body from the side that the path is not on
+    std::uint64_t self_hits = 0;      // hits on a body within a thousandth of its size by rays that have just left it
+    std::uint64_t parity_errors = 0;  // hits on a body's inside (outside) by a path that is outside (inside) of it
     std::uint64_t first_self_hit = nowhere;
     std::uint64_t first_parity_error = nowhere;
     std::uint64_t escaped = 0;           // path segments that left the scene
     std::uint64_t capped = 0;            // paths that only the depth limit ended
-    std::uint64_t capped_energy = 0;     // the mean throughput that the capped paths carried, in 2^-32
-    std::uint64_t unfinished_walks = 0;  // paths lost in a subsurface random walk
+    std::uint64_t capped_energy = 0;     // mean throughput that these paths carried, added up in units of 2^-32
+    std::uint64_t unfinished_walks = 0;  // paths lost in a subsurface random walk, as in PathCounters
     std::uint64_t worst_direction = 0;   // largest | |d|^2 - 1 | of a ray direction d, in 2^-40
     std::uint64_t worst_normal = 0;      // largest | |n|^2 - 1 | of a surface normal n, in 2^-40
 

@@ -12,7 +12,7 @@ struct Ray {
     Vec3<Real> origin, direction;
     Real time;
     SurfaceId origin_surface;
-    std::uint32_t primitive = 0;  // primitive of origin_surface's object that the ray starts on
+    std::uint32_t primitive = 0;  // primitive on which the ray starts, of the object of origin_surface
 };
 
 template <class Real>
@@ -26,7 +26,7 @@ PT_HD inline bool is_of_primitive(const Hit<Real>& hit, std::uint32_t primitive)
     return !has<Config>(Feature::mesh) || hit.primitive == primitive;
 }
 
-// The primitive of a shape that a hit names: the shape itself or, for a mesh, one of its triangles.
+// The primitive of its shape that a hit names: the shape itself or, for a mesh, one of its triangles.
 template <class Shape>
 PT_HD inline const Shape& primitive_of(const Shape& shape, std::uint32_t) {
     return shape;
@@ -36,8 +36,8 @@ PT_HD inline MeshTriangle<Real> primitive_of(const MeshInstance<Real>& mesh, std
     return {mesh, primitive};
 }
 
-// Position of a ray origin in the frame of a moving object: the object stands still, the ray is moved back. Rounded
-// alike at every call, so that the surface that a search has hit is hit again when its position is asked for.
+// Position of a ray origin in the frame of a moving object: the object stands still, the ray is moved back. Rounding is
+// the same at every call, so that the surface found by a search is hit again when its position is computed.
 template <class Config, class Scene>
 PT_HD inline Vec3<typename Config::Real> at_rest(const Scene& scene, std::uint32_t object,
                                                  const Vec3<typename Config::Real>& point, typename Config::Real time) {
@@ -149,8 +149,8 @@ PT_HD inline void keep_nearer_flat(Hit<Real>& best, const Interval<Real>& crossi
     }
 }
 
-// Whether a shape's intersection test gives distance 0 for a ray that misses. Distance 0 is never a hit, so the flag
-// `hits` needs no test.
+// Whether a shape's intersection test gives distance 0 for a ray that misses. A hit never has distance 0, so the flag
+// Interval::hits needs no test.
 template <class Shape>
 inline constexpr bool misses_at_zero = requires {
     Shape::misses_at_zero;
@@ -194,7 +194,7 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
         const Vec3<Real> origin = at_rest<Config>(scene, object, ray.origin, ray.time);
         // The axis box is copied: by reference, nvcc 13.0 loads plane by plane, at an address that varies by lane.
         const AxisBox<Real> box = scene.axis_boxes[i];
-        // A ray known to hit no wall lies clearly within the enclosure, and so its direction has a finite reciprocal.
+        // A ray known to hit no wall starts clearly inside the enclosure, and so its direction has a finite reciprocal.
         const Interval<Real> crossing = without_walls ? finite_slab_interval(box.low, box.high, origin, inverse)
                                                       : slab_interval(box.low, box.high, origin, inverse);
         bool starts_here = ray.origin_surface.is_of(object);
@@ -247,7 +247,7 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
     if constexpr (has<Config>(Feature::enclosure)) {
         const EnclosureExit<Real> exit =
             leave_enclosure(scene.enclosure, ray.origin, inverse, has_finite_reciprocal(ray.direction));
-        // A ray inside a wall, even on its face, is not taken as inside the enclosure.
+        // A ray that starts inside a wall, even on its face, is not taken as inside the enclosure.
         bool in_wall = ray.origin_surface.exists() && ray.origin_surface.inside();
         if constexpr (has_insides<Config>()) {
             in_wall =
@@ -297,7 +297,7 @@ PT_HD inline void closest_flat(Hit<typename Config::Real>& best, const Scene& sc
     }
 }
 
-// A ray in the space of one mesh, prepared for the tests of its triangles.
+// A ray in the space of one mesh, with what its triangles' tests need.
 template <class Real>
 struct MeshRay {
     Vec3<Real> origin, direction;
@@ -350,7 +350,7 @@ PT_HD inline void meet_triangle(Hit<Real>& best, const LeafTriangle& leaf, const
     keep_nearer(best, hit, z.primitive, ray);
 }
 
-// Termination rule of a closest-hit search through meshes: nothing ends the search early.
+// Termination rule of a closest-hit search through meshes: no hit ends the search.
 struct WithClosest {
     template <class Real>
     PT_HD static constexpr bool end_if_met(Hit<Real>&) {
@@ -378,7 +378,7 @@ struct NearerThan {
     }
 };
 
-// Updates the closest hit `best` by traversing a mesh's own tree, or ends the search as `end` says.
+// Updates the closest hit `best` by traversing a mesh's own tree; `end` is the rule by which the search may stop early.
 template <class Accelerator, class Real, class Counter, class End>
 PT_HD inline void closest_in_mesh(Hit<Real>& best, const MeshInstance<Real>& mesh, std::uint32_t object,
                                   const Vec3<Real>& origin, const Ray<Real>& ray, Counter& counter, const End& end) {
@@ -497,8 +497,8 @@ PT_HD inline void closest_of(Hit<typename Config::Real>& best, const Scene& scen
     }
 }
 
-// Intersects a ray with one object of any shape, for objects visited in any order, as the leaf of an acceleration
-// structure over objects does. After all objects `best` is the hit of closest_hit, bit for bit.
+// Intersects a ray with one object of any shape, for objects visited in any order, as in the leaf of an acceleration
+// structure over objects. After all objects `best` is the hit of closest_hit, bit for bit.
 template <VisitOrder order, class Real, class Shape>
 PT_HD inline void meet_shape(Hit<Real>& best, const Shape& shape, std::uint32_t object, const Vec3<Real>& origin,
                              const Ray<Real>& ray) {
@@ -564,7 +564,7 @@ PT_HD inline Ray<double> widened(const Ray<Real>& ray) {
     return {Vec3<double>(ray.origin), Vec3<double>(ray.direction), ray.time, ray.origin_surface, ray.primitive};
 }
 
-// Closest hit among some bodies in the textbook's way: every intersection beyond the epsilon counts.
+// Closest hit among some bodies in the textbook's way: every intersection at a distance above the epsilon counts.
 template <class Config, class Scene, class Bodies>
 PT_HD inline void closest_naive(Hit<typename Config::Real>& best, const Scene& scene, const Bodies& bodies,
                                 std::uint32_t first, const Ray<typename Config::Real>& ray) {
@@ -636,7 +636,7 @@ PT_HD inline Hit<typename Config::Real> closest_hit_of_connection(const SceneVie
     return in_one_place<Config>([&] { return closest_hit<Config>(scene, ray); });
 }
 
-// Surface point of a hit in a naive kernel, which leaves the position where the ray's rounding puts it.
+// Surface point of a hit in a naive kernel, which leaves the position where rounding along the ray puts it.
 template <class Config, class Scene>
 PT_HD inline SurfacePoint<typename Config::Real> naive_surface_at(const Scene& scene,
                                                                   const Ray<typename Config::Real>& ray,

@@ -51,7 +51,7 @@ struct LitVertex {
 template <class Real>
 struct SeenNode {
     Vec3<Real> to_centre;
-    Real inverse;         // 1 / distance to the node's centre, taken as at least half the box's diagonal
+    Real inverse;         // 1 / distance to the node's centre; the distance counts as at least half the diagonal
     Real inverse_square;  // 1 / squared distance to the node's centre
     Real shown;           // radiance times projected area of the node as seen from the position, times the distance
 
@@ -94,8 +94,7 @@ struct Shares {
     PT_HD Real of(Real amount) const { return scale > Real(0) ? amount * scale + floor : floor; }
 };
 
-// Picks a light by the light tree, at the root by the first random word, for stratification does most there, then by
-// hashes of the words.
+// Picks a light by the light tree: at the root by the first random word, for its stratification, then by its hashes.
 template <class Real>
 PT_HD inline LightPick<Real> pick_from_tree(const View<LightNode<Real>>& nodes, const LitVertex<Real>& vertex,
                                             const RandomWords& words) {
@@ -158,7 +157,7 @@ PT_HD inline Real inverse_tree_weighing(const View<LightNode<Real>>& nodes, cons
     return nearly_divide(Real(1), weighing);
 }
 
-// The light selection of the kernel, or of the scene where the kernel chooses at run time.
+// The light selection of the kernel or, where the kernel chooses at run time, of the scene.
 template <class Config, class Scene>
 PT_HD inline LightSelection light_selection_of(const Scene& scene) {
     constexpr FeatureSet compiled = Config::features & light_selections;

@@ -36,13 +36,13 @@ struct Segment {
           before(distance * (Real(1) - point_rounding<Real>())),
           about(distance * (Real(1) + point_rounding<Real>())) {}
 
-    // Records an object hit at distance t, and returns whether it occludes the segment's end point.
+    // Records that a shadow ray meets an object at distance t, and returns whether this occludes the segment's end.
     PT_HD bool is_hidden_by(Real t) {
         unsure = unsure || t < about;
         return t < before;
     }
-    // Records a convex body or a flat surface that the shadow ray crosses over [near, far], and returns whether it
-    // occludes the segment's end point.
+    // Records that a shadow ray crosses a convex body or flat surface over [near, far], and returns whether that
+    // occludes the segment's end.
     PT_HD bool is_hidden_by(const Interval<Real>& crossing, bool flat) {
         const Real t = crossing.near > Real(0) || flat ? crossing.near : crossing.far;
         return crossing.hits && t > Real(0) && is_hidden_by(t);
@@ -115,7 +115,7 @@ PT_HD inline bool is_hidden_by_axis_boxes(Segment<typename Config::Real>& segmen
     return false;
 }
 
-// Whether an object of one kind hides the point at the segment's end.
+// Whether some object of one kind hides the point at the shadow segment's end.
 template <class Config, ShapeKind kind, class Scene, class Shapes>
 PT_HD inline bool is_hidden_by_kind(Segment<typename Config::Real>& segment, const Scene& scene, const Shapes& shapes,
                                     bool without_walls) {

@@ -21,7 +21,7 @@ struct LobeValue {
 template <class Real>
 struct LobeSample {
     Vec3<Real> direction;
-    Real cosine;  // cosine to the normal; 0: the light is lost, and the other members are not set
+    Real cosine;  // cosine to the normal; 0: no light gets through, and the other members are not set
     LobeValue<Real> value;
 };
 

@@ -10,7 +10,7 @@ namespace pt {
 struct TreeView {
     const void* nodes = nullptr;
     std::uint32_t node_count = 0;
-    std::uint32_t slot_count = 0;  // primitive slots in all leaves
+    std::uint32_t slot_count = 0;  // number of primitive slots in all leaves of the tree
     std::uint32_t node_bytes = 0;  // size of a tree node in bytes
 };
 
@@ -87,7 +87,7 @@ struct MeshView {
     const Triangle<float>* triangles = nullptr;  // triangles by primitive index
     const float* cumulative_area = nullptr;      // cumulative area of the triangles; emissive meshes only
     TreeView tree;
-    const void* native = nullptr;  // own structure of a host accelerator for this mesh
+    const void* native = nullptr;  // what a host accelerator prepared from this mesh for itself
     std::uint32_t triangle_count = 0;
 };
 

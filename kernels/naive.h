@@ -44,7 +44,7 @@ PT_HD inline Real inverse_direction_pdf(const Shape& shape, const Vec3<Real>& ob
     return robust_inverse_pdf(shape, observer, direction, distance);
 }
 
-// Textbook ray epsilon: the offset of a ray origin, in scene units whatever the scene's size.
+// Textbook ray epsilon: hits nearer than this are ignored, in scene units whatever the scene's size.
 template <class Real>
 inline constexpr Real epsilon = Real(1e-4);
 

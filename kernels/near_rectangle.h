@@ -46,7 +46,7 @@ struct NearRectangle {
     }
 
 private:
-    // Lower bound on squared lengths, so that they have a reciprocal.
+    // Lower bound on squared lengths, so that their reciprocals are finite.
     static constexpr Real least_square = Real(0x1p-100);
 
     // The rectangle's line at one x, by the sines of the angles from the plane y = 0, in which the observer lies, to

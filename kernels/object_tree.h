@@ -30,7 +30,7 @@ struct ObjectTree {
 template <class Real>
 struct ObjectTreeRay {
     Vec3<Real> near_origin, far_origin;  // ray origin shifted by the margin, for entry and exit planes
-    Vec3<Real> inverse;                  // reciprocal direction; infinite along an axis that the ray does not move on
+    Vec3<Real> inverse;                  // reciprocal direction; infinite for components of 0
 
     PT_HD static ObjectTreeRay of(const Vec3<Real>& origin, const Vec3<Real>& direction, float margin) {
         const Real largest = max(absolute(origin.x), max(absolute(origin.y), absolute(origin.z)));
@@ -59,7 +59,7 @@ struct ObjectTreeRay {
         cut(node.low_x[child], node.high_x[child], 0);
         cut(node.low_y[child], node.high_y[child], 1);
         cut(node.low_z[child], node.high_z[child], 2);
-        // The entry distance is lowered by the rounding errors of the slab test and of a triangle's t.
+        // The entry distance is lowered by the rounding errors of the slab test and of a hit triangle's t.
         nearest = nearest * (Real(1) - gamma<Real>(16));
         return nearest <= farthest ? nearest : no_entry;
     }

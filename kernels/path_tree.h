@@ -85,7 +85,7 @@ private:
     Hit<Real> hit_;
     std::uint32_t size_ = 0;
     std::uint32_t branch_ = 0;    // number of the last branch that began
-    std::uint32_t promised_ = 0;  // branches that have begun or wait, beside the first
+    std::uint32_t promised_ = 0;  // number of branches that have begun or wait, not counting the first
     std::uint32_t first_segment_ = 0;
     std::uint32_t rays_ = 0, longest_ = 0;
     bool resumes_ = false;

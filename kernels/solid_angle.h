@@ -96,7 +96,7 @@ struct SeenBox {
     Vec3<Real> half;
     Real diagonal;  // length of the box's diagonal, scene units
     bool near;
-    Real share[3];  // share of each axis's seen face: solid angle (near) or projected area times distance (far)
+    Real share[3];  // share of samples for each axis's face: solid angle (near) or projected area times distance (far)
     Real total;
     bool inside;
 

@@ -53,7 +53,7 @@ struct Principled {
           medium_beyond(beyond) {
         glass.tint = colour;
         if (!(glass_share > Real(0))) {
-            // No light comes out of an opaque body: the boundary is always the one from outside.
+            // No light comes out of an opaque body, whose boundary is always seen from outside.
             glass.boundary = material.glass.entering;
         }
         are_facets_wide = glass_share > Real(0) ? glass.is_connectable() : glass.facets.are_wide();
@@ -151,7 +151,7 @@ private:
                 metal_share + (diffuse_share - diffuse_probability) + glass_share * boundary};
     }
 
-    // The diffuse lobe's BSDF times the cosine over its own density, scaled by the probability with which it is drawn.
+    // The diffuse lobe's BSDF times the cosine over the lobe's density, scaled by the probability of drawing the lobe.
     PT_HD Vec3<Real> diffuse_weight(Real cosine) const {
         if (!(diffuse_probability > Real(0))) {
             return Vec3<Real>(Real(0));
@@ -204,7 +204,7 @@ private:
     }
 };
 
-// After narrow facets lights that the path hits count in full, though the diffuse lobe was connected to a light.
+// After narrow facets lights that are hit count in full, though the vertex's diffuse lobe was connected to one.
 template <class Real>
 template <class At>
 PT_HD inline bool PrincipledMaterial<Real>::scatter(const At& at, const Material<Real>& material) const {

@@ -34,7 +34,7 @@ struct RoughConductor {
     // depends on the surface alone, so the expectation is the same either way.
     PT_HD bool is_connectable() const { return facets.are_wide(); }
 
-    // Adds the compensation for multiple scattering, in kernels that have it (kernels/ggx_gain.h).
+    // Adds the compensation for multiple scattering to the lobe, in kernels that have it (kernels/ggx_gain.h).
     PT_HD void scatter_multiply() {
         gain = Vec3<Real>(Real(1)) + reflectance * ggx_gain(facets.cosine / facets.q, facets.alpha);
     }

@@ -96,7 +96,7 @@ PT_HD inline Real largest_component(const Vec3<Real>& v) {
 template <class Real>
 struct KeptWeights {
     Vec3<Real> weights;
-    Real reach;  // how far rounding may put the point off the plane, in the mesh's units
+    Real reach;  // how far rounding may put the point off the triangle's plane, in the mesh's units
 };
 
 // Moves barycentric weights off the edges by twice a bound on the rounding of the point formed with them: a path that

@@ -137,7 +137,7 @@ PT_HD inline std::int32_t earliest_exit(float x, float y, float z, float limit) 
 struct BoxRay {
     float origin[3];
     float inverse[3];
-    float room[3];       // margin of slab distances, in units of t
+    float room[3];       // margin on slab distances for rounding, in units of t
     std::uint32_t flip;  // bit k: the ray goes up axis k, so it meets low planes first
 
     template <class Real>
@@ -397,7 +397,7 @@ namespace {
 static_assert(std::is_trivially_default_constructible_v<NodeGroup>,
               "a ray would write its whole stack before it begins");
 
-// Nodes of the binary tree after every leaf too large for a cwbvh node is halved.
+// Nodes of the binary tree after each leaf that is too large for a cwbvh node has been halved.
 std::vector<BinaryTree::Node> with_small_leaves(const BinaryTree& tree) {
     std::vector<BinaryTree::Node> nodes = tree.nodes;
     for (std::size_t i = 0; i < nodes.size(); ++i) {

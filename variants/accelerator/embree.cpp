@@ -12,7 +12,7 @@
 namespace pt::accelerator::embree {
 namespace {
 
-// Bounds on the numbers handed to Embree, which takes 1e-18 for 0 and 1.8e18 for infinity.
+// Bounds on the coordinates handed to Embree, which takes 1e-18 for 0 and 1.8e18 for infinity.
 constexpr float smallest = 0x1p-40f, largest = 0x1p40f;
 
 struct Query {
@@ -38,7 +38,7 @@ void meet(const RTCIntersectFunctionNArguments* arguments) {
     RTCRayN_tfar(RTCRayHitN_RayN(arguments->rayhit, 1), 1, 0) = limit(query.best->t);
 }
 
-// A mesh's triangles, whose bounding boxes are wider by `margin`.
+// A mesh's triangles as an Embree geometry, with bounding boxes that are wider by `margin`.
 struct Widened {
     const LeafTriangle* leaves;
     float margin;

@@ -19,7 +19,7 @@ struct Box {
 struct BinaryTree {
     struct Node {
         Box box;
-        std::uint32_t first = 0;  // inner node: its left child, whose sibling follows; leaf: its first reference
+        std::uint32_t first = 0;  // inner node: its left child, which its right one follows; leaf: its first reference
         std::uint32_t count = 0;  // leaf: number of its references; inner node: 0
 
         bool is_leaf() const { return count != 0; }

@@ -15,7 +15,7 @@ struct BoxSpan {
 template <class Real>
 struct BoxRay {
     Vec3<Real> near_origin, far_origin;  // ray origins shifted so that boxes are entered early and left late
-    Vec3<Real> inverse;  // reciprocal of the direction; infinite along an axis that the ray does not move on
+    Vec3<Real> inverse;                  // reciprocal of the direction; infinite for components of 0
 
     // Prepares a ray for the box tests of a tree. Every operation has a rounding of its own in every arithmetic, so
     // that a ray enters the same boxes on a GPU as on a CPU.
@@ -33,8 +33,7 @@ struct BoxRay {
             if (axis == s.kz) {
                 continue;
             }
-            // The margin covers six roundings of a sheared vertex, of the shear and sum below, and two of the shifted
-            // origin.
+            // The margin covers six roundings of a sheared vertex, of shear and sum, and two of the shifted origin.
             const Real sheared = rounded_product(absolute(axis == s.kx ? s.shear.x : s.shear.y), along);
             const Real margin = rounded_product(gamma<Real>(8), reach[axis] + sheared) +
                                 rounded_product(gamma<Real>(2), absolute(origin[axis]));

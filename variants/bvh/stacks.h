@@ -137,7 +137,7 @@ private:
     Memory& memory_;
     std::uint64_t trail_ = 0;
     std::uint64_t level_ = 0;          // level of the choice that led to the current node; 0 at the root
-    std::uint64_t restarted_for_ = 0;  // level of the choice that the last popped entry belongs to
+    std::uint64_t restarted_for_ = 0;  // level of the choice whose entry was popped last from the stack
     std::uint32_t size_ = 0, top_ = 0;
 };
 

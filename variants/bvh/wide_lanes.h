@@ -36,7 +36,7 @@ template <int width>
 inline Floats<width> loaded(const float* from) {
     return *reinterpret_cast<const Floats<width>*>(from);
 }
-// The lanes' truth values as a mask, one bit a lane.
+// The truth values of all lanes as a mask of one bit per lane.
 template <int width>
 inline std::uint32_t bits_of(const Truths<width>& truths) {
 #if defined(__AVX__)
@@ -212,7 +212,7 @@ struct BoxLanes {
         return lanes;
     }
 
-    // BoxRay::entry for every child of a node: sets `entries` to the distances; returns a bit for each child entered.
+    // BoxRay::entry for every child of a node: sets `entries` to the distances; returns a mask of the children entered.
     std::uint32_t entered(const Node<width>& node, float best_t, Floats<width>& entries) const {
         Floats<width> nearest{}, farthest = broadcast<width>(best_t);
         for (int axis = 0; axis < 3; ++axis) {

@@ -19,7 +19,7 @@ namespace pt {
 template <int width>
 struct alignas(16) WideNode {
     float side[6][width];
-    std::uint32_t link[width];     // links to the children: variants/bvh/link.h
+    std::uint32_t link[width];     // links to the children, as in variants/bvh/link.h
     std::uint32_t padding[width];  // padding that makes a node fill whole lines of 128 bytes
 
     PT_HD bool has_child(int child) const { return side[0][child] <= side[1][child]; }

@@ -13,7 +13,7 @@ struct MeshRays {
     Vectors<float> origin, direction, along, shear;
     Lanes<std::uint32_t> kx, ky, kz;
     Vectors<float> near_origin, far_origin, inverse;
-    Flags enters;  // whether the ray may enter the tree's root
+    Flags enters;  // whether the lane's ray may enter the root of the tree
 
     MeshRay<float> ray(std::uint32_t l, std::uint32_t object, std::uint32_t passed_over) const {
         return {origin[l], direction[l], {kx[l], ky[l], kz[l], shear[l]}, along[l], object, passed_over};
@@ -136,7 +136,7 @@ private:
         go_to(take_nearest<width>(found, entries, node, top_));
         return true;
     }
-    // BoxRay::entry for every child of a node: sets `entries` to the distances; returns a bit for each child entered.
+    // BoxRay::entry for every child of a node: sets `entries` to the distances; returns a mask of the children entered.
     std::uint32_t entered(const Node<width>& node, Floats<width>& entries) const {
         Floats<width> nearest{}, farthest = broadcast<width>(best_.t);
         for (int axis = 0; axis < 3; ++axis) {

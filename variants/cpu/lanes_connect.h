@@ -15,7 +15,7 @@ namespace pt::lanes {
 // The surfaces that a packet's rays hit, one a lane, as shading needs them.
 template <class Real>
 struct Surfaces {
-    Vectors<Real> colour, position, normal;  // the normal points to the side that the ray comes from
+    Vectors<Real> colour, position, normal;  // normal on the side that the ray comes from
     Lanes<std::uint32_t> type;
     Flags by_surface_at, by_shade;  // lanes whose hits are left to the scalar surface_at() or shade()
 };
@@ -30,7 +30,7 @@ struct Connections {
     BoxObservers<Real> observers;
     LightDirections<Real> drawn;
     Vectors<Real> emission;
-    Lanes<std::uint32_t> light;  // object that is the light
+    Lanes<std::uint32_t> light;  // object that is the lane's light
     Flags connects, sends, sees;
     Lanes<Real> weight, cosine;  // weight of the light that is hit or sampled; cosine at the vertex
     Paths<Real> shadow;
@@ -47,7 +47,7 @@ inline std::uint32_t box_of(const SceneView<Real>& scene, std::uint32_t object) 
     return object - first_of<ShapeKind::axis_box>(scene);
 }
 
-// Adds the lane to the observers of box lights; false if the light is no box, or shows the lane no face.
+// Adds a lane to the observers of box lights; false if its light is no box or shows it no face.
 template <class Config>
 inline bool observes_box(BoxObservers<typename Config::Real>& observers, std::uint32_t l,
                          const SceneView<typename Config::Real>& scene, const LightTable<typename Config::Real>& lights,

@@ -35,7 +35,7 @@ inline void keep_nearer(Hits<Real>& hits, std::uint32_t l, const Interval<Real>&
     hits.side[l] = leaves ? origin_surface.code : meets ? side : hits.side[l];
 }
 
-// Intersects shapes for which there is no loop over lanes: calls find(hit, ray) for each lane that `asks`.
+// Intersects shapes for which there is no loop over lanes: calls find(hit, ray) for each lane with the flag `asks`.
 template <class Real, class Find>
 inline void closest_by_lane(Hits<Real>& hits, const Paths<Real>& paths, const Flags& asks, const Find& find) {
     for (const std::uint32_t l : LaneList(asks)) {
@@ -61,7 +61,7 @@ inline void closest_sphere(Hits<typename Config::Real>& hits, const SceneView<ty
         for (std::uint32_t l = 0; l < width; ++l) {
             const SurfaceId origin_surface{paths.origin_surface[l]};
             const Vec3<Real> origin = at_rest<Config>(scene, object, paths.origin[l], paths.time[l]);
-            // A ray that starts on no surface departs from no object: SurfaceId::nowhere has the number of none.
+            // A ray that starts on no surface starts on no object: SurfaceId::nowhere has the number of none.
             keep_nearer(hits, l, lanes::interval(sphere, origin, paths.direction[l]),
                         chord(sphere, origin, paths.direction[l]), object, origin_surface.object() == object,
                         origin_surface);
@@ -289,7 +289,7 @@ inline void closest_of(Hits<typename Config::Real>& hits, const SceneView<typena
     }
 }
 
-// Finds the closest hits of a packet's rays, in the lanes that `asks`; the hits of other lanes are undefined.
+// Finds the closest hits of a packet's rays in lanes with the flag `asks`; the hits of other lanes are undefined.
 template <class Config>
 inline void closest_hit(Hits<typename Config::Real>& hits, const SceneView<typename Config::Real>& scene,
                         const Paths<typename Config::Real>& paths, const Flags& asks) {

@@ -13,7 +13,7 @@ namespace pt::lanes {
 template <class Real>
 struct BoxLight {
     Vec3<Real> centre;
-    Vec3<Real> half;  // half extents in units of the diagonal
+    Vec3<Real> half;  // half extents of the box in units of its diagonal
     Real diagonal, inverse_diagonal;
 
     explicit BoxLight(const AxisBox<Real>& box) : centre((box.high + box.low) * Real(0.5)) {
@@ -30,7 +30,7 @@ struct LightTable {
     std::vector<BoxLight<Real>> boxes;
     std::vector<std::uint32_t> object, is_box;
     std::vector<Real> centre[3], half[3], emission[3], diagonal, inverse_diagonal;
-    // By light, as in SeenFaces: half extents in scaled units, scaled units per scene unit, and the inverse of that.
+    // SeenFaces of each light: half extents in scaled units, scaled units per scene unit, and the inverse of that.
     std::vector<Real> face_half[3], scale, unit;
 
     LightTable() = default;
@@ -77,9 +77,9 @@ template <class Real>
 struct BoxViews {
     std::uint32_t size = 0;
     Lanes<std::uint32_t> lane;
-    Vectors<Real> observer, half;  // observer and half extents of SeenBox
+    Vectors<Real> observer, half;  // observer and the box's half extents, as in SeenBox
     Lanes<Real> diagonal;
-    Vectors<Real> share, skew;  // SeenBox::share, and skew of the SphericalRectangle, by axis
+    Vectors<Real> share, skew;  // by axis: SeenBox::share, and skew of the SphericalRectangle
     Lanes<Real> total;
     // Directions sampled towards box lights: the random numbers that sampling takes, and the results.
     Lanes<Real> u, v, w, axis;
@@ -257,14 +257,14 @@ struct PickedAxis {
 // Light samples by lane: unit directions to lights with 1 / pdf.
 template <class Real>
 struct LightDirections {
-    Lanes<Real> u, v, w;              // random numbers of the light sample
+    Lanes<Real> u, v, w;              // random numbers of the lane's light sample
     Lanes<std::uint32_t> light;       // number of the light among the scene's lights
-    Vectors<Real> observer;           // observer of a box light, as in SeenBox
+    Vectors<Real> observer;           // observer's position relative to the box light, as in SeenBox
     Flags is_near, is_far, is_other;  // how the lane sees a box light (near or far); other: no such light
     Vectors<Real> direction;
     Lanes<Real> inverse_pdf;
-    Lanes<Real> distance;            // distance to the sampled point; 0: not known
-    Lanes<std::uint32_t> primitive;  // mesh triangle that the sampled point is on
+    Lanes<Real> distance;            // distance to the light point that was sampled; 0: not known
+    Lanes<std::uint32_t> primitive;  // mesh triangle on which the sampled light point lies
 };
 
 // Loads a number at a lane's own index. The index is signed, as a gathering load wants it.
@@ -273,7 +273,8 @@ inline T gathered(const T* from, std::uint32_t index) {
     return from[static_cast<std::int32_t>(index)];
 }
 
-// A light's entry in a table. A table of one light is read without index: a gathering load costs as much as 16 loads.
+// A light's entry in a table. The entry of an only light is read without index, since a gathering load costs as much as
+// 16 loads.
 template <bool one_light, class T>
 inline T of_light(const T* from, std::uint32_t light) {
     return one_light ? *from : gathered(from, light);

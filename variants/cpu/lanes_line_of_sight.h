@@ -12,8 +12,8 @@ namespace pt::lanes {
 template <class Real>
 struct Sights {
     Lanes<Real> before, about;   // distances just below and just above that of the light point
-    Lanes<std::uint32_t> light;  // object that the point is on
-    Flags asks;                  // whether the ray's point is known
+    Lanes<std::uint32_t> light;  // object that the ray's light point is on
+    Flags asks;                  // whether the lane has a ray to a known light point
     Flags blocked, unsure;
     Flags by_lane;  // the ray may cross a wall: it is tested by itself, whatever the flags above say
 };
@@ -116,7 +116,7 @@ inline void note_axis_boxes(Sights<typename Config::Real>& sights, const SceneVi
     }
 }
 
-// Tests shadow rays against all objects with meshes, in the lanes that `asks`.
+// Tests shadow rays against all objects with meshes, in lanes with the flag `asks`.
 template <class Config>
 inline void note_meshes(Sights<typename Config::Real>& sights, const SceneView<typename Config::Real>& scene,
                         const Paths<typename Config::Real>& shadow, Flags asks) {

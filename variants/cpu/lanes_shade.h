@@ -123,7 +123,7 @@ inline void scatter(Paths<typename Config::Real>& paths, const Surfaces<typename
         const bool is_diffuse = is_type(surfaces.type[l], MaterialType::diffuse);
         const bool is_here = surfaces.by_shade[l] == 0;
         if constexpr (has<Config>(Feature::next_event)) {
-            // The BSDF pdf kept is never 0, since 0 stands for a vertex without a connection.
+            // The BSDF pdf that a path stores is never 0, which stands for a vertex without a connection.
             constexpr Real least = Real(0x1p-60);
             const Real pdf = max(dot(spread, normal), least) * (Real(1) / pi<Real>);
             paths.bsdf_pdf[l] = is_here ? (is_diffuse & is_connected ? pdf : Real(0)) : paths.bsdf_pdf[l];

@@ -20,7 +20,7 @@ public:
 
     void reserve(Arena& arena);
     void clear();
-    // Captures a full batch as a CUDA graph before the clock starts, if the variant's launches are captured.
+    // Captures a full batch as a CUDA graph before the clock starts, if the variant's launches are captured in one.
     void prepare(const Enqueue& enqueue);
     // Enqueues all samples of the job, samples_in_flight at a time. A batch that is not full (the last one, or the only
     // one of a short part of a render) fills the first slots of the queue only. Full batches run as a CUDA graph where
@@ -37,24 +37,24 @@ public:
     const std::uint32_t* cursor() const { return is_capturing_ ? next_sample_ : nullptr; }
     bool is_capturing() const { return is_capturing_; }
     std::uint32_t samples_in_flight() const { return samples_in_flight_; }
-    // The work that the rounds of graph loops have counted so far. Waits for the device.
+    // The work in the rounds of graph loops so far, by the device's count of rounds. Waits for the device.
     WorkCounters loop_work() const;
 
 private:
     void launch_graph(std::uint32_t sample);
 
     Job& job_;
-    std::uint32_t samples_in_flight_;  // samples of a pixel in a full batch
+    std::uint32_t samples_in_flight_;  // samples of each pixel in a full batch
     LaunchTraits launch_;
     std::unique_ptr<Graph> graph_;
     WorkCounters work_per_graph_;  // work that the host counts for one captured batch
     WorkCounters work_per_round_;  // work of one round of the graph's loop
     bool is_capturing_ = false;
     bool is_in_loop_ = false;               // the body of the graph's loop is now being captured
-    std::uint32_t* next_sample_ = nullptr;  // device address of the graph's first sample
+    std::uint32_t* next_sample_ = nullptr;  // device address of the first sample of the graph's next launch
     std::uint32_t graph_sample_ = 0;        // value of *next_sample_ after all enqueued work has run
     std::uint32_t* offset_ = nullptr;       // device: segments that earlier rounds of this batch took; 0 outside a loop
-    std::uint64_t* rounds_ = nullptr;       // in device memory: rounds of the loop run since the render began
+    std::uint64_t* rounds_ = nullptr;       // in device memory: rounds that graph loops have run since the render began
 };
 
 }  // namespace pt::cuda

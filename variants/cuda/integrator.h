@@ -47,8 +47,8 @@ struct IntegratorNeeds {
     // The queue's memory layout and the choices that work on the queue; only integrators with a queue use them.
     Layout layout = {};
     std::vector<unsigned char> object_class = {};      // class of each object, as in Queue::object_class
-    std::unique_ptr<Compaction> compaction = nullptr;  // compaction of the queue; null: none
-    std::unique_ptr<Sorting> sorting = nullptr;        // sorting of the queue; null: none
+    std::unique_ptr<Compaction> compaction = nullptr;  // compaction stage; null: the queue is not compacted
+    std::unique_ptr<Sorting> sorting = nullptr;        // sorting stage; null: the queue is not sorted
 
     std::uint32_t tunable(std::string_view name) const { return pt::tunable(variant, name, Backend::cuda); }
 };

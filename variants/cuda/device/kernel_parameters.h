@@ -112,7 +112,7 @@ constexpr bool is_kernel_of(const char* name) {
     return *name == *expected && std::is_same_v<MemberList<Parameters>, typename ParameterList<Kernel>::type>;
 }
 
-// A kernel that the host launches: its name, the size of its parameters, and whether results report it.
+// A kernel that the host launches: its name, the size of its parameters, and whether results report its registers.
 struct KernelSignature {
     const char* name = nullptr;
     std::size_t parameter_bytes = 0;

@@ -12,7 +12,7 @@ inline constexpr bool fetches_paths = requires {
     Traversal::fetches_paths;
 };
 
-// The kernel's configuration without meshes.
+// The kernel's configuration (Config) without meshes.
 using WithoutMeshes = Config<Real, ::Configuration::features & ~static_cast<FeatureSet>(Feature::mesh), Accelerator>;
 
 // A ray in a mesh's space, and its traversal at the root of the mesh's tree.
