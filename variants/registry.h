@@ -27,9 +27,9 @@ using RenderFunction = RenderIn<float>;
 using AddFeatures = std::function<FeatureSet()>;
 // What a specialisation chooses a kernel's feature set from.
 struct KernelOffer {
-    FeatureSet needed = no_features;     // features that the scene and the variant need
-    FeatureSet shortcuts = no_features;  // shortcuts that the scene allows
-    std::vector<FeatureSet> compiled;    // feature sets that the integrator is, or can be, compiled for
+    FeatureSet needed = no_features;     // features that the scene and the variant need from the kernel
+    FeatureSet shortcuts = no_features;  // shortcut features that the scene allows
+    std::vector<FeatureSet> compiled;    // feature sets that the integrator is compiled for, or can be
 };
 // Picks the feature set of the kernel to run.
 using ChooseFeatures = std::function<FeatureSet(const KernelOffer& offer, const Variant& variant, Backend backend)>;

@@ -20,7 +20,7 @@ namespace pt {
 // `indirect`, the slots order[0..count-1] in that order.
 struct PathQueue {
     AnyPaths paths;
-    std::vector<Hit<float>> hits;      // by slot: closest hit of the path's current segment
+    std::vector<Hit<float>> hits;      // by slot of a path: closest hit of the path's current segment
     std::vector<std::uint32_t> order;  // slots of the paths in play, if `indirect`; `capacity` entries
     bool indirect = false;
     std::size_t count = 0;
@@ -54,7 +54,7 @@ public:
 // The first hits of a few camera rays of every pixel, kept between samples: sample s uses ray s mod rays.
 template <class Real>
 struct FirstBounceCache {
-    std::vector<Hit<Real>> hits;  // hits by pixel, then by ray of the pixel
+    std::vector<Hit<Real>> hits;  // by pixel, then by ray of the pixel: first hits
     std::uint32_t rays = 1;
     std::uint32_t samples_seen = 0;  // samples of each pixel traced so far; the first `rays` of them fill the cache
 
@@ -67,7 +67,7 @@ struct FirstBounceCache {
 
 // Time of a render by stage. Only instrumented renders have one: it is never part of a timed sample.
 struct StageTimes {
-    std::vector<std::pair<std::string_view, double>> milliseconds;  // time of each stage, in order of first use
+    std::vector<std::pair<std::string_view, double>> milliseconds;  // milliseconds of each stage, in order of first use
     std::vector<std::uint64_t> live_paths;  // entry k: number of paths that were alive for segment k + 1
 
     void add(std::string_view stage, double ms);
@@ -106,7 +106,7 @@ struct RenderJobIn {
     PathQueue* queue = nullptr;
     Compaction* compaction = nullptr;
     Sorting* sorting = nullptr;
-    FirstBounceCache<Real>* cache = nullptr;  // cached first hits of camera rays; null: every one is traced
+    FirstBounceCache<Real>* cache = nullptr;  // first hits of camera rays; null: every camera ray is traced
     WorkCounters work;
     StageTimes* stages = nullptr;  // stage timer; null: the render is not instrumented
     HealthRequest health;          // audit request, for an integrator that audits its paths

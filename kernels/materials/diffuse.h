@@ -44,7 +44,7 @@ PT_HD inline void scatter_diffuse(Path<typename Config::Real>& path, const Verte
     if (!has<Config>(Feature::enclosure) || !vertex.hit.has_face() || !axis_to_world(vertex.hit, local, direction)) {
         direction = Frame<Real>(vertex.normal()).to_world(local);
     }
-    // Only sums in Frame round the direction's length off 1: another nine operations are not worth it.
+    // Only sums in Frame round the direction's length off 1, which is not worth nine more operations.
     leave_on_same_side(path, vertex, direction);
 }
 

@@ -20,8 +20,7 @@ struct Ellipsoid {
     PT_HD Vec3<Real> to_world(const Vec3<Real>& f) const {
         return semi_axis[0] * f.x + semi_axis[1] * f.y + semi_axis[2] * f.z;
     }
-    // Outward normal at the ellipsoid's point for point f of the unit sphere; normals transform by the inverse
-    // transpose.
+    // Outward normal at the image of the unit sphere's point f; normals transform by the inverse transpose.
     PT_HD Vec3<Real> normal(const Vec3<Real>& f) const {
         return normalize(inverse_axis[0] * f.x + inverse_axis[1] * f.y + inverse_axis[2] * f.z);
     }
@@ -73,7 +72,7 @@ PT_HD inline LightSample<Real> sample_point(const Ellipsoid<Real>& e, Real u, Re
 }
 
 // Solid angle in the world over solid angle in the unit sphere's frame: |det| / length^3, with `length` that of the
-// image of a unit vector. Each column is divided by it first, so that no cube of a length is formed.
+// image of a unit vector. Each axis is divided by it first, so that no cube of a length arises.
 template <class Real>
 PT_HD inline Real ellipsoid_stretch(const Ellipsoid<Real>& e, Real length) {
     const Real inverse = Real(1) / length;

@@ -57,8 +57,8 @@ struct Binning {
 
 struct ObjectSplit {
     double cost = std::numeric_limits<double>::infinity();  // half area of a child times its count, summed over both
-    int axis = -1;        // axis of the plane that parts the centres; -1: there is no plane
-    int first_right = 0;  // number of the first bin to the right of the plane
+    int axis = -1;                                          // axis across which the plane lies; -1: nothing to part
+    int first_right = 0;                                    // number of the first bin to the right of the plane
     Box left, right;
 };
 

@@ -273,8 +273,7 @@ inline T gathered(const T* from, std::uint32_t index) {
     return from[static_cast<std::int32_t>(index)];
 }
 
-// A light's entry in a table. The entry of an only light is read without index, since a gathering load costs as much as
-// 16 loads.
+// A light's entry in a table. The table of one light is read without index: a gathering load costs as much as 16 loads.
 template <bool one_light, class T>
 inline T of_light(const T* from, std::uint32_t light) {
     return one_light ? *from : gathered(from, light);

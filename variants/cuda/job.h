@@ -14,11 +14,11 @@ namespace pt::cuda {
 
 struct Job {
     const Module* module = nullptr;
-    FilmView film;                    // film in device memory
-    std::uint32_t pixels = 0;         // pixels that this device renders
+    FilmView film;                    // the film's view in device memory
+    std::uint32_t pixels = 0;         // the pixels of the image that this device renders
     std::uint32_t image_pixels = 0;   // pixels of the whole film and of the first-bounce cache
-    std::uint32_t longest_path = 1;   // most segments of a path
-    std::uint32_t most_branches = 1;  // most branches of a path that splits
+    std::uint32_t longest_path = 1;   // most segments that a path may have
+    std::uint32_t most_branches = 1;  // most branches into which one sample's path may split
     std::uint32_t materials = 0;
     // Samples per pixel to take in this job: the whole render's, or those of one part, from checkpoint to checkpoint.
     std::uint32_t first_sample = 0;
@@ -31,12 +31,12 @@ struct Job {
     std::uint32_t kept_rays = 0;    // camera rays of a pixel that the first-bounce cache keeps; 0: there is none
     std::uint32_t cached_rays = 0;  // how many of these rays earlier parts of the render have traced
     Totals* totals = nullptr;
-    HealthRequest health;  // audit request, with counters in device memory
+    HealthRequest health;  // audit request of the integrator audited, with counters in device memory
     SegmentCounts segments;
     StageEvents* stages = nullptr;  // stage timers; null: the render is not instrumented
     WorkCounters work;
 
-    // Counters of paths by their number of segments, for integrators without a queue; null where nobody asked.
+    // Counts of ended paths by their number of segments, for integrators without a queue; null where nobody asked.
     std::uint64_t* lengths() const { return stages != nullptr ? segments.live : nullptr; }
 
     template <class Parameters>
@@ -58,7 +58,7 @@ struct Job {
 
 template <class Real>
 struct JobOf : Job {
-    SceneView<Real> scene = {};  // scene with pointers to device memory
+    SceneView<Real> scene = {};  // the scene, with pointers to device memory
     HitCache<Real> cache;
 };
 

@@ -92,7 +92,7 @@ public:
     }
 
 protected:
-    // Most samples of a pixel that one launch may take.
+    // Most samples of a pixel that one launch of the kernel may take.
     virtual std::uint32_t most_samples() const = 0;
     virtual void launch(std::uint32_t first_sample, std::uint32_t samples) = 0;
 

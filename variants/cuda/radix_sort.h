@@ -1,4 +1,4 @@
-// What the CUB radix sorts share: slot numbers are sorted by key, stably, and the payload stays in place.
+// What the CUB radix sorts share: slot numbers are sorted by key, stably, and the paths themselves stay in place.
 #pragma once
 
 #include "variants/cuda/cub_storage.h"

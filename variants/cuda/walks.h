@@ -20,7 +20,7 @@ inline std::vector<KernelConstant> walks_constants(const Variant& variant) {
     return {{"walks_apart", tunable(variant, "walks_apart", Backend::cuda)}};
 }
 
-// Lists of walkers for a queue of at most `paths` paths; none where walks are not left to a kernel of their own.
+// Makes lists of walkers for a queue of at most `paths` paths; none where walks are not left to a kernel of their own.
 template <class Real, int lists>
 class WalkerLists {
 public:

@@ -122,7 +122,7 @@ void Wavefront::end_segment(std::uint32_t segment) {
     }
 }
 
-// Compacts the queue; the host learns the count if the compaction reads it back.
+// Compacts the queue. The host learns the count of paths in play if the compaction reads it back.
 void Wavefront::compact() {
     const Stage stage(job_.stages, "compact", job_.stream);
     const std::uint32_t before = queue_.bound;

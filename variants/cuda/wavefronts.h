@@ -52,7 +52,7 @@ protected:
 
     // Enqueues the start of the first queue_.bound paths of queue_. These paths may have done their first segment.
     virtual void begin(std::uint32_t first_sample) = 0;
-    // Enqueues a segment of the paths in queue_, but for the compaction after it.
+    // Enqueues a segment of the paths in queue_, without the compaction after it.
     virtual void trace(std::uint32_t segment) = 0;
     virtual void fill_first_hits() = 0;
 
@@ -73,7 +73,7 @@ protected:
     const IntegratorNeeds& needs() const { return needs_; }
     const Batches& batches() const { return batches_; }
 
-    Queue queue_;  // queue of the batch being enqueued
+    Queue queue_;  // queue with the batch that is being enqueued
     const bool appends_;
 
 private:
@@ -92,7 +92,7 @@ private:
     Batches batches_;
     bool reads_back_;  // the host reads the count back after each compaction
     PinnedWords pinned_;
-    Queue start_;  // queue in the state in which a batch starts
+    Queue start_;  // the queue as it is when a batch starts
     PathBytes path_bytes_;
 };
 

@@ -27,14 +27,14 @@ struct PersistentParameters {
 
 #include "variants/cuda/device/warp_items.cuh"
 
-// Pieces of an image, numbered strip by strip within `samples_per_piece` samples of the whole image: neighbouring warps
-// work on neighbouring strips. A warp takes the next piece while paths of the last one are still alive.
+// Pieces of an image, numbered strip by strip within `samples_per_piece` samples of the whole image, so neighbouring
+// warps work on neighbouring strips. A warp takes the next piece while paths of the last one are still alive.
 struct Pieces {
     std::uint32_t strips, count, width, first_sample, samples, samples_per_piece;
     Totals* totals;
     std::uint64_t* next;
-    Round round = {};        // the warp's next round: a strip of pixels and a sample
-    std::uint32_t left = 0;  // rounds left in the warp's piece of the image
+    Round round = {};        // the round that the warp begins next: a strip of pixels and a sample
+    std::uint32_t left = 0;  // rounds left in the piece that the warp works on
     bool are_done = false;
 
     __device__ bool take(Round& taken, ThreadCounters& counters) {

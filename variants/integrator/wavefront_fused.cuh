@@ -25,7 +25,7 @@ struct FirstBounceParameters {
     HitCache<Real> cache;
     Totals* totals;
     SegmentCounts segments;
-    PathStore waiting;  // where paths on a subsurface walk lie: slot i for path i
+    PathStore waiting;  // store of paths on a subsurface walk: slot i has path i
     WalkerList walkers;
 };
 
@@ -44,7 +44,7 @@ struct NextBounceParameters {
     SegmentNumber segment;
     Totals* totals;
     SegmentCounts segments;
-    WalkerList walkers;  // list of walks, whose paths lie in `in`
+    WalkerList walkers;  // list of walks that begin; their paths lie in `in`
 };
 
 }  // namespace pt::cuda
@@ -332,7 +332,7 @@ private:
     }
 
     std::size_t words_per_segment() const { return std::size_t{counters_} * counter_stride; }
-    // The device's counters of the paths that live after a segment.
+    // The device's counters of the paths that live after a segment (one per part of the queue).
     std::uint32_t* counts_after(std::uint32_t segment) const { return counts_ + segment * words_per_segment(); }
 
     JobOf<Real>& job_;

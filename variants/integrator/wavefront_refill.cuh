@@ -16,7 +16,7 @@ namespace pt::cuda {
 
 // The paths of one go (a part of a render) by number: path n is pixel n mod pixels, sample first_sample + n / pixels.
 struct PathSupply {
-    std::uint32_t* next;  // in device memory: the path that is handed out next; total or more: none is left
+    std::uint32_t* next;  // in device memory: number of the next path to hand out; `total` or more: none is left
     std::uint32_t total;
     std::uint32_t first_sample;
 };
@@ -496,7 +496,7 @@ private:
     std::uint32_t refill_every_;
     WalkerLists<Real, 2> walkers_;   // walks of the current round, and walks that go on in the next round
     PinnedWords ended_;              // host's copy of the device's Totals
-    std::uint32_t* next_ = nullptr;  // in device memory: PathSupply::next
+    std::uint32_t* next_ = nullptr;  // in device memory: the word of PathSupply::next
     PathSupply supply_ = {};
     std::uint64_t paths_before_ = 0;  // paths that this cell has begun in all goes, the current one included
 };

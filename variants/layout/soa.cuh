@@ -23,7 +23,7 @@ constexpr bool lies_before(PathField field, PathField other) {
 
 constexpr std::size_t columns_of(PathField field) { return info(field).type == FieldType::vector ? 3 : 1; }
 
-// The number of the first column of a path's field.
+// Number of the first column that holds a path's field.
 constexpr std::size_t first_column(PathField field) {
     std::size_t columns = 0;
     for (std::size_t i = 0; i < path_field_count; ++i) {
@@ -41,7 +41,7 @@ constexpr bool is_word(std::size_t column) {
     return false;
 }
 
-// The first column of the run of columns of one type that a column is in.
+// The first in the run of columns of one type to which a column belongs.
 constexpr std::size_t first_of_type(std::size_t column) {
     while (column > 0 && is_word(column - 1) == is_word(column)) {
         column -= 1;

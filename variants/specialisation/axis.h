@@ -6,7 +6,7 @@
 namespace pt {
 
 struct SpecialisationTraits {
-    bool is_generic = false;  // one kernel for every scene
+    bool is_generic = false;  // one kernel serves every scene
     bool by_matrix = false;   // kernels intersect every object through its matrix (kernels/transform.h), by other code
 };
 

@@ -26,7 +26,7 @@ struct CompilerReport {
 // Compiles a module without the cache and reports on its kernels. Throws as compile_module does.
 CompilerReport compiler_report(const ModuleRequest& request);
 
-// Parses the log of ptxas (--ptxas-options=-v).
+// Parses what ptxas logs with --ptxas-options=-v.
 std::vector<KernelReport> parse_ptxas_log(const std::string& log);
 
 }  // namespace pt::cuda

@@ -14,7 +14,7 @@ struct Device {
     bool ecc = false;
     bool mps = false;  // several processes run on the GPU at once, by NVIDIA's multi-process service, not by turns
     std::size_t memory_bytes = 0;
-    int driver_version = 0, runtime_version = 0;  // versions as CUDA numbers them: 13000 is 13.0
+    int driver_version = 0, runtime_version = 0;  // versions as CUDA writes them in numbers: 13000 is 13.0
     std::string architecture() const { return "sm_" + std::to_string(major) + std::to_string(minor); }
 };
 

@@ -71,7 +71,7 @@ std::string read_whole(const fs::path& path) {
     return stream ? text.str() : std::string();
 }
 
-// Writes a file under a name of this process and renames it then, so that two processes cannot meet in one file.
+// Writes a file under a name of this process's own and then renames it, so that no two processes write to one file.
 bool write_whole(const fs::path& path, std::string_view text) {
     std::error_code error;
     fs::create_directories(path.parent_path(), error);
@@ -125,7 +125,7 @@ std::string from_cache(const fs::path& file) {
     return entry.substr(0, entry.size() - 16);
 }
 
-// The lines of a program that state, as constants, what the host has chosen.
+// The lines of a program's text that state, as constants, what the host has chosen.
 std::vector<std::string> chosen(const ModuleRequest& request) {
     std::vector<std::string> lines{
         fmt::format("using Real = {};", request.real),

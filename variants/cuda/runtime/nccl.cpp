@@ -94,7 +94,7 @@ std::map<std::size_t, std::vector<NcclCommunicator*>>& connections() {
     return made;
 }
 
-// Adds one device's values to the sum on the first device; nobody reads what the others receive.
+// Adds one device's values to the sum on the first device; what the other devices receive is not read.
 NcclResult enqueue(const Addend& addend, std::int64_t* sum, std::size_t count) {
     const OnDevice on(static_cast<int>(addend.device));
     NcclCommunicator* const own = connections().at(addend.devices).at(addend.device);
