@@ -17,20 +17,20 @@ template <class Real>
 struct EnvironmentRow {
     Real top;
     Real inverse_pdf;     // 1 / pdf of a direction in this row if its texel had probability 1
-    std::uint32_t first;  // start of the row's interval of [0, 2^32), which ends at the next row's `first`
+    std::uint32_t first;  // start of the row's interval of random words [0, 2^32), up to the next row's
 };
 
 template <class Real>
 struct EnvironmentTexel {
     Vec3<Real> radiance;
-    std::uint32_t first;  // start of the texel's interval of [0, 2^32) within its row
+    std::uint32_t first;  // start of the texel's interval of random words [0, 2^32) in its row
 };
 
 template <class Real>
 struct EnvironmentMap {
-    View<EnvironmentRow<Real>> rows;      // rows of the image from +y down
-    View<EnvironmentTexel<Real>> texels;  // texels of the image, row by row
-    std::uint32_t width;                  // number of texels in a row
+    View<EnvironmentRow<Real>> rows;      // rows of the environment image from +y down
+    View<EnvironmentTexel<Real>> texels;  // texels of the environment image, row by row
+    std::uint32_t width;                  // number of texels in a row of the environment image
     Real turn;                            // rotation about y: where the direction -z is in the image, in widths
     std::uint32_t object_share;           // a random word below this draws an object that emits, not the environment
     std::uint32_t stretch;                // 2^63 / object_share, to stretch random words below object_share

@@ -68,7 +68,7 @@ struct GgxFacets {
     }
 
     // Samples a facet that faces the viewer (visible normals), by a point on the projected disc in the stretched space,
-    // where the ellipsoid of facets is a sphere; x is along the viewer's azimuth.
+    // where the ellipsoid of facets is a sphere; the disc's x is along the viewer's azimuth.
     PT_HD GgxFacet<Real> sample(Real u, Real v) const {
         const Frame<Real> frame(normal);
         const Real x = dot(outgoing, frame.tangent);

@@ -198,7 +198,7 @@ private:
     HealthCounters& counters_;
 };
 
-// Traces a whole path and audits it; the light that it has collected is in path.radiance.
+// Traces a whole path and audits it. The light that the path has collected is then in path.radiance.
 template <class Config>
 PT_HD inline void inspect_path(const SceneView<typename Config::Real>& scene,
                                const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,

@@ -628,8 +628,8 @@ PT_HD inline Hit<typename Config::Real> closest_hit(const Scene& scene, const Ra
     return best;
 }
 
-// closest_hit for rays that connect a vertex to a light. Many lobes ask for it, so large kernels keep a single copy of
-// the code.
+// closest_hit for rays that connect a vertex to a light. Many lobes call it, so large kernels keep a single copy of its
+// code.
 template <class Config>
 PT_HD inline Hit<typename Config::Real> closest_hit_of_connection(const SceneView<typename Config::Real>& scene,
                                                                   const Ray<typename Config::Real>& ray) {

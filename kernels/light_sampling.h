@@ -25,14 +25,14 @@ concept IsBoxLike = requires(const Shape& shape, const Vec3<Real>& v) {
     box_to_local(shape, v);
 };
 
-// Faces of a box light that an observer outside the box sees, scaled so that the box's half extents add up to a number
-// from 1 to 2: the scaling by a power of two rounds nothing.
+// Faces of a box light that an observer outside the box sees. Lengths are scaled so that the box's half extents add up
+// to a number from 1 to 2; the scale is a power of two and rounds nothing.
 template <class Real>
 struct SeenFaces {
     Vec3<Real> observer, half;
     Vec3<Real> height;  // observer's height over the plane of the face across each axis; 0: face not seen, or no area
     Vec3<Real> area;    // area of the faces across each axis, whether the observer sees them or not
-    Real scale;         // scaled units per scene unit
+    Real scale;         // scaled units of length per scene unit
 
     PT_HD explicit SeenFaces(const BoxFrame<Real>& frame)
         : scale(power_to_one(frame.half.x + frame.half.y + frame.half.z)) {

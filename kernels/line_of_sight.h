@@ -92,7 +92,7 @@ PT_HD inline bool is_hidden_by_axis_boxes(Segment<typename Config::Real>& segmen
     const std::uint32_t first = first_of<ShapeKind::axis_box>(scene);
     if constexpr (has<Config>(Feature::enclosure)) {
         if (without_walls) {
-            // Without walls the light is mostly the only axis box, so the reciprocal direction is formed where it is
+            // Without walls the light is mostly the only axis box, so the reciprocal ray direction is formed only where
             // needed.
             for (std::uint32_t i = 0; i < scene.axis_boxes.size; ++i) {
                 if (!scene.enclosure.is_wall(i) && first + i != segment.object &&
@@ -104,7 +104,7 @@ PT_HD inline bool is_hidden_by_axis_boxes(Segment<typename Config::Real>& segmen
         }
     }
     const auto inverse = reciprocal(segment.ray.direction);
-    // The loop over axis boxes is kept rolled: in an enclosure few rays get to it, and rolled it has a sixth of the
+    // The loop over axis boxes is not unrolled: in an enclosure few rays get to it, and rolled it has a sixth of the
     // instructions.
     PT_ROLLED
     for (std::uint32_t i = 0; i < scene.axis_boxes.size; ++i) {

@@ -49,7 +49,7 @@ PT_HD constexpr T clamp(T value, T low, T high) {
     return min(max(value, low), high);
 }
 
-// The vector's component along an axis from 0 to 2. It is selected by comparisons, since an index would put the vector
+// Component of a vector along an axis from 0 to 2. It is selected by comparisons, since an index would put the vector
 // into memory.
 template <class Real, class Axis>
 PT_HD constexpr Real component_of(const Vec3<Real>& v, Axis axis) {

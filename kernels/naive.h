@@ -28,7 +28,7 @@ PT_HD inline Real robust_inverse_pdf(const Shape& shape, const Vec3<Real>& obser
 
 namespace pt::naive {
 
-// A shape without a textbook form is handled in the robust way.
+// A shape without a textbook form of its own is handled in the robust way.
 template <class Shape, class Real>
 PT_HD inline Interval<Real> interval(const Shape& shape, const Vec3<Real>& origin, const Vec3<Real>& direction) {
     return robust_interval(shape, origin, direction);

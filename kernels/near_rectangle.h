@@ -52,9 +52,9 @@ private:
     // The rectangle's line at one x, by the sines of the angles from the plane y = 0, in which the observer lies, to
     // the directions of the line's ends.
     struct Stretch {
-        Real square;  // squared distance to the line, extended endlessly
+        Real square;  // squared distance from the observer to the line, extended endlessly
         Real low, high;
-        Real inverse_low, inverse_high;  // 1 / distances to the line's ends
+        Real inverse_low, inverse_high;  // 1 / distances from the observer to the line's ends
         bool on_one_side;                // both ends are on one side of the plane y = 0
 
         PT_HD Stretch(const NearRectangle& of, Real x) : square(x * x + of.height * of.height) {

@@ -1,5 +1,5 @@
-// The fields of a path, listed once: how a path lies in memory between two stages, whatever the layout, what of it a
-// scene's kernels carry, and what a bounce changes all follow from this list.
+// The fields of a path, listed once. How a path lies in memory between two stages, whatever the layout, which fields a
+// scene's kernels carry, and which of them a bounce changes all follow from this list.
 #pragma once
 
 #include "kernels/config.h"

@@ -75,7 +75,7 @@ public:
 
 private:
     struct Waiting {
-        Path<Real> path;  // path at the vertex where it split, with a branch's throughput
+        Path<Real> path;  // path at the vertex where it split, with the throughput of one branch
         Hit<Real> hit;
         std::uint32_t branches;
     };

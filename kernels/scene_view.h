@@ -40,7 +40,7 @@ struct LightSlot {
 template <class Real>
 struct alignas(16) LightNode {
     Vec3<Real> centre;
-    std::uint32_t link;  // index of the first child (children are adjacent), or leaf_bit and a light
+    std::uint32_t link;  // index of the node's first child (children are adjacent), or leaf_bit and a light
     Vec3<Real> half;     // half extents of the bounding box
     std::uint32_t child_count;
     Vec3<Real> shown;
@@ -62,7 +62,7 @@ struct TexelBlock {
     std::uint32_t first_texel;  // index of the first texel in SceneView::texels
 };
 
-// The images that an object shows, and how points of the object map to their coordinates.
+// The images that an object shows, and how the object's points map to texture coordinates.
 template <class Real>
 struct ObjectTexture {
     Transform<Real> place;
@@ -78,7 +78,7 @@ struct ObjectNormals {
     // The matrix that takes normals from a mesh's own space to the scene, but for a factor that all normals share.
     Vec3<Real> row[3];
     std::uint32_t first_normal;  // index of a mesh's first triangle in ShadingNormals::corners, or none
-    TexelBlock map;              // normal map, in the tangent space of the texture coordinates
+    TexelBlock map;              // normal map in the tangent space of the texture coordinates, if any
     Real map_scale;              // factor on the normal map's first two components
 };
 
@@ -159,9 +159,9 @@ struct SceneView {
     std::uint32_t final_bounce;    // 1: connect the last vertex to a light
     std::uint32_t next_event;      // 1: connect every diffuse vertex but the last to a light
     std::uint32_t mis_exponent;    // MIS weights: 0 none (connections only), 1 balance heuristic, 2 power heuristic
-    std::uint32_t roulette_start;  // Russian roulette from the vertex at the end of this segment on; 0: none
+    std::uint32_t roulette_start;  // first segment after which Russian roulette is played; 0: never
     LightSampling light_sampling;  // light sampling of boxes and quads that emit
-    std::uint16_t near_light;      // automatic sampling: near limit, in hundredths of a light's half diagonal
+    std::uint16_t near_light;      // automatic light sampling: near limit, in hundredths of a light's half diagonal
     LightSelection light_selection;
     std::uint32_t one_sample;  // 1: one-sample MIS: either a connection counts or a light that is hit
 

@@ -20,7 +20,7 @@ template <class Count>
 struct PathCountersOf {
     Count paths = 0;
     Count rays = 0;              // rays traced: path segments (closest hit) and connections to lights
-    Count connections = 0;       // rays that connect a vertex to a light
+    Count connections = 0;       // connections: rays that connect a vertex to a light
     Count unfinished_walks = 0;  // paths lost in a subsurface body: the walk met its cap, or began inside
 };
 using PathCounters = PathCountersOf<std::uint64_t>;

@@ -31,7 +31,7 @@ struct Interval {
     bool hits;
 };
 
-// A convex body: a shape that a line crosses over one interval.
+// A convex body: a shape that any line crosses over at most one interval.
 template <class Shape, class Real>
 concept IsConvexBody = !Shape::is_flat && requires(const Shape& shape, const Vec3<Real>& v) {
     interval(shape, v, v).near;

@@ -38,7 +38,7 @@ struct Cone {
 template <class Real>
 PT_HD inline Vec3<Real> along(const Vec3<Real>& axis, const Vec3<Real>& local) {
     const Real square = dot(axis, axis);
-    // An observer at a sphere's very centre has no direction to it, and any axis of the cone will do.
+    // From a sphere's very centre there is no direction towards the centre, and any axis of the cone will do.
     return square > Real(0) ? Frame<Real>(axis * (Real(1) / square_root(square))).to_world(local) : local;
 }
 
@@ -46,7 +46,7 @@ PT_HD inline Vec3<Real> along(const Vec3<Real>& axis, const Vec3<Real>& local) {
 template <class Real>
 struct SphericalRectangle {
     Real x0, x1, y0, y1, height;
-    Real skew;         // angle from which shares of the solid angle are counted
+    Real skew;         // angle where the solid angle's shares begin
     Real solid_angle;  // solid angle of the rectangle; 0, negative or NaN: not visible
 
     PT_HD SphericalRectangle(Real low_x, Real high_x, Real low_y, Real high_y, Real z)
@@ -82,7 +82,7 @@ private:
     }
 };
 
-// 1 / pdf of a light sample on a far box: `total` over the cube of the distance in diagonals of the box.
+// 1 / pdf of a light sample on a far box: `total` over the cube of the distance, in diagonals of the box.
 template <class Real>
 PT_HD inline Real far_inverse_pdf(Real total, Real distance, Real diagonal) {
     const Real t = distance / diagonal;

@@ -73,7 +73,7 @@ PT_HD inline std::uint32_t axis_along(const Transform<Real>& box, const Vec3<Rea
     return x > y ? (x > z ? 0u : 2u) : (y > z ? 1u : 2u);
 }
 
-// Texture coordinates u, v of a sphere by longitude and latitude, for a point p from its centre, of any length but 0.
+// Texture coordinates u, v of a sphere by longitude and latitude, for a point p of any distance but 0 from the centre.
 template <class Real>
 PT_HD inline Vec2<Real> sphere_coordinates(const Vec3<Real>& p) {
     const Real half(0.5);
@@ -84,7 +84,7 @@ PT_HD inline Vec2<Real> sphere_coordinates(const Vec3<Real>& p) {
 }
 
 // Barycentric weights of a mesh triangle where a ray hits it. A ray that was traced in double may miss the triangle in
-// single precision: its weights are then taken as they are.
+// single precision: the weights of its miss are then used as they are.
 template <class Real>
 PT_HD inline Vec3<Real> weights_of_corners(const MeshInstance<Real>& mesh, std::uint32_t primitive,
                                            const Vec3<Real>& origin, const Vec3<Real>& direction) {

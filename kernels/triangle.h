@@ -14,8 +14,8 @@ struct Triangle {
     Vec3<Real> a, b, c;
 };
 
-// The shear and permutation that turn the ray's direction into the z axis: what every triangle's test of one ray
-// shares. The direction need not be a unit vector; distances come in its multiples.
+// The shear and the axis permutation that turn a ray's direction into the z axis, shared by the tests of all triangles
+// against the ray. The direction need not be a unit vector; distances come in multiples of it.
 template <class Real>
 struct ShearedDirection {
     std::uint32_t kx, ky, kz;  // kz: the axis of the direction's largest component

@@ -11,7 +11,7 @@ struct Vertex {
     Vec3<Real> position;
     Vec3<Real> surface_normal;  // unit normal on the incoming ray's side; not set for hits with a box face
     std::uint32_t object;
-    bool inside;  // the incoming ray ran inside the object
+    bool inside;  // the incoming ray ran inside the object that it hit
     std::uint32_t material;
     SurfaceId hit;  // surface of the hit, with its box face where that is known
     std::uint32_t primitive = 0;

@@ -62,7 +62,7 @@ struct VariantTraits {
 #define PT_CHOSEN(name) Chosen<name::Traits> name;
     PT_AXES(PT_CHOSEN)
 #undef PT_CHOSEN
-    std::map<std::string, std::uint32_t, std::less<>> tuning;  // the variant's tunables (Variant::tuning)
+    std::map<std::string, std::uint32_t, std::less<>> tuning;  // values of the variant's tunables (Variant::tuning)
 };
 
 // Why a variant or one of its choices cannot run: a short code for programs and a sentence for people.

@@ -15,7 +15,7 @@
 
 namespace pt {
 
-// How a choice's film compares with the reference variant's: the same bits, the same expectation, or, declared,
+// A choice's claim on its film against the reference variant's: the same bits, the same expectation or, declared,
 // neither.
 enum class Claim { bitwise, statistical, biased };
 

@@ -127,8 +127,8 @@ Variant without_foreign_tunables(Variant variant, Backend backend);
 // samples (the flags of the same names in Descriptor).
 bool depends_on_order(const Variant& variant, Backend backend);
 bool has_independent_samples(const Variant& variant, Backend backend);
-// How many segments deeper the variant at the end of all claims of a mean must trace (sum of mean_at_extra_depth in
-// Descriptor). Claims form chains: a choice may claim the mean of one that claims the mean of a third.
+// How many segments deeper the variant that ends all claims of a mean must trace: the sum of mean_at_extra_depth
+// (Descriptor). Claims form chains, since a choice may claim the mean of one that claims the mean of a third.
 std::uint32_t extra_depth(Variant variant, Backend backend);
 // The features that the variant's choices ask of a kernel, whatever the scene.
 FeatureSet features_asked(const Variant& variant, Backend backend);

@@ -39,7 +39,7 @@ struct Principled {
     Real metal_share, diffuse_share, glass_share;  // shares of the three lobes, which sum to 1
     Real layer_reflectance;                        // reflectance of a smooth boundary, F(n.v)
     Real diffuse_probability;
-    Vec3<Real> diffuse_colour;  // colour * diffuse_share / diffuse_probability
+    Vec3<Real> diffuse_colour;  // base colour * diffuse_share / diffuse_probability
     bool are_facets_wide;
     std::uint32_t medium_beyond;
 

@@ -81,8 +81,8 @@ struct Walk {
 // A subsurface walk in progress in kernels that guide walks by Dwivedi sampling (kernels/guided_walk.h).
 template <class Real>
 struct GuidedWalk : Walk {
-    Vec3<Real> normal;            // outward normal of the surface that is nearest as far as is known
-    StepChoice choice;            // density by which the next step is drawn
+    Vec3<Real> normal;            // outward normal of the body's surface that is nearest as far as is known
+    StepChoice choice;            // density by which the walk's next step is drawn
     bool drew_direction = false;  // the walk's direction was drawn together with `choice`
 
     PT_HD void meet_surface(const Vec3<Real>& outward, const StepChoice& next) {
@@ -218,8 +218,8 @@ private:
 
 enum class WalkStep { goes_on, left, lost };
 
-// Takes one flight of a subsurface walk, to a collision or to the surface. `left`: the path is on the surface, heading
-// out; `lost`: the cap on scatterings and internal reflections was reached first.
+// Takes one flight of a subsurface walk, to a collision or to the surface. Result `left`: the path is on the surface,
+// heading out; `lost`: the cap on scatterings and internal reflections was reached first.
 template <class Config>
 PT_HD inline WalkStep walk_step(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
                                 WalkOf<Config>& walk, const SubsurfaceMaterial<typename Config::Real>& body) {

@@ -32,10 +32,10 @@ inline constexpr std::uint32_t plane_splice = 0x47000000u;
 // a leaf.
 struct alignas(16) Node {
     float origin[3];
-    std::uint8_t exponent[3];  // step between planes on each axis, as a float's exponent field
+    std::uint8_t exponent[3];  // step between planes of the node's grid by axis, as a float's exponent field
     std::uint8_t unused = 0;
-    std::uint32_t child_base;  // number of the first child that is a node; the others follow in the order of i
-    std::uint32_t slot_base;   // first slot of the node's leaves; the others follow in the order of i
+    std::uint32_t child_base;  // number of the node's first child that is a node; others follow in the order of i
+    std::uint32_t slot_base;   // first slot of the node's leaves; other slots follow in the order of i
     std::uint32_t contents;
     std::uint32_t splice = plane_splice;
     // The low and the high planes of the children's boxes on each axis, in steps from the node's origin, at least
@@ -138,7 +138,7 @@ struct BoxRay {
     float origin[3];
     float inverse[3];
     float room[3];       // margin on slab distances for rounding, in units of t
-    std::uint32_t flip;  // bit k: the ray goes up axis k, so it meets low planes first
+    std::uint32_t flip;  // bit k: the ray goes up axis k, and so meets low planes first
 
     template <class Real>
     PT_HD static BoxRay of(const LoadedNode& root, const Vec3<Real>& from, const Vec3<Real>& direction) {

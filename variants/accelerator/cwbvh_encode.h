@@ -13,7 +13,7 @@ namespace pt::accelerator::cwbvh {
 inline constexpr float node_cost = 1.0f, reference_cost = 0.3f;
 inline constexpr std::uint32_t no_node = ~0u;
 
-PT_HD inline float box_area(const Box& box) {  // half of the box's surface area
+PT_HD inline float box_area(const Box& box) {  // half of the surface area of the subtree's box
     const float x = box.high[0] - box.low[0], y = box.high[1] - box.low[1], z = box.high[2] - box.low[2];
     return x * y + y * z + z * x;
 }

@@ -61,7 +61,7 @@ __global__ void clear_bounds(CentreBounds* bounds) {
     }
 }
 
-// Twice a box's centre along an axis; the factor cancels in every use.
+// Twice the coordinate of a box's centre along an axis; the factor 2 cancels in every use.
 __device__ float centre_of(const Box& box, int axis) { return box.low[axis] + box.high[axis]; }
 
 __global__ void bound_centres(const Box* boxes, std::uint32_t count, CentreBounds* bounds) {

@@ -17,7 +17,7 @@
 
 namespace pt::lanes {
 
-// GNU vectors (g++, clang): an operation applies to each lane, by IEEE; a comparison gives -1 or 0 in each.
+// Vectors of floats as GNU C++ (g++, clang) has them: operations apply to each lane, by IEEE; comparisons give -1 or 0.
 template <int width>
 struct VectorOf {
     typedef float Floats __attribute__((vector_size(width * sizeof(float))));

@@ -241,7 +241,7 @@ inline Vec2<Real> point_in_rectangle(Real x0, Real x1, Real y0, Real y1, Real he
     return {x, rest > Real(0) ? inner : edge};
 }
 
-// An axis for each lane, kept as a Real: g++ 12 does not vectorise selections by numbers of another kind.
+// An axis for each lane, stored as a Real: g++ 12 does not vectorise selections by numbers of another type.
 template <class Real>
 struct PickedAxis {
     Real number;

@@ -1,4 +1,4 @@
-// The small kernels that choices compiled by nvcc need beside a library's. Each call enqueues one launch, which the
+// Small kernels that choices compiled by nvcc need besides those of a library. Each call enqueues one launch, which its
 // caller counts.
 #pragma once
 

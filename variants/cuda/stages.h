@@ -19,7 +19,7 @@ struct Queue {
     void* hits = nullptr;                  // StoredHit<Real> by slot of the path, valid between intersect and shade
     std::uint32_t* order = nullptr;        // slots by position in the queue, with `capacity` entries
     std::uint32_t* order_spare = nullptr;  // second array of slots with `capacity` entries, for sorts and compactions
-    std::uint32_t* keys = nullptr;  // sort keys by position in play, `capacity` entries; written before a sort only
+    std::uint32_t* keys = nullptr;         // sort keys by position in play, `capacity` entries; for sorts alone
     std::uint32_t* keys_spare = nullptr;   // second array of sort keys, with `capacity` entries
     std::uint32_t* count = nullptr;        // number of paths in play, in device memory
     std::uint32_t* count_spare = nullptr;  // second counter of paths in play, in device memory

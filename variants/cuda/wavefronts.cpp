@@ -216,7 +216,7 @@ void Wavefront::upload() {
         clear(index, std::size_t{start_.capacity} * sizeof(std::uint32_t), job_.stream);
     }
     if (copies_whole_paths()) {
-        // The whole store of paths is cleared, for fields that the scene's kernels never write are copied too.
+        // The whole store of paths is cleared, since fields that the scene's kernels never write are copied, too.
         clear(start_.paths.base, needs_.layout.bytes(start_.capacity, real_bytes_, every_path_field), job_.stream);
     }
     clear(start_.count, sizeof(std::uint32_t), job_.stream);

@@ -59,7 +59,7 @@ struct DevicePaths {
     PT_HD std::uint32_t& primitive(std::uint32_t slot) const { return at(slot).primitive; }
     PT_HD Ray<Real> ray(std::uint32_t slot) const { return ray_of(load(slot)); }
 
-    // Bytes of a path store. A record is the whole path, whatever the scene, as in cis565.
+    // Bytes of a path store. A slot has the whole record of a path, whatever the scene's kernels carry, as in cis565.
     static constexpr std::size_t bytes(std::uint32_t capacity, const PathFields&) {
         return sizeof(Record<Real>) * std::size_t{capacity};
     }

@@ -139,8 +139,7 @@ __device__ inline void add_counters(Totals* totals, const ThreadCounters& counte
 }  // namespace pt::cuda
 
 // A scene as kernels read it: `shade` for the surface that each lane has hit, `trace` for all objects in turn. A kernel
-// for one scene has copies, of which little is left: where the variant fixes the numbers of objects, they are
-// constants.
+// has copies of both, of which little remains: where the variant fixes the numbers of objects, they are constants.
 struct OwnSceneViews {
     Scene shade, trace;
 

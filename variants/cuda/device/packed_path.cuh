@@ -1,4 +1,4 @@
-// The kind of a path's next stage as a number, and the path packed in words of 32 bits, four to a column, as it lies in
+// The kind of a path's next stage as a number; and a path packed in words of 32 bits, four to a column, as paths lie in
 // shared memory between two stages (path_pool.cuh).
 #pragma once
 

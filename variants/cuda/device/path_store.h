@@ -17,7 +17,7 @@ struct PathStore {
 // One 32-bit field of the paths of a store, whatever the layout: slot i is at base + i * stride.
 struct FieldView {
     const unsigned char* base = nullptr;
-    std::uint32_t stride = 0;  // bytes from a slot's field to the next slot's
+    std::uint32_t stride = 0;  // bytes from the field of one slot to that of the next
 };
 
 PT_HD inline std::uint32_t value_at(const FieldView& field, std::uint32_t slot) {

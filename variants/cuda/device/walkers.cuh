@@ -1,4 +1,4 @@
-// How kernels put paths into a list of walkers and take them from it.
+// How kernels put paths on a subsurface walk into a list of walkers, and take them out again.
 #pragma once
 
 #include "variants/cuda/device/append.cuh"
