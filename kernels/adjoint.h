@@ -19,7 +19,7 @@ inline constexpr Real most_carried = Real(64);
 
 template <class Real>
 struct AdjointCache {
-    Vec3<Real> low;  // lowest corner of the adjoint grid, relative to the eye
+    Vec3<Real> low;  // lowest corner of the adjoint grid, in scene units from the eye
     Vec3<Real> cells_a_unit;
     std::uint32_t cells;  // number of grid cells along each axis
     // Weight window on a path's expected contribution, in units of its pixel's value.

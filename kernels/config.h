@@ -103,7 +103,7 @@ enum class Feature : FeatureSet {
     flat_tree = feature_bit::traversal << 4,
 };
 
-// Light sampling and light selection that a variant asks for, by the features of light_samplings and light_selections.
+// Light sampling and selection as a variant asks for them, by the features of light_samplings and light_selections.
 enum class LightSampling : std::uint16_t { solid_angle, area, projected, automatic };
 enum class LightSelection : std::uint32_t { uniform, power, tree };
 

@@ -51,8 +51,8 @@ PT_HD inline std::uint32_t entry_at(const Entry* entries, std::uint32_t count, s
     return low;
 }
 
-// Width of entry i's interval in a table that divides 2^32 words: 2^32 itself for an only entry. The last interval ends
-// at 2^32, whose low word is 0.
+// Width of entry i's interval in a table that divides the 2^32 random words among its entries: 2^32 itself for an only
+// entry. The last interval ends at 2^32, whose low word is 0.
 template <class Real, class Entry>
 PT_HD inline Real share_of_entry(const Entry* entries, std::uint32_t count, std::uint32_t i) {
     const std::uint32_t end = i + 1 < count ? entries[i + 1].first : 0u;

@@ -100,7 +100,7 @@ struct FilmView {
         add(pixel, quanta(radiance));
     }
 
-    // Adds the sum of several samples of a pixel, given as radiance.
+    // Adds the sum of several samples of a pixel, given as radiance, to the film.
     template <class Real>
     PT_HD void add_sum(std::uint32_t pixel, const Vec3<Real>& sum) const {
         using std::llrint;

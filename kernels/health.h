@@ -72,7 +72,7 @@ PT_HD inline void HealthCounters::add(const HealthCounters& other) {
         [](std::uint64_t& into, std::uint64_t value) { into = max(into, value); });
 }
 
-// The bodies that a path is inside of: bit i stands for object i, one of the first 64 objects.
+// The bodies that a path is inside: bit i stands for object i, one of the first 64 objects.
 using BodySet = std::uint64_t;
 
 // Request to an integrator to audit its paths.

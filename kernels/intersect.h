@@ -59,7 +59,7 @@ PT_HD inline Vec3<typename Config::Real> in_motion(const Scene& scene, std::uint
     }
 }
 
-// The scene's spheres in the form that a kernel with Feature::near_sphere intersects.
+// The spheres of the scene as NearSphere, for a kernel with Feature::near_sphere.
 template <class Real, class Spheres>
 struct NearSpheres {
     const Spheres& spheres;
@@ -302,7 +302,7 @@ template <class Real>
 struct MeshRay {
     Vec3<Real> origin, direction;
     ShearedDirection<Real> sheared;
-    Vec3<Real> along;  // ray origin along the axes kx, ky and kz
+    Vec3<Real> along;  // ray origin by the axes kx, ky and kz
     std::uint32_t object;
     std::uint32_t passed_over;  // triangle that the ray starts on and cannot hit, or `nothing`
 

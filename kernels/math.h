@@ -120,7 +120,7 @@ PT_HD inline Real power_of_two(int k) {
     return number_of(bits_of(Real(1)) + k * (bits_of(Real(2)) - bits_of(Real(1))));
 }
 
-// The power of two at or below x, and 1 over it: for x from the least normal number to half of the largest.
+// The greatest power of two at or below x, and 1 over it: for x from the least normal number to half of the largest.
 template <class Real>
 PT_HD inline Real power_of_two_below(Real x) {
     return number_of(bits_of(x) >> mantissa_bits<Real> << mantissa_bits<Real>);
@@ -188,7 +188,7 @@ PT_HD inline Real logarithm(Real x) {
     }
     const bool denormal = x < power_of_two<Real>(2 - infinite_exponent<Real>);
     const auto bits = bits_of(denormal ? x * power_of_two<Real>(mantissa_bits<Real>) : x);
-    // Splits x into 2^k (1 + f) with 1 + f from sqrt(1/2) to sqrt(2).
+    // Splits x into 2^k (1 + f) such that 1 + f is from sqrt(1/2) to sqrt(2).
     const auto k = (bits - bits_of(Real(0.70710678118654752440))) >> mantissa_bits<Real>;
     const Real f = number_of(bits - (k << mantissa_bits<Real>)) - Real(1);
     const Real exponent = Real(static_cast<int>(k) - (denormal ? mantissa_bits<Real> : 0));

@@ -12,7 +12,7 @@ namespace pt {
 template <class Real>
 struct NearRectangle {
     Real x0, x1, y0, y1, height;
-    Real length;  // extent along y, known more precisely than y1 - y0
+    Real length;  // extent along y, known more precisely than the difference y1 - y0
     Real angle;   // angle that the strip subtends, up to pi; 0: the rectangle is not visible
 
     // `at`: the observer's position over the rectangle, from its centre; `half`: the rectangle's half sides.
@@ -55,7 +55,7 @@ private:
         Real square;  // squared distance from the observer to the line, extended endlessly
         Real low, high;
         Real inverse_low, inverse_high;  // 1 / distances from the observer to the line's ends
-        bool on_one_side;                // both ends are on one side of the plane y = 0
+        bool on_one_side;                // both ends of the line are on one side of the plane y = 0
 
         PT_HD Stretch(const NearRectangle& of, Real x) : square(x * x + of.height * of.height) {
             inverse_low = inverse_root(square + of.y0 * of.y0);
@@ -97,9 +97,9 @@ private:
         }
     };
 
-    // Scale that brings the rectangle's distances near 1, so that no squared length in an angle underflows.
+    // Scale that brings the distances to the rectangle near 1, so that no squared length in an angle underflows.
     PT_HD Real unit() const { return power_to_one(max(max(absolute(x0), absolute(x1)), height)); }
-    // The x for which a share u of the strip's angle lies on the side of x0.
+    // The x for which a share u of the angle of the rectangle's strip lies on the side of x0.
     PT_HD Real x_at(Real u) const {
         const Real scale = unit();
         const SinCos<Real> turn = sin_cos_turn(u * (angle * (Real(0.5) / pi<Real>)));

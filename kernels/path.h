@@ -75,8 +75,8 @@ struct Path {
     PT_HD bool alive() const { return segment != ended; }
 };
 
-// Low bits of Path::segment that count segments. In kernels whose paths split the bits above number the branch, and its
-// random numbers follow from them.
+// Low bits of Path::segment, which count segments. In kernels whose paths split, the bits above number the path's
+// branch, from which its random numbers follow.
 inline constexpr std::uint32_t segment_bits = 20;
 
 template <class Config>

@@ -65,7 +65,7 @@ inline constexpr std::size_t path_field_count = sizeof path_field_table / sizeof
 
 PT_HD constexpr PathFieldInfo info(PathField field) { return path_field_table[static_cast<std::size_t>(field)]; }
 
-// A field that Path has and the list has not would be lost between two stages.
+// A path field that is in struct Path but not in the list of fields would be lost between two stages.
 static_assert([] {
     std::size_t bytes = 0;
     for (const PathFieldInfo& field : path_field_table) {

@@ -21,7 +21,7 @@ struct alignas(4 * sizeof(Real)) Surface {
     MaterialType type;
 };
 
-// A light: the index of an object that emits.
+// A light for next-event estimation: the index of an object that emits.
 struct Light {
     std::uint32_t object;
 };
@@ -44,7 +44,7 @@ struct alignas(16) LightNode {
     Vec3<Real> half;     // half extents of the bounding box
     std::uint32_t child_count;
     Vec3<Real> shown;
-    Real least_square;  // least squared distance: that of half the box's diagonal, at least 2^-100
+    Real least_square;  // least squared distance to reckon with: that of half the box's diagonal, at least 2^-100
 
     static constexpr std::uint32_t leaf_bit = 0x80000000u;
     // Limits of the light tree, with which the way to a light fits 32 bits.
@@ -91,13 +91,13 @@ struct ShadingNormals {
 template <class Real>
 struct Ray;
 
-// Function that updates the closest hit by the triangles of a mesh: hit, mesh, object index, ray origin in the object's
+// Function that updates the closest hit by a mesh's triangles: of hit, mesh, object index, ray origin in the object's
 // frame, ray, and the distance below which a hit ends the search (NearerThan, kernels/intersect.h; 0: none does).
 template <class Real>
 using MeetMesh = void (*)(Hit<Real>&, const MeshInstance<Real>&, std::uint32_t, const Vec3<Real>&, const Ray<Real>&,
                           Real);
-// Function that updates the closest hit by all mesh instances: hit, scene, ray, and the distance below which a hit ends
-// the search (0: none does).
+// Function that updates the closest hit by all mesh instances: of hit, scene, ray, and the distance below which a hit
+// ends the search (0: none does).
 template <class Real>
 struct SceneView;
 template <class Real>
@@ -153,7 +153,7 @@ struct SceneView {
     View<CornerCoordinates> texture_coordinates;
     Vec3<Real> environment;  // radiance of rays that leave the scene
     Camera<Real> camera;
-    AxisAlignedEnclosure<Real> enclosure;  // the enclosure that the axis boxes make
+    AxisAlignedEnclosure<Real> enclosure;  // the enclosure whose walls are axis boxes
     RandomSeed seed;
     std::uint32_t depth;           // most ray segments in a path, at least 1
     std::uint32_t final_bounce;    // 1: connect the last vertex to a light

@@ -15,13 +15,13 @@
 
 namespace pt {
 
-// Counters of one thread that runs stages; whoever runs the thread sums them up.
+// Counters of one thread that runs stages of paths; whoever runs the thread adds them up.
 template <class Count>
 struct PathCountersOf {
     Count paths = 0;
-    Count rays = 0;              // rays traced: path segments (closest hit) and connections to lights
+    Count rays = 0;              // rays traced: path segments (closest hits) and connections to lights
     Count connections = 0;       // connections: rays that connect a vertex to a light
-    Count unfinished_walks = 0;  // paths lost in a subsurface body: the walk met its cap, or began inside
+    Count unfinished_walks = 0;  // paths lost in a subsurface body: their walk reached its cap, or began inside
 };
 using PathCounters = PathCountersOf<std::uint64_t>;
 

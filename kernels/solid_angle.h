@@ -16,7 +16,7 @@ namespace pt {
 // The cone of directions in which an observer sees a sphere: solid angle 2 pi (1 - cos); all directions from inside.
 template <class Real>
 struct Cone {
-    Real one_minus_cosine;  // 1 - cos of the half angle; 2: the whole sphere of directions
+    Real one_minus_cosine;  // 1 - cos of the cone's half angle; 2: the whole sphere of directions
 
     // A `radius_over_distance` above 1 means that the observer is inside the sphere, which then fills all directions.
     PT_HD explicit Cone(Real radius_over_distance) : one_minus_cosine(Real(2)) {
@@ -92,9 +92,9 @@ PT_HD inline Real far_inverse_pdf(Real total, Real distance, Real diagonal) {
 // A box light in its own frame as an observer sees it, in units of its diagonal. A quad is a box without height.
 template <class Real>
 struct SeenBox {
-    Vec3<Real> observer;  // observer's position relative to the box's centre
+    Vec3<Real> observer;  // observer's position relative to the centre of the box light
     Vec3<Real> half;
-    Real diagonal;  // length of the box's diagonal, scene units
+    Real diagonal;  // length of the box light's diagonal, scene units
     bool near;
     Real share[3];  // share of samples for each axis's face: solid angle (near) or projected area times distance (far)
     Real total;

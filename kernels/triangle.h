@@ -37,7 +37,7 @@ template <class Real>
 struct TriangleHit {
     Real t;        // distance in multiples of the direction's length
     Real det;      // determinant u + v + w
-    Real u, v, w;  // barycentric weights of the corners a, b, c, times det
+    Real u, v, w;  // barycentric weights of the triangle's corners a, b, c, times det
     bool hits;
     bool from_behind;  // the side on which a, b, c go round clockwise was hit
 };

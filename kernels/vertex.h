@@ -13,7 +13,7 @@ struct Vertex {
     std::uint32_t object;
     bool inside;  // the incoming ray ran inside the object that it hit
     std::uint32_t material;
-    SurfaceId hit;  // surface of the hit, with its box face where that is known
+    SurfaceId hit;  // surface that was hit, with its box face where that is known
     std::uint32_t primitive = 0;
     // Unit normal that the vertex is shaded with, on the incoming ray's side: outward for a box face, hit from outside.
     PT_HD Vec3<Real> normal() const { return hit.has_face() ? face_normal<Real>(hit) : surface_normal; }
@@ -48,7 +48,7 @@ struct VertexOfKernel<Config, true> {
 template <class Config>
 using VertexOf = typename VertexOfKernel<Config>::Type;
 
-// The surface's own unit normal, on the incoming ray's side: it tells the surface's two sides apart.
+// The surface's geometric unit normal, on the incoming ray's side: with it the surface's two sides are told apart.
 template <class Config>
 PT_HD inline Vec3<typename Config::Real> geometric_normal(const VertexOf<Config>& vertex) {
     if constexpr (has<Config>(Feature::shading_normals)) {

@@ -68,7 +68,7 @@ struct VariantTraits {
 // Why a variant or one of its choices cannot run: a short code for programs and a sentence for people.
 struct Reason {
     std::string_view code = {};  // a short word that stays the same: "needs_queue"; empty: the variant can run
-    std::string text = {};       // the reason as a sentence for people
+    std::string text = {};       // the reason why something cannot run, as a sentence for people
     std::string_view axis = {};  // axis of the choice that cannot run; empty if the reason is a tunable or the depth
 
     bool empty() const { return code.empty(); }

@@ -60,7 +60,7 @@ struct KernelConstant {
 
 // A source file of the device's code with one further kernel, which only some of an integrator's programs contain.
 struct KernelPart {
-    const char* source = nullptr;  // embedded source file; null: the integrator has no such kernel
+    const char* source = nullptr;  // embedded source file of the kernel; null: the integrator has no such kernel
     KernelSignature single_kernel = {};
     KernelSignature double_kernel = {};
 };
@@ -86,9 +86,9 @@ struct Hooks {
     std::unique_ptr<Compaction> (*compaction)(const CellContext&) = nullptr;
     std::unique_ptr<Sorting> (*sorting)(const CellContext&) = nullptr;
     Layout layout = {};
-    std::vector<KernelSignature> kernels = {};  // kernels of a compaction or sorting, compiled from AXIS/NAME.cuh
+    std::vector<KernelSignature> kernels = {};  // kernels of a compaction or sort, compiled from variants/AXIS/NAME.cuh
     IntegratorHook integrator = {};
-    std::vector<std::string> options = {};  // compiler options of a choice of the axis arithmetic
+    std::vector<std::string> options = {};  // compiler options that a choice of the axis `arithmetic` brings
     std::string real = "";                  // name of the type that a choice of the axis precision computes in
     bool bakes_scene = false;               // the specialisation makes the scene's numbers constants of the kernel
 };

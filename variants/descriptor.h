@@ -111,7 +111,7 @@ struct Descriptor {
     // such a choice has the baseline as reference.
     BackendSet reference = on_none;
     Claim claim = Claim::bitwise;
-    std::string_view claim_note = "";  // for a statistical or biased claim: what the film is held against, and why
+    std::string_view claim_note = "";  // for a statistical or biased claim: what the film is compared with, and why
     // The film of a statistical choice has the expectation of the choice `mean_of` of the same axis at a maximum depth
     // that is greater by mean_at_extra_depth segments.
     std::string_view mean_of = "";
@@ -125,7 +125,7 @@ struct Descriptor {
     // Whether a sampler draws the samples of a pixel independently, so that the error of their mean falls as n^-1/2 and
     // halves of a run are independent.
     bool has_independent_samples = true;
-    Traits traits = {};  // what choices of other axes may ask of this choice; its own axis's traits alone
+    Traits traits = {};  // what choices of other axes may ask of this choice: the traits of its own axis
     BackendSet backends = on_cpu;
     std::span<const Tunable> tunables = {};
     // Why the choice cannot run on a scene with these features in this variant; empty if it can. Its axis is filled in

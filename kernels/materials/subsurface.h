@@ -92,7 +92,7 @@ struct GuidedWalk : Walk {
     }
 };
 
-// State of a walk in a kernel: kernels without guided walks keep nothing for the guide.
+// State of a subsurface walk in a kernel; with a guide only in kernels that have guided walks.
 template <class Config>
 using WalkOf = std::conditional_t<has<Config>(Feature::guided_walk), GuidedWalk<typename Config::Real>, Walk>;
 
@@ -102,7 +102,7 @@ PT_HD inline bool is_guided(const ScatteringMedium<Real>& medium) {
     return medium.guided_share > Real(0);
 }
 
-// The extinction coefficient sigma_t that the next flight is drawn by.
+// The extinction coefficient sigma_t of the colour channel that the next flight is drawn by.
 template <class Config>
 PT_HD inline typename Config::Real sigma_of_flight(const Path<typename Config::Real>& path, const WalkOf<Config>& walk,
                                                    const ScatteringMedium<typename Config::Real>& medium,

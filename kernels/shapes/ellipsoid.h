@@ -7,11 +7,11 @@
 
 namespace pt {
 
-// An affine image of the unit sphere: p = centre + to_world * f, with |f| = 1.
+// An ellipsoid as the affine image p = centre + to_world * f of the unit sphere |f| = 1.
 template <class Real>
 struct Ellipsoid {
     Vec3<Real> centre;
-    Vec3<Real> semi_axis[3];     // columns of the matrix from the unit sphere to the scene
+    Vec3<Real> semi_axis[3];     // columns of the matrix from the unit sphere to the scene, the semi-axes
     Vec3<Real> inverse_axis[3];  // rows of the matrix from the scene to the unit sphere
 
     PT_HD Vec3<Real> to_unit(const Vec3<Real>& v) const {

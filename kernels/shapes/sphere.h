@@ -170,7 +170,7 @@ PT_HD inline Vec3<Real> normal_at(const Sphere<Real>& sphere, const Vec3<Real>& 
     return normalize(p - sphere.centre);
 }
 
-// 1 - cos of the half angle of the cone that a sphere fills, in the textbook's form; 2 from inside.
+// 1 - cos of the half angle of the cone in which a sphere is seen, in the textbook's form; 2 from inside.
 template <class Real>
 PT_HD inline Real one_minus_cosine(const Sphere<Real>& sphere, const Vec3<Real>& to_centre) {
     const Real sine_squared = sphere.radius * sphere.radius / dot(to_centre, to_centre);

@@ -20,7 +20,7 @@ inline constexpr std::uint32_t largest_leaf = 3;
 // Margin by which every child's box is widened, in steps of its node's grid. Distances to planes are rounded as numbers
 // near 2^15 steps are, by less than this.
 inline constexpr double plane_room = 1.0 / 128.0;
-// Size of the traversal stack, one entry for each level of nodes: encode() refuses a deeper tree.
+// Size of the traversal stack of cwbvh, one entry for each level of nodes: encode() refuses a deeper tree.
 inline constexpr std::uint32_t largest_depth = 64;
 
 // Bits of the float 2^15, into which plane_number splices a plane's byte. Loaded with a node they cost nothing: as a
@@ -38,8 +38,8 @@ struct alignas(16) Node {
     std::uint32_t slot_base;   // first slot of the node's leaves; other slots follow in the order of i
     std::uint32_t contents;
     std::uint32_t splice = plane_splice;
-    // The low and the high planes of the children's boxes on each axis, in steps from the node's origin, at least
-    // plane_room outside of the child.
+    // Low and high planes of the children's boxes by axis, in steps from the node's origin, at least plane_room outside
+    // of the child.
     std::uint8_t plane[3][2][width];
 };
 static_assert(sizeof(Node) == 80);
@@ -213,8 +213,8 @@ PT_HD inline float limit_of(const Real& best_t) {
     return static_cast<float>(best_t) * 1.000000476837158203125f;
 }
 
-// Permutes eight bits from slot order into the order in which a ray of this octant visits the children: bit i goes to i
-// ^ flip, and the highest bit comes first. The permutation is its own inverse.
+// Permutes eight bits from slot order into the order in which a ray of octant `flip` visits children: bit i goes to i ^
+// flip, and the highest bit comes first. The permutation is its own inverse.
 PT_HD inline std::uint32_t by_octant(std::uint32_t bits, std::uint32_t flip) {
     std::uint32_t swap = (bits ^ (bits >> 1)) & ((flip & 1u) != 0 ? 0x55u : 0u);
     bits ^= swap * 3u;
@@ -233,7 +233,7 @@ struct NodeGroup {
 
     PT_HD static NodeGroup root() { return {0, 1u << 31}; }
     PT_HD bool empty() const { return bits < (1u << 24); }
-    // The position in the group, from 7 (first) to 0 in the order of the ray's octant, of the child to enter next.
+    // Position in a group, from 7 (first) to 0 in the order of the ray's octant, of the child to enter next.
     PT_HD std::uint32_t nearest() const { return highest_bit(bits) - 24u; }
     PT_HD void keep_up_to(std::uint32_t position, bool inclusive) {
         bits &= (1u << (24u + position)) * (inclusive ? 2u : 1u) - 1u;
@@ -293,7 +293,7 @@ PT_HD void traverse(const TreeView& tree, const Vec3<Real>& origin, const Vec3<R
     }
 }
 
-// The triangles of one node's leaves that are yet to be tested.
+// The triangles in the leaves of one node that are yet to be tested.
 struct SlotGroup {
     std::uint32_t bits = 0;  // slots yet to be tested, a bit each as in boxes_hit's result
     std::uint32_t contents = 0, base = 0;

@@ -23,7 +23,7 @@ struct alignas(32) Cut {
     float cost[width - 1];
     std::uint32_t choices;
 
-    // How many of `roots` (2 to 8) subtrees the left child contributes; 0: one subtree fewer costs less.
+    // Number of binary subtrees, of `roots` (2 to 8), that the left child contributes; 0: one subtree fewer costs less.
     PT_HD std::uint32_t left_of(std::uint32_t roots) const { return choices >> (3 * (roots - 2)) & 7u; }
     PT_HD bool is_leaf() const { return (choices >> 21 & 1u) != 0; }
     PT_HD std::uint32_t references() const { return choices >> 22; }  // references below, up to largest_leaf + 1
@@ -135,7 +135,7 @@ struct Children {
     }
 
 private:
-    // The free corner of a wide node towards which a child lies farthest out.
+    // The free corner of a wide node at which a child lies farthest out.
     struct Wish {
         float from_centre[3], reach;
         std::uint32_t corner;
@@ -169,8 +169,8 @@ PT_HD inline float next_below(double x) {
                             : number_of(std::int32_t(0x80000001u));
 }
 
-// Sets a node's origin and its step: the least power of two with which the planes of the box, widened by plane_room,
-// fit in 0 to 255.
+// Sets a cwbvh node's origin and its step: the least power of two with which the planes of the node's box, widened by
+// plane_room, fit in 0 to 255.
 PT_HD inline void set_frame(Node& node, const Box& box) {
     for (int k = 0; k < 3; ++k) {
         const double low = static_cast<double>(box.low[k]), high = static_cast<double>(box.high[k]);
@@ -197,7 +197,7 @@ PT_HD inline void set_box(Node& node, std::uint32_t corner, const Box& box) {
     }
 }
 
-// Encodes a compressed node, but for the numbers at which its children and slots begin (child_base, slot_base).
+// Encodes a cwbvh node, except for the numbers at which its children and slots begin (child_base, slot_base).
 template <class Tree>
 PT_HD inline Node make_node(const Tree& tree, const Box& box, const std::uint32_t (&at)[width]) {
     Node node{};

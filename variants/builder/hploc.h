@@ -1,4 +1,4 @@
-// BVH builders on the GPU: from boxes in device memory they build a binary tree there, which can be copied to the host.
+// BVH builders on the GPU: from boxes in device memory they build a binary tree there. The host can copy the tree.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// Node slots for builders that run on many threads: the two children that part the references at position m have the
-// slots 2m - 1 and 2m, which no other children have. `pack` then leaves the tree in depth-first order, without gaps.
+// Node slots for builders that run on many threads: siblings that divide their parent's references at position m have
+// the slots 2m - 1 and 2m, which no other nodes have. `pack` then makes a tree in depth-first order without gaps.
 #pragma once
 
 #include "variants/bvh/binary_tree.h"

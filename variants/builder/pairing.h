@@ -1,4 +1,4 @@
-// The result of a bottom-up builder: which nodes are siblings. `assemble` makes a tree of it for accelerators.
+// The result of a bottom-up builder: which nodes are siblings. `assemble` makes a tree of these pairs for accelerators.
 #pragma once
 
 #include <cstdint>

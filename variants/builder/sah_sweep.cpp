@@ -24,7 +24,7 @@ struct Split {
     std::uint32_t left = 0;
 };
 
-// A builder whose references stay sorted along all axes from the root down: a node's partition keeps the order of each.
+// A tree builder whose references stay sorted along all axes from the root down: partitions of a node keep the orders.
 class Builder {
 public:
     Builder(const PrimitiveBoxes& boxes, std::uint32_t leaf_size, const SahCosts& costs)

@@ -130,8 +130,8 @@ private:
         }
     }
 
-    // Parts a node's references by a plane. A triangle across the plane goes whole to one side where that is cheaper
-    // ("reference unsplitting", Stich et al., section 4.4).
+    // Parts a node's references by a plane. The reference to a triangle across the plane goes whole to one side where
+    // that is cheaper ("reference unsplitting", Stich et al., section 4.4).
     void part_references(const References& references, const SpatialSplit& split, References& left,
                          References& right) const {
         Bin a = split.left, b = split.right;

@@ -9,7 +9,7 @@ namespace {
 constexpr int bins = 16;
 
 struct SpatialBin {
-    Box box;  // bounding box of the triangle parts in the bin
+    Box box;  // bounding box of the triangle parts that lie in the bin
     std::uint32_t entering = 0, leaving = 0;
 };
 
@@ -20,8 +20,8 @@ void join_point(Box& box, const Vec3<float>& point) {
     }
 }
 
-// The point where an edge crosses a plane, as a box rounded outward. It is found in double precision, whose own error
-// is far below the margin of the box.
+// The point where a triangle's edge crosses a plane, as a box rounded outward. It is found in double precision, whose
+// own error is far below the margin of the box.
 Box crossing(const Vec3<float>& from, const Vec3<float>& to, int axis, float plane) {
     constexpr float infinity = std::numeric_limits<float>::infinity();
     const double t = (static_cast<double>(plane) - from[axis]) / (static_cast<double>(to[axis]) - from[axis]);
@@ -57,7 +57,7 @@ struct Planes {
         return {box.low[axis], (box.high[axis] - box.low[axis]) / static_cast<float>(bins)};
     }
     float at(int bin) const { return low + step * static_cast<float>(bin); }
-    // The bin that holds coordinate x, found by comparison with the planes themselves.
+    // The bin of coordinate x, found by comparison with the candidate planes themselves.
     int bin_of(float x) const {
         int bin = std::clamp(static_cast<int>((x - low) / step), 0, bins - 1);
         while (bin > 0 && x < at(bin)) {

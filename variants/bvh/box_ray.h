@@ -17,8 +17,8 @@ struct BoxRay {
     Vec3<Real> near_origin, far_origin;  // ray origins shifted so that boxes are entered early and left late
     Vec3<Real> inverse;                  // reciprocal of the direction; infinite for components of 0
 
-    // Prepares a ray for the box tests of a tree. Every operation has a rounding of its own in every arithmetic, so
-    // that a ray enters the same boxes on a GPU as on a CPU.
+    // Prepares a ray for the box tests of a tree. Every operation rounds on its own in every arithmetic, so a ray
+    // enters the same boxes on a GPU as on a CPU.
     PT_HD static BoxRay of(const Vec3<Real>& origin, const Vec3<Real>& direction, const BoxSpan (&spans)[3]) {
         const ShearedDirection<Real> s = ShearedDirection<Real>::of(direction);
         Vec3<Real> reach;

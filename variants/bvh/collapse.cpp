@@ -10,7 +10,7 @@ namespace pt {
 
 namespace {
 
-// The height of the subtree under each node of a binary tree.
+// The height of the subtree under every node of a binary tree.
 std::vector<double> heights_of(const BinaryTree& tree) {
     const std::vector<std::uint32_t> order = parents_first(tree.nodes);
     std::vector<double> heights(tree.nodes.size(), 0);

@@ -22,7 +22,7 @@ struct NativeMesh {
     std::uint64_t bytes = 0;
 };
 
-// Returns what the accelerator prepared for an object's mesh, as the type that its `prepare` made.
+// Returns what an accelerator prepared for an object's mesh, with the type that the accelerator's `prepare` made.
 template <class Mesh>
 const Mesh& mesh_of(const MeshInstance<float>& instance) {
     return static_cast<const Mesh&>(*static_cast<const HostMesh*>(instance.geometry.native));
@@ -35,7 +35,7 @@ struct AcceleratorHook {
     NativeMesh (*prepare)(const EncodedTree& tree, std::span<const LeafTriangle> leaves) = nullptr;
     MeetMesh<float> meet_single = nullptr;
     MeetMesh<double> meet_double = nullptr;
-    // Searches all objects with meshes by one tree over their triangles; null: the accelerator has trees of its own.
+    // Searches all objects with meshes by one tree over their triangles; null: the accelerator has its own trees.
     MeetMeshes<float> meet_flat_single = nullptr;
     MeetMeshes<double> meet_flat_double = nullptr;
 };

@@ -38,7 +38,7 @@ struct OpenLink {
 // The link of a walk that is over: above every inner node's number and below every leaf's link.
 inline constexpr std::uint32_t no_link = leaf_flag - 1;
 
-// The steps of a traversal that trees with links share, and its state: the link of the current node or leaf.
+// The steps of a traversal that trees with links share, and their state: the link of the current node or leaf.
 template <class Real, int width = 2>
 class LinkWalk {
 public:

@@ -95,7 +95,7 @@ struct BlockSlots {
     std::uint32_t count = 0;  // number of slots; 0: there are more than a block holds
     std::uint32_t slot[block_width];
 
-    // Adds a leaf's slots to the block's; false if there would be more than a block holds.
+    // Adds a leaf's slots to the block's slots; false if there would be more than a block holds.
     bool take(std::uint32_t first, std::uint32_t slots) {
         if (count + slots > block_width) {
             return false;
@@ -194,7 +194,7 @@ private:
     Mesh<width> mesh_;
 };
 
-// The numbers of BoxRay for the box tests of one ray, one lane a child.
+// The numbers of BoxRay for the box tests of one ray, repeated in every lane, where a lane tests one child.
 template <int width>
 struct BoxLanes {
     Floats<width> near_origin[3], far_origin[3], inverse[3];
@@ -226,7 +226,7 @@ struct BoxLanes {
     }
 };
 
-// The numbers for the triangle tests of one ray, one lane a triangle.
+// The numbers for the triangle tests of one ray, repeated in every lane, where a lane tests one triangle.
 struct TriangleLanes {
     using Lane = Floats<block_width>;
     Lane origin[3], shear_x, shear_y;  // ray origin along kx, ky, kz

@@ -14,8 +14,8 @@
 
 namespace pt {
 
-// A wide node. Row 2 axis of `side` has the children's low planes, row 2 axis + 1 the high ones. A child that does not
-// exist has an empty box, which only a ray of NaNs enters; such a ray comes to the leaf `no_child_link` and to an end.
+// A wide node. Row 2 axis of `side` has the children's low planes, row 2 axis + 1 the high ones. A missing child has an
+// empty box, which only a ray of NaNs enters; such a ray comes to the leaf `no_child_link` and so to an end.
 template <int width>
 struct alignas(16) WideNode {
     float side[6][width];
@@ -33,7 +33,7 @@ struct alignas(16) WideNode {
     }
 };
 
-// The link of a child that does not exist: the leaf of slot 0, since one more triangle to test changes no hit.
+// The link of a missing child: the leaf of slot 0, since one more triangle to test changes no hit.
 inline constexpr std::uint32_t no_child_link = leaf_link(0, 1);
 
 // Stack size that suffices for a wide tree made from a binary one of max_tree_depth levels in any shape (collapse.h).
@@ -62,7 +62,7 @@ EncodedTree encode_wide(const BinaryTree& tree) {
 }
 #endif
 
-// Sets `entries` to the ray parameter at which the ray enters each child, or to BoxRay::no_entry where it misses it.
+// Sets `entries` to the ray parameter at which the ray enters each child's box, or to BoxRay::no_entry for a miss.
 template <class Real, int width>
 PT_HD inline void child_entries(const WideNode<width>& node, const BoxRay<Real>& ray, const Real& best_t,
                                 Real (&entries)[width]) {

@@ -30,7 +30,7 @@ inline void to_mesh(MeshRays& rays, const MeshInstance<float>& instance, const V
         const Vec3<float> o = is_placed ? origin[l] : instance.point_in(origin[l]);
         const Vec3<float> d = is_placed ? direction[l] : instance.direction_in(direction[l]);
         const Vec3<float> size{absolute(d.x), absolute(d.y), absolute(d.z)};
-        // kz as in ShearedDirection::of: the axis of the largest component, and of equal ones the later axis.
+        // kz as in ShearedDirection::of: the axis of the largest component, and of equal components the later axis.
         const float before_z = size.x > size.y ? size.x : size.y;
         const bool is_z = !(before_z > size.z);
         const bool is_x = (before_z > size.z) & (size.x > size.y);
@@ -116,7 +116,7 @@ public:
     }
     const Hit<float>& best() const { return best_; }
 
-    // Visits a node or a leaf of the ray's tree. Returns whether there is more to visit.
+    // Visits a node or a leaf of the tree for one ray. Returns whether there is more to visit.
     bool step() {
         if (is_leaf_link(link_)) {
             meet_leaf(best_, mesh_->blocks.data(), link_, TriangleLanes::of(ray_), ray_);

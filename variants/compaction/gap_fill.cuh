@@ -13,7 +13,7 @@ struct CountLiveParameters {
     std::uint32_t* live;
 };
 
-// Parameters of find_gaps, which lists the gaps (ended paths) below *live and the equally many live paths above it.
+// Parameters of the kernel find_gaps, which lists gaps (ended paths) below *live and as many live paths above it.
 struct FindGapsParameters {
     static constexpr const char* kernel = "find_gaps";
     PathStore store;
@@ -96,7 +96,7 @@ public:
         launch(queue.bound, CountLiveParameters{queue.paths, queue.count, queue.count_spare});
         launch(queue.bound,
                FindGapsParameters{queue.paths, queue.count, queue.count_spare, gaps_, counts_, movers_, counts_ + 1});
-        // At most half of all paths move: each from above the number of live paths into a gap below it.
+        // At most half of all paths move: each of them from above the number of live paths into a gap below it.
         launch(queue.bound / 2 + 1, FillGapsParameters{queue.paths, gaps_, movers_, counts_ + 1});
         queue.swap_count();
         queue.indirect = false;

@@ -41,7 +41,7 @@ struct Connections {
 template <class Config>
 inline constexpr bool draws_points = face_sampling<Config> != LightSampling::solid_angle&& has_lines_of_sight<Config>;
 
-// The number of an object among the scene's axis boxes.
+// The place of an object among the scene's axis boxes, from the object's number.
 template <class Real>
 inline std::uint32_t box_of(const SceneView<Real>& scene, std::uint32_t object) {
     return object - first_of<ShapeKind::axis_box>(scene);
@@ -101,7 +101,7 @@ inline void weigh_encounters(Connections<typename Config::Real>& work, const Sce
     }
 }
 
-// Looks up the objects of the lights that were chosen, and their emission.
+// Looks up which objects the lights chosen by lanes are, and the emission of these objects.
 template <bool one_light, class Real>
 inline void look_up_lights(Connections<Real>& work, const LightTable<Real>& lights) {
     const std::uint32_t* const object = lights.object.data();
@@ -116,7 +116,7 @@ inline void look_up_lights(Connections<Real>& work, const LightTable<Real>& ligh
     }
 }
 
-// Chooses a light for every lane that is connected to one.
+// Chooses a light for every lane whose vertex is connected to a light.
 template <class Config>
 inline void choose_lights(Connections<typename Config::Real>& work, const SceneView<typename Config::Real>& scene,
                           const LightTable<typename Config::Real>& lights, const Paths<typename Config::Real>& paths) {
@@ -138,7 +138,7 @@ inline void choose_lights(Connections<typename Config::Real>& work, const SceneV
     lights.object.size() == 1 ? look_up_lights<true>(work, lights) : look_up_lights<false>(work, lights);
 }
 
-// Samples the directions to the chosen lights in the lanes that are connected to one.
+// Samples directions to the chosen lights in the lanes whose vertex is connected to a light.
 template <class Config>
 inline void draw_directions(Connections<typename Config::Real>& work, const SceneView<typename Config::Real>& scene,
                             const LightTable<typename Config::Real>& lights, const Paths<typename Config::Real>& paths,

@@ -224,7 +224,7 @@ inline void closest_axis_box(Hits<typename Config::Real>& hits, const SceneView<
     }
 }
 
-// Whether the host's accelerator can search a mesh for all lanes at once, and each object's mesh is searched in turn.
+// Whether the host's accelerator can search a mesh for all lanes at once, and meshes are searched one after the other.
 template <class Config>
 inline bool meets_in_lanes(const SceneView<typename Config::Real>& scene,
                            const MeshInstance<typename Config::Real>& mesh) {

@@ -11,7 +11,7 @@ namespace pt::lanes {
 template <class Config>
 inline constexpr LightSampling face_sampling = light_sampling_in(Config::features& light_samplings);
 
-// Coordinate of a light's face as the observer sees it, as by SeenFaces::onto (kernels/light_sampling.h).
+// A coordinate of a light's face as an observer sees it, computed as by SeenFaces::onto (kernels/light_sampling.h).
 template <class Real>
 inline Real onto_face(Real observer, Real height) {
     return observer > Real(0) ? -height : height;

@@ -170,7 +170,7 @@ inline void measure_faces(BoxViews<Real>& views) {
     }
 }
 
-// Computes SeenBox::share and SeenBox::total for near observers.
+// Computes SeenBox::share and SeenBox::total for the near observers of box lights.
 template <class Real>
 inline void measure_near(BoxViews<Real>& views) {
     measure_faces<0>(views);
@@ -303,7 +303,7 @@ inline void look_at_lights(LightDirections<Real>& drawn, const LightTable<Real>&
     }
 }
 
-// Packs the lanes whose flags are set into a list, with all that sampling a direction takes.
+// Packs the lanes whose flags are set into a list of observers, with all that sampling a direction takes.
 template <class Real>
 inline void pack(BoxViews<Real>& views, const LightDirections<Real>& drawn, const LightTable<Real>& table,
                  const Flags& flags) {

@@ -11,7 +11,7 @@ namespace pt::lanes {
 // The shadow rays of a packet up to their points on lights: Segment (kernels/line_of_sight.h) by lane.
 template <class Real>
 struct Sights {
-    Lanes<Real> before, about;   // distances just below and just above that of the light point
+    Lanes<Real> before, about;   // distances just below and just above that of the ray's light point
     Lanes<std::uint32_t> light;  // object that the ray's light point is on
     Flags asks;                  // whether the lane has a ray to a known light point
     Flags blocked, unsure;

@@ -12,8 +12,8 @@ template <class Config>
 inline constexpr bool has_one_light_sampling = ((Config::features & light_samplings) &
                                                 ((Config::features & light_samplings) - 1u)) == 0;
 
-// Whether a kernel's shading is done in SIMD lanes: not if it has one of the listed features. Objects and materials
-// without a loop over lanes send a single lane through shade().
+// Whether a kernel's shading is done in SIMD lanes: not if the kernel has one of the features listed here. Objects and
+// materials without a loop over lanes send a single lane through shade().
 template <class Config>
 inline constexpr bool shades_in_lanes = has_one_light_sampling<Config> &&
                                         (Config::features &
@@ -107,7 +107,7 @@ inline void place_others(Surfaces<typename Config::Real>& surfaces, const SceneV
     }
 }
 
-// Samples the BSDF at diffuse and mirror vertices. `is_connected`: diffuse vertices were connected to lights.
+// Samples the BSDF at diffuse and mirror vertices. `is_connected`: whether diffuse vertices were connected to lights.
 template <class Config>
 inline void scatter(Paths<typename Config::Real>& paths, const Surfaces<typename Config::Real>& surfaces,
                     const RandomSeed& seed, const Hits<typename Config::Real>& hits, bool is_connected) {

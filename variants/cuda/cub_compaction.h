@@ -14,7 +14,7 @@ namespace pt::cuda {
 template <class Paths>
 struct PathAt {
     Paths paths;
-    const std::uint32_t* count;  // number of paths in play, in device memory
+    const std::uint32_t* count;  // number of paths in play in the queue, in device memory
 
     PT_HD Path<float> operator()(std::uint32_t slot) const {
         if (slot < *count) {

@@ -33,7 +33,7 @@ public:
     virtual void prepare() {}
     // Enqueues the job's samples on its stream.
     virtual void render() = 0;
-    // Work counters that only the device knows; waits for the device.
+    // Returns work counters that only the device knows; waits for the device.
     virtual WorkCounters device_work() const { return {}; }
     virtual PathBytes path_bytes() const { return {}; }
 };
@@ -53,7 +53,7 @@ struct IntegratorNeeds {
     std::uint32_t tunable(std::string_view name) const { return pt::tunable(variant, name, Backend::cuda); }
 };
 
-// The part of programs whose kernel has Parameters<Real> and stands in `source`.
+// Describes to program compilation the kernel that has Parameters<Real> and whose text is in `source`.
 template <template <class Real> class Parameters>
 constexpr KernelPart kernel_part(const char* source) {
     return {source, kernel_of<Parameters<float>>(), kernel_of<Parameters<double>>()};

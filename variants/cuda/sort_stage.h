@@ -27,12 +27,12 @@ public:
         }
         return (key().has_material ? job_.materials + 1 : 1) << key().bits;
     }
-    // Sorts the queue by queue.keys.
+    // Sorts the queue's paths by queue.keys.
     void sort(Queue& queue) {
         needs_.sorting->sort(queue, last_key(queue) + 1);
         job_.work.sorts += 1;
     }
-    // How the queue is shaded: as it lies, or, once sorted, by the ranges that the sort has made.
+    // Parts of the queue to shade by one launch each: the whole or, once sorted, the ranges that the sort has made.
     std::vector<ShadeRange> shade_ranges(const Queue& queue, bool is_sorted) const {
         std::vector<ShadeRange> ranges = is_sorted ? needs_.sorting->shade_ranges() : std::vector<ShadeRange>();
         if (ranges.empty()) {

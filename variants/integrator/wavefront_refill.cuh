@@ -456,7 +456,7 @@ private:
 
     StoredHit<Real>* hits() const { return static_cast<StoredHit<Real>*>(queue_.hits); }
 
-    // Waits until the device has begun a round no more than rounds_ahead before this one.
+    // Waits until the device has begun a round that is no more than rounds_ahead before the given one.
     void wait_for(std::uint32_t round) {
         if (progress_.rounds() + rounds_ahead >= round) {
             return;
@@ -472,7 +472,7 @@ private:
         }
     }
 
-    // Whether all paths of the go have ended, which may be long before the longest possible path would.
+    // Whether all paths of the current part of a render ("go") have ended, which may be long before the longest could.
     bool is_over(std::uint32_t round, std::uint32_t rounds) {
         const std::uint32_t between = walkers_.are_apart() ? rounds_between_looks_at_walks : rounds_between_looks;
         if (rounds == ~0u || (rounds - round) % between != 0) {

@@ -1,5 +1,5 @@
-// The layout aos on the device, an array of structures: a path's fields lie together, as in cis565 (whose record has no
-// padding).
+// The layout aos on the device, an array of structures: a path's fields lie together, as in cis565 (whose records have
+// no padding).
 #pragma once
 
 #include "variants/cuda/device/path_store.h"

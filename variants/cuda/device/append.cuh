@@ -70,7 +70,7 @@ struct Gathered {
     const std::uint32_t* values;  // gathered values in shared memory, until the block gathers again
 };
 
-// append_by_block, with the kept values of the block side by side in shared memory, in the order of their threads.
+// append_by_block, which here also puts the block's kept values side by side into shared memory, in thread order.
 __device__ inline Gathered gather_by_block(std::uint32_t* count, bool keep, std::uint32_t value) {
     __shared__ std::uint32_t values[kernel_config.block];
     __shared__ std::uint32_t first;

@@ -23,7 +23,7 @@ struct Pieces {
     }
 };
 
-// Items given to a warp: first to first + count - 1 of `items`; fewer than it asked for at a piece's end.
+// Items given to a warp: numbers first to first + count - 1 of `items`; fewer than the warp asks for at a piece's end.
 struct GivenItems {
     Items items;
     std::uint32_t first, count;

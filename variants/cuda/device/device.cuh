@@ -101,8 +101,8 @@ __device__ inline void add_shade_counters(Totals* totals, const ThreadCounters& 
     }
 }
 
-// Counts the paths alive, and those in play, of a kernel that traces one segment a thread. Every thread of the block
-// must call it.
+// Counts how many paths of a kernel that traces one segment a thread are alive, and how many are in play. Every thread
+// of the block must call it.
 __device__ inline void add_segment_counts(const SegmentCounts& segments, std::uint32_t segment, bool live,
                                           std::uint32_t in_play) {
     const std::size_t copy = static_cast<std::size_t>(segment) * segments.copies + blockIdx.x % segments.copies;
@@ -257,7 +257,8 @@ __device__ inline Hit first_hit(const SceneViews& scene, const Path& path, const
     return trace(scene, path);
 }
 
-// The hit of the path's current segment: the first from the first-bounce cache if there is one, else traced.
+// The hit of the path's current segment: for the first segment from the first-bounce cache if there is one, else
+// traced.
 __device__ inline Hit next_hit(const SceneViews& scene, const Path& path, const HitCache& cache) {
     return kernel_config.keeps_first_hits && path.segment == 0 ? first_hit(scene, path, cache) : trace(scene, path);
 }
@@ -288,7 +289,7 @@ __device__ inline bool shade(const SceneViews& scene, Path& path, const Hit& hit
     return pt::shade<Configuration>(scene.shade, scene.trace, path, hit, counters);
 }
 
-// Shades the hit; a subsurface walk that begins there is left to the caller, or taken to its end.
+// Shades the hit of a path; a subsurface walk that begins there is left to the caller, or taken to its end.
 template <bool leaves_walks>
 __device__ inline bool shade(const SceneViews& scene, Path& path, const Hit& hit, ThreadCounters& counters,
                              pt::WalkOf<Configuration>& walk) {
@@ -300,8 +301,8 @@ __device__ inline bool shade(const SceneViews& scene, Path& path, const Hit& hit
     }
 }
 
-// One step of a path: of its walk, if it is on one, else its segment traced and shaded. A warp whose lanes take their
-// walks step by step does not wait for the longest of them. Returns whether the path lives.
+// One step of a path: of its subsurface walk, if it is on one, else its segment is traced and shaded. A warp whose
+// lanes take their walks step by step does not wait for the longest of them. Returns whether the path lives.
 __device__ inline bool take_step(const SceneViews& scene, Path& path, pt::WalkOf<Configuration>& walk,
                                  const HitCache& cache, ThreadCounters& counters) {
     if constexpr (pt::has<Configuration>(pt::Feature::subsurface)) {

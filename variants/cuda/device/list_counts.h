@@ -6,7 +6,7 @@
 
 namespace pt::cuda {
 
-// Counts of a list, all 0 when a kernel begins to fill it.
+// Counts of a list in device memory, all 0 when a kernel begins to fill the list.
 struct ListCounts {
     std::uint32_t waiting;   // number of entries that were put into the list
     std::uint32_t taken;     // number of list entries that were handed out

@@ -9,7 +9,7 @@
 #include "variants/cuda/device/packed_path.cuh"
 #include "variants/cuda/device/warp_lock.cuh"
 
-// The paths that a warp takes: lanes below `count` have a slot each, all of one kind.
+// The paths that a warp takes from the pool: lanes below `count` have a slot each, all of one kind.
 struct Taken {
     std::uint32_t kind, count, slot;
     bool finished;  // all slots of the block are retired: no path is left to work on
@@ -134,7 +134,7 @@ private:
             }
         } while (!has_taken && !taken.finished);
         taken.count = has_taken ? taken.count : 0;
-        // A ring entry that was taken but is not yet written will be written in a moment: wait for it.
+        // A ring entry that was taken before it was written will be written in a moment, so wait for it.
         taken.slot = 0;
         bool waits = lane < taken.count;
         while (__any_sync(pt::cuda::all_lanes, waits)) {

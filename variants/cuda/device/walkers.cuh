@@ -20,7 +20,7 @@ __device__ inline void put_walkers(const WalkerList& list, const OwnWalk& walk, 
     }
 }
 
-// Hands out the walkers of a list to lanes.
+// Hands out to lanes the walkers that are in a list.
 class WalkersToTake {
 public:
     __device__ explicit WalkersToTake(const WalkerList& list) : list_(list), waiting_(list.counts->waiting) {}

@@ -30,7 +30,7 @@ struct WalkerList {
     ListCounts* counts = nullptr;
 };
 
-// Parameters of the kernel that takes the walks of a list.
+// Parameters of the kernel that takes the subsurface walks of a list.
 template <class Real>
 struct WalkPathsParameters {
     static constexpr const char* kernel = "walk_paths";

@@ -7,7 +7,7 @@ namespace pt::cuda {
 
 struct Device {
     std::string name;
-    int major = 0, minor = 0;  // compute capability
+    int major = 0, minor = 0;  // compute capability of the GPU
     int multiprocessors = 0;
     int clock_khz = 0, memory_clock_khz = 0, memory_bus_bits = 0;
     int l2_bytes = 0;

@@ -30,7 +30,7 @@ public:
     Graph(const Graph&) = delete;
     Graph& operator=(const Graph&) = delete;
 
-    // Records what `enqueue` puts on the stream, and makes it ready to be launched.
+    // Captures the work that `enqueue` puts on the stream into a graph, and makes the graph ready to be launched.
     void capture(const std::function<void()>& enqueue);
     // Records, within capture, what `enqueue_body` puts on the stream as the body of a loop. The loop runs once, and
     // again until the body's last kernel, which `enqueue_body` is to put there, sets the condition to 0.

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Standard headers that kernels and GLM include, replaced by headers that NVRTC can compile.
+// Standard headers that kernels and GLM include, replaced by texts that NVRTC can compile.
 constexpr std::pair<const char*, const char*> shims[] = {
     {"cmath", "#include <cuda/std/cmath>\n"},
     {"cstdint", "#include <cuda/std/cstdint>\n"},
@@ -305,7 +305,7 @@ ModuleImage image_of(const ModuleRequest& request, Compilation compilation) {
 ModuleImage compile_module(const ModuleRequest& request) { return image_of(request, compiled(request, {})); }
 
 ModuleImage compile_quickly(const ModuleRequest& request) {
-    // NVRTC before version 13 does not always know the option -Ofc.
+    // NVRTC before version 13 may not know the option -Ofc.
     const bool knows = std::atoi(nvrtc_version().c_str()) >= 13;
     return image_of(request,
                     compiled(request, knows ? std::vector<std::string>{"-Ofc=max"} : std::vector<std::string>{}));
