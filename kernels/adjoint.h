@@ -22,7 +22,7 @@ struct AdjointCache {
     Vec3<Real> low;  // lowest corner of the adjoint grid, in scene units from the eye
     Vec3<Real> cells_a_unit;
     std::uint32_t cells;  // number of grid cells along each axis
-    // Weight window on a path's expected contribution, in units of its pixel's value.
+    // Weight window, from lowest to highest, on a path's expected contribution in units of its pixel's value.
     Real lowest, highest;
     std::uint32_t most_branches;  // most branches into which a path splits at a vertex; 1: paths do not split
     // Adjoint estimates, relative to the image's mean: the radiance that paths bring from a grid cell and side, over

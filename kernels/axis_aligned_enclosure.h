@@ -59,8 +59,8 @@ PT_HD inline bool enters_by_open_side(const AxisAlignedEnclosure<Real>& enclosur
     return enters(0, from_high_x, x, y, z) || enters(1, from_high_y, y, x, z) || enters(2, from_high_z, z, x, y);
 }
 
-// Finds where a ray leaves an enclosure. `inverse`: reciprocal of the ray's direction; `is_finite`:
-// has_finite_reciprocal of that direction.
+// Finds where a ray leaves an enclosure. `inverse`: reciprocal of the ray's direction; `is_finite`: whether it is
+// finite (has_finite_reciprocal).
 template <class Real>
 PT_HD inline EnclosureExit<Real> leave_enclosure(const AxisAlignedEnclosure<Real>& enclosure, const Vec3<Real>& origin,
                                                  const Vec3<Real>& inverse, bool is_finite) {

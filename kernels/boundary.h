@@ -11,8 +11,8 @@
 
 namespace pt {
 
-// A dielectric boundary seen from one side. relative_ior = ior ahead / ior behind; `k` = (n - 1)(n + 1) is formed in
-// double at load, where 1 - n^2 cannot cancel.
+// A dielectric boundary seen from one side. relative_ior = index ahead / index behind; `k` = (n - 1)(n + 1) is formed
+// in double at load, where 1 - n^2 cannot cancel.
 template <class Real>
 struct Boundary {
     Real relative_ior;

@@ -40,7 +40,7 @@ inline constexpr FeatureSet traversal = FeatureSet{1} << 58;  // 6 feature bits 
 enum class Feature : FeatureSet {
     jitter = feature_bit::camera << 0,
     lens = feature_bit::camera << 1,
-// One feature per kind of shape. Objects are classified once, at load: every kernel uses one formula per kind.
+// One feature per kind of shape. Objects are classified once, at load, and kernels use one formula per kind.
 #define PT_FEATURE(name, array, Type) name = feature_bit::shape << static_cast<std::uint32_t>(ShapeKind::name),
     PT_SHAPES(PT_FEATURE)
 #undef PT_FEATURE

@@ -81,7 +81,7 @@ PT_HD inline EnvironmentPlace<Real> place_at(const EnvironmentMap<Real>& map, st
     return {texels[column].radiance, map.rows[row].inverse_pdf * (Real(0x1p32) / share)};
 }
 
-// Azimuth of a direction about y in turns, from 0 at -z by way of 1/4 at +x: up to rounding within [-1/4, 3/4].
+// Azimuth of a direction about y in turns: 0 at -z, 1/4 at +x; up to rounding within [-1/4, 3/4].
 template <class Real>
 PT_HD inline Real azimuth_in_turns(const Vec3<Real>& direction) {
     const Real along = -direction.z;

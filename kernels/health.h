@@ -7,7 +7,7 @@
 
 namespace pt {
 
-// Stages at which a path's numbers are audited, in the order in which a segment passes them.
+// Stages of a path segment at which its numbers are audited, in the order in which segments pass them.
 enum class HealthSite : std::uint32_t { camera, hit, point, normal, direction, throughput, radiance };
 inline constexpr std::uint32_t health_sites = 7;
 

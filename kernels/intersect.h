@@ -319,7 +319,7 @@ struct MeshRay {
     }
 };
 
-// Updates the closest hit `best` by the hit of a triangle, in the order of (t, object, primitive).
+// Updates the closest hit `best` by the hit of a triangle, by ascending (t, object, primitive).
 template <class Real>
 PT_HD inline void keep_nearer(Hit<Real>& best, const TriangleHit<Real>& hit, std::uint32_t primitive,
                               const MeshRay<Real>& ray) {

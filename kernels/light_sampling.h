@@ -54,8 +54,8 @@ struct SeenFaces {
                              max(Real(0), absolute(observer.z) - half.z)};
         return dot(gap, gap);
     }
-    // Axis of the face by which a ray from the observer that hits the box enters it: of the seen faces the last whose
-    // plane the ray crosses.
+    // Axis of the face by which a ray from the observer that hits the box enters it: of the faces seen the one whose
+    // plane the ray crosses last.
     PT_HD int entered(const Vec3<Real>& direction) const {
         int axis = 0;
         Real of_height = height.x;

@@ -86,7 +86,7 @@ struct Shares {
 
     PT_HD Shares(Real total, std::uint32_t count) {
         const Real number = static_cast<Real>(count);
-        // A total that is 0, out of range or NaN gives every child of the node the same share.
+        // A `total` that is 0, out of range or NaN gives every child of the light-tree node the same share.
         const bool is_known = total > Real(0x1p-80) && total < Real(0x1p80);
         scale = is_known ? nearly_divide(Real(0x1p32) - (number + Real(1)) * least, total) : Real(0);
         floor = is_known ? least : nearly_divide(Real(0x1p32), number) - Real(0x1p9);

@@ -39,7 +39,7 @@ struct NearRectangle {
         const Stretch stretch(*this, x);
         return {{x, stretch.y_at(*this, v), height}, angle * stretch.share(*this)};
     }
-    // 1 / density, by solid angle, of a direction that meets the rectangle.
+    // 1 / density, by solid angle, of a direction in which the observer sees the rectangle.
     PT_HD Real inverse_pdf(Real direction_x, Real direction_z) const {
         const Real steepness = max(absolute(direction_z), Real(0x1p-100));
         return angle * Stretch(*this, clamp(height * nearly_divide(direction_x, steepness), x0, x1)).share(*this);

@@ -84,7 +84,7 @@ PT_HD constexpr Real unit_interval(std::uint32_t bits) {
     }
 }
 
-// Uniform number in [-1, 1) from 32 random bits: exactly 2 unit_interval(bits) - 1, with one rounding less.
+// Uniform number in [-1, 1) from 32 random bits: exactly 2 unit_interval(bits) - 1, but with one rounding fewer.
 template <class Real>
 PT_HD constexpr Real symmetric_interval(std::uint32_t bits) {
     if constexpr (sizeof(Real) == 4) {

@@ -26,7 +26,7 @@ struct SceneArray {
                : kind == ArrayKind::texture   ? contains(features, Feature::textures)
                                               : true;
     }
-    // Whether every ray of a kernel with these features reads the array.
+    // Whether every ray of a kernel with the given features reads the array.
     PT_HD constexpr bool is_traced(FeatureSet features) const { return is_used(features) && kind < ArrayKind::shading; }
 };
 

@@ -26,7 +26,7 @@ struct Light {
     std::uint32_t object;
 };
 
-// A light's slot in the alias table of all lights, and its way through the light tree (kernels/light_selection.h).
+// A light's places: its slot in the alias table of all lights, its way in the light tree (kernels/light_selection.h).
 template <class Real>
 struct LightSlot {
     std::uint32_t threshold;   // share of the slot, in 2^-32, of its own light; the rest is the alias's
@@ -141,7 +141,7 @@ struct SceneView {
 #undef PT_VIEW
     View<Transform<Real>> transforms;     // matrices by object index; only for kernels with Feature::matrix
     View<std::uint32_t> object_material;  // material index by object index
-    View<Surface<Real>> surfaces;         // surface data by object index
+    View<Surface<Real>> surfaces;         // what shading reads of each object's surface (Surface), by object index
     View<Vec3<Real>> velocity;            // velocities by object index, scene units a second
     View<Material<Real>> materials;
     View<Light> lights;

@@ -46,7 +46,7 @@ struct SurfacePoint {
 template <class Real>
 struct LightSample {
     Vec3<Real> position;
-    Vec3<Real> normal;            // outward unit normal
+    Vec3<Real> normal;            // outward unit normal at the hit point or sampled point
     Real inverse_density;         // 1 / density of the point by area, square scene units
     std::uint32_t primitive = 0;  // primitive that the point lies on
 };

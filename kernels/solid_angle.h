@@ -26,7 +26,7 @@ struct Cone {
         }
     }
     PT_HD Real inverse_pdf() const { return Real(2) * pi<Real> * one_minus_cosine; }
-    // Draws a direction in a cone around +z.
+    // Draws a direction in a cone around +z, uniformly by solid angle.
     PT_HD Vec3<Real> direction(Real u, Real v) const {
         const Real below = u * one_minus_cosine;
         const Real sine = square_root(max(Real(0), below * (Real(2) - below)));
@@ -122,7 +122,7 @@ struct SeenBox {
         }
     }
 
-    // 1 / pdf of the direction of a ray that hits the box after `distance` scene units.
+    // 1 / pdf, by solid angle, of the direction of a ray that hits the box light after `distance` scene units.
     PT_HD Real inverse_pdf(Real distance) const {
         if (inside) {
             return Real(4) * pi<Real>;

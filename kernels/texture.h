@@ -108,7 +108,7 @@ PT_HD inline Vec2<Real> triangle_coordinates(const MeshInstance<Real>& mesh, std
             corners.v[0] * weights.x + corners.v[1] * weights.y + corners.v[2] * weights.z};
 }
 
-// Texture coordinates of a hit. `position`: the hit point, on the surface; `normal`: unit, on either side.
+// Texture coordinates u, v of a hit. `position`: the hit point, on the surface; `normal`: unit normal, on either side.
 template <class Config, class Scene>
 PT_HD inline Vec2<typename Config::Real> texture_coordinates_at(const Scene& scene,
                                                                 const ObjectTexture<typename Config::Real>& texture,

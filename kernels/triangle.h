@@ -68,7 +68,7 @@ PT_HD inline TriangleHit<Real> intersect_along(const Vec3<Real>& x, const Vec3<R
     TriangleHit<Real> hit{
         Real(0), Real(0), edge_function(cx, cy, bx, by), edge_function(ax, ay, cx, cy), edge_function(bx, by, ax, ay),
         false,   false};
-    // An edge function rounded to 0 tells no side; its exact sign does. In double nothing is wider, and 0 is inside.
+    // An edge function rounded to 0 tells no side, but its exact sign does. In double, with no wider type, 0 is inside.
     if (hit.u != Real(0) && hit.v != Real(0) && hit.w != Real(0) &&
         ((hit.u < Real(0)) != (hit.v < Real(0)) || (hit.u < Real(0)) != (hit.w < Real(0)))) {
         return hit;
@@ -93,7 +93,7 @@ PT_HD inline TriangleHit<Real> intersect_along(const Vec3<Real>& x, const Vec3<R
     return hit;
 }
 
-// Coordinates of a triangle's corners along one axis, relative to the ray origin.
+// Coordinates of the corners of a triangle along one axis, relative to the ray origin.
 template <class Real>
 PT_HD inline Vec3<Real> corners_along(const Triangle<Real>& triangle, const Vec3<Real>& origin, std::uint32_t axis) {
     return {component_of(triangle.a - origin, axis), component_of(triangle.b - origin, axis),

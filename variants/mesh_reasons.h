@@ -1,4 +1,4 @@
-// What the choices of the axes `accelerator` and `builder` ask of the scene and of each other.
+// Reasons for which choices of the axes `accelerator` and `builder` cannot run, by the scene or by other choices.
 #pragma once
 
 #include "variants/descriptor.h"

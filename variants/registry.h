@@ -63,7 +63,7 @@ public:
     // Adds a choice on every backend that its descriptor names. Throws std::logic_error if the axis is unknown or if a
     // backend already has a choice of this name on the axis.
     void add(const Descriptor& descriptor, const Hook& hook);
-    // A CPU integrator is registered once for each feature set and precision that it was compiled for.
+    // A CPU integrator is registered once for each feature set and each precision that it has been compiled for.
     void add_integrator(const Descriptor& descriptor, FeatureSet features, RenderFunction render);
     void add_integrator(const Descriptor& descriptor, FeatureSet features, RenderIn<double> render);
 

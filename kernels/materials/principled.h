@@ -36,8 +36,8 @@ struct Principled {
 
     RoughDielectric<Config> glass;  // glass lobe, whose facets are the metal's too
     Vec3<Real> colour;
-    Real metal_share, diffuse_share, glass_share;  // shares of the three lobes, which sum to 1
-    Real layer_reflectance;                        // reflectance of a smooth boundary, F(n.v)
+    Real metal_share, diffuse_share, glass_share;  // shares of the principled lobe's three parts, which sum to 1
+    Real layer_reflectance;                        // reflectance of a smooth boundary in the viewing direction, F(n.v)
     Real diffuse_probability;
     Vec3<Real> diffuse_colour;  // base colour * diffuse_share / diffuse_probability
     bool are_facets_wide;
@@ -179,7 +179,7 @@ private:
     PT_HD LobeValue<Real> through(const LobeValue<Real>& of_glass) const {
         return {of_glass.weight, of_glass.pdf * glass_share};
     }
-    // Keeps a lobe's pdf above 0: in a path a pdf of 0 means that no light was connected.
+    // Keeps a lobe's pdf above 0: a path stores the pdf 0 where its vertex was not connected to a light.
     PT_HD static LobeValue<Real> kept(const LobeValue<Real>& value) {
         return {value.weight, max(value.pdf, Real(0x1p-60))};
     }

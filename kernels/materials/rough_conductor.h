@@ -76,7 +76,7 @@ struct RoughConductor {
 
 template <class Real>
 struct RoughConductorMaterial {
-    Vec3<Real> reflectance;           // reflectance at normal incidence
+    Vec3<Real> reflectance;           // reflectance (linear RGB) at normal incidence
     Real alpha;                       // width of the GGX distribution, roughness^2
     std::uint32_t scatters_multiply;  // 1: energy lost between facets is given back
 

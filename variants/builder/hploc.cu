@@ -257,7 +257,7 @@ struct WarpClusters {
             }
             node.left = cluster.node;
             node.right = partner.cluster.node;
-            // The number of an inner node is used once: each leaf but leaf 0 is the later first leaf of just one merge.
+            // An inner node's number is used once, as each leaf but leaf 0 is the later first leaf of just one merge.
             cluster.node = view.count - 1 + max(cluster.first, partner.cluster.first);
             cluster.first = min(cluster.first, partner.cluster.first);
             store_node(view.nodes + cluster.node, node);

@@ -20,7 +20,7 @@ struct Pairing {
 BinaryTree assemble(const Pairing& pairing, const PrimitiveBoxes& boxes, std::uint32_t leaf_size,
                     const SahCosts& costs);
 
-// Returns the given tree if it is no deeper than max_tree_depth, else one assembled from its siblings.
+// Returns a tree as it is if it is no deeper than max_tree_depth, else a tree assembled from its pairs of siblings.
 BinaryTree within_depth(BinaryTree tree, const PrimitiveBoxes& boxes, std::uint32_t leaf_size = 4);
 
 }  // namespace pt::builder

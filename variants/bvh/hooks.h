@@ -49,8 +49,8 @@ struct LevelsHook {
     bool is_flat = false;  // one tree over all objects' triangles, which the accelerator's meet_flat searches
 };
 
-// Configuration of mesh searches on the host. Kernels are compiled for motion or without it, their mesh search always
-// for motion: on an object at rest both find the same hit.
+// Configuration of mesh searches on the host. Kernels are compiled with or without motion, but mesh searches always
+// with it: on an object at rest both find the same hit.
 template <class Traversal, class Real>
 using SearchConfig = Config<Real, Feature::mesh | Feature::motion, Traversal>;
 

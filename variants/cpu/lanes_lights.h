@@ -9,7 +9,7 @@
 
 namespace pt::lanes {
 
-// What SeenBox (kernels/solid_angle.h) computes of an axis box, whoever observes it.
+// What SeenBox (kernels/solid_angle.h) computes of an axis box that does not depend on the observer.
 template <class Real>
 struct BoxLight {
     Vec3<Real> centre;

@@ -13,8 +13,8 @@ constexpr std::uint32_t chunks_of(std::uint32_t capacity, std::uint32_t chunk) {
     return capacity / chunk + (capacity % chunk != 0 ? 1 : 0);
 }
 
-// Number of sort keys of live paths, which is also the key of all other slots: each chunk has one key for every
-// material and one for "missed".
+// Number of sort keys that live paths may have: for each chunk, one for every material and one for "missed". All other
+// slots get this number as their key.
 constexpr std::uint32_t keys_of_chunks(std::uint32_t capacity, std::uint32_t materials, std::uint32_t chunk) {
     return chunks_of(capacity, chunk) * (materials + 1);
 }

@@ -81,8 +81,8 @@ class Sorting {
 public:
     virtual ~Sorting() = default;
     virtual void reserve(Arena&, const Queue&) {}
-    // Enqueues a sort by queue.keys, which holds a key below key_count for the positions in play, and key_count - 1 for
-    // all others up to queue.bound.
+    // Enqueues a sort by queue.keys, whose keys are below key_count for positions in play, and key_count - 1 for all
+    // other positions below queue.bound.
     virtual void sort(Queue& queue, std::uint32_t key_count) = 0;
     // The ranges of the queue to shade, one launch each; empty: one launch over the whole queue.
     virtual std::vector<ShadeRange> shade_ranges() const { return {}; }

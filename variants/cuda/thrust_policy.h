@@ -88,7 +88,7 @@ public:
 
 private:
     bool keeps_blocks_;
-    std::multimap<std::size_t, char*> free_;  // free blocks by size; empty unless keeps_blocks_
+    std::multimap<std::size_t, char*> free_;  // free blocks of device memory by size; empty unless keeps_blocks_
     std::map<char*, std::size_t> used_;
 };
 

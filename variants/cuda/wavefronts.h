@@ -56,8 +56,8 @@ protected:
     virtual void trace(std::uint32_t segment) = 0;
     virtual void fill_first_hits() = 0;
 
-    // Number of parts of the queue, each with a counter, to which an integrator's own kernel appends the paths that
-    // live (appends_).
+    // Number of parts of the queue, each with a counter, to which an integrator's own kernel appends live paths
+    // (appends_).
     virtual std::uint32_t parts() const { return 1; }
     virtual void reserve_counts(Arena&) {}
     // Ends the two segments of a loop's round and returns where the paths that live are counted. Leaves queue_.count as

@@ -29,7 +29,7 @@ struct MeshStage {
     }
 };
 
-// What triangle tests need of a ray, in few registers: the axes kx and ky follow from kz.
+// What triangle tests need of a ray, in few registers: from the axis kz the axes kx and ky follow.
 class CompactRay {
 public:
     CompactRay() = default;

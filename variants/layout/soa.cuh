@@ -68,7 +68,7 @@ struct DevicePaths {
         store_fields<FieldChange::by_bounce, carried>(slot, path);
         store_fields<FieldChange::never, carried>(slot, path);
     }
-    // Writes the fields of a path that a bounce changes.
+    // Writes those fields of a path that a bounce changes.
     template <PathFields carried>
     PT_HD void update(std::uint32_t slot, const Path<Real>& path) const {
         store_fields<FieldChange::by_bounce, carried>(slot, path);

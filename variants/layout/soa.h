@@ -22,8 +22,8 @@ inline constexpr Descriptor descriptor{
     .origin = "pbrt-v4's soac; Laine, Karras and Aila 2013",
 };
 
-// Number of columns of one kind (of Real, or of 32 bits) that lie before those of a path's field: the columns of the
-// fields listed before it.
+// Number of columns of one kind (of Real, or of 32 bits) that lie before those of a path's field: columns of fields
+// that precede this field in the list.
 constexpr std::size_t columns_before(std::size_t field, bool of_words) {
     std::size_t columns = 0;
     for (std::size_t i = 0; i < field; ++i) {

@@ -30,12 +30,11 @@ struct Kinds {
     // kind of a path that shading ends, or of a slot without a path: a new path begins there
     static constexpr std::uint32_t over = 0;
     static constexpr SurfaceKinds surfaces = SurfaceKinds::after(over + 1);
-    static constexpr std::uint32_t walking = over + 1 + surfaces.count;  // kind of a path on a walk in a body
-    static constexpr std::uint32_t starting =
-        walking + (has_walks ? 1 : 0);  // kind of a path whose next ray must be traced
-    static constexpr std::uint32_t lists = starting + (has_walks ? 1 : 0);  // number of kinds with rings of paths
-    static constexpr std::uint32_t retired = lists;                         // kind of a slot without further paths
-    static constexpr std::uint32_t nothing = lists + 1;                     // kind of a lane without a slot
+    static constexpr std::uint32_t walking = over + 1 + surfaces.count;       // kind of a path on a walk in a body
+    static constexpr std::uint32_t starting = walking + (has_walks ? 1 : 0);  // kind of a path with a next ray to trace
+    static constexpr std::uint32_t lists = starting + (has_walks ? 1 : 0);    // number of kinds with rings of paths
+    static constexpr std::uint32_t retired = lists;                           // kind of a slot without further paths
+    static constexpr std::uint32_t nothing = lists + 1;                       // kind of a lane without a slot
     static_assert(nothing < 16);
 
     __device__ static std::uint32_t of(pt::MaterialType type) {

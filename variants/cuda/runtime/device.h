@@ -24,7 +24,7 @@ std::string device_missing();
 // The device that the backend uses. Precondition: device_missing() is empty.
 const Device& device();
 
-// Number of devices from the first on that are like the first one. Precondition: device_missing() is empty.
+// Number of devices, from the first on, that are like the first. Precondition: device_missing() is empty.
 int equal_devices();
 
 // The text of a version as CUDA numbers it: "13.0" for 13000.

@@ -37,7 +37,7 @@ constexpr std::pair<const char*, const char*> shims[] = {
     {"climits", "#include <cuda/std/climits>\n"},
 };
 
-// Hashes a text and, behind it, a byte that no text contains, so that the borders between texts count.
+// Extends a hash by a text and by a byte that no text contains, so that the borders between texts count.
 std::uint64_t hash_text(std::string_view text, std::uint64_t start = fnv1a_start) {
     return fnv1a_step(fnv1a(text, start), 0xff);
 }
@@ -312,8 +312,7 @@ ModuleImage compile_quickly(const ModuleRequest& request) {
 }
 
 CompilerReport compiler_report(const ModuleRequest& request) {
-    // NVRTC's own cache is bypassed, since what comes from it comes without the report; versions before 13 do not know
-    // the option.
+    // NVRTC's own cache is bypassed, since a result from it has no report; versions before 13 do not know the option.
     std::vector<std::string> reporting{"--ptxas-options=-v"};
     if (std::atoi(nvrtc_version().c_str()) >= 13) {
         reporting.emplace_back("-no-cache");
