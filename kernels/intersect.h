@@ -302,7 +302,7 @@ template <class Real>
 struct MeshRay {
     Vec3<Real> origin, direction;
     ShearedDirection<Real> sheared;
-    Vec3<Real> along;  // ray origin by the axes kx, ky and kz
+    Vec3<Real> along;  // ray origin along the axes kx, ky and kz, as the shear takes it
     std::uint32_t object;
     std::uint32_t passed_over;  // triangle that the ray starts on and cannot hit, or `nothing`
 

@@ -46,7 +46,7 @@ PT_HD inline Vec3<Real> along(const Vec3<Real>& axis, const Vec3<Real>& local) {
 template <class Real>
 struct SphericalRectangle {
     Real x0, x1, y0, y1, height;
-    Real skew;         // angle where the solid angle's shares begin
+    Real skew;         // angle from which shares of the rectangle's solid angle are counted
     Real solid_angle;  // solid angle of the rectangle; 0, negative or NaN: not visible
 
     PT_HD SphericalRectangle(Real low_x, Real high_x, Real low_y, Real high_y, Real z)

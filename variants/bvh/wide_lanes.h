@@ -259,7 +259,7 @@ struct TriangleLanes {
 };
 
 struct Waiting {
-    std::uint64_t of;  // distance above link in one word: no distance is negative, so the smaller word is nearer
+    std::uint64_t of;  // entry distance above, link below: as distances are not negative, a smaller word is nearer
 
     static Waiting make(float entry, std::uint32_t link) {
         return {static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(entry)) << 32 | link};

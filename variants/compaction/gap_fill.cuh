@@ -35,7 +35,7 @@ struct FillGapsParameters {
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // the device's part: kernels, which NVRTC compiles
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device part of this file: kernels, which NVRTC compiles
 
 #include "variants/cuda/device/append.cuh"
 
@@ -72,7 +72,7 @@ PT_KERNEL(fill_gaps, pt::cuda::FillGapsParameters,
 
 #endif
 
-#if defined(PT_HOST)  // the host's part: launches of the kernels, and the choice's descriptor
+#if defined(PT_HOST)  // host part of this file: kernel launches, and the choice's descriptor
 
 #include "variants/cuda/append_compaction.h"
 

@@ -22,7 +22,7 @@ struct MegakernelParameters {
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // the device's part: kernels, which NVRTC compiles
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device part of this file: kernels, which NVRTC compiles
 
 #include "variants/cuda/device/branches.cuh"
 
@@ -55,7 +55,7 @@ PT_KERNEL(megakernel, pt::cuda::MegakernelParameters<Real>,
 
 #endif
 
-#if defined(PT_HOST)  // the host's part: launches of the kernels, and the integrator's descriptor
+#if defined(PT_HOST)  // host part of this file: kernel launches, and the integrator's descriptor
 
 #include "variants/cuda/megakernels.h"
 

@@ -24,7 +24,7 @@ struct MegakernelRegenParameters {
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // the device's part: kernels, which NVRTC compiles
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device part of this file: kernels, which NVRTC compiles
 
 #include "variants/cuda/device/warp_items.cuh"
 
@@ -64,7 +64,7 @@ PT_KERNEL(megakernel_regen, pt::cuda::MegakernelRegenParameters<Real>,
 
 #endif
 
-#if defined(PT_HOST)  // the host's part: launches of the kernels, and the integrator's descriptor
+#if defined(PT_HOST)  // host part of this file: kernel launches, and the integrator's descriptor
 
 #include "variants/cuda/megakernels.h"
 

@@ -23,7 +23,7 @@ struct PersistentParameters {
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // the device's part: kernels, which NVRTC compiles
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device part of this file: kernels, which NVRTC compiles
 
 #include "variants/cuda/device/warp_items.cuh"
 
@@ -84,7 +84,7 @@ PT_KERNEL(persistent, pt::cuda::PersistentParameters<Real>,
 
 #endif
 
-#if defined(PT_HOST)  // the host's part: launches of the kernels, and the integrator's descriptor
+#if defined(PT_HOST)  // host part of this file: kernel launches, and the integrator's descriptor
 
 #include "variants/cuda/persistent.h"
 #include "variants/cuda/runtime/handles.h"

@@ -25,7 +25,7 @@ struct RegroupParameters {
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // the device's part: kernels, which NVRTC compiles
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device part of this file: kernels, which NVRTC compiles
 
 #include "variants/cuda/device/block_items.cuh"
 #include "variants/cuda/device/path_pool.cuh"
@@ -148,7 +148,7 @@ PT_KERNEL(regroup, pt::cuda::RegroupParameters<Real>,
 
 #endif
 
-#if defined(PT_HOST)  // the host's part: launches of the kernels, and the integrator's descriptor
+#if defined(PT_HOST)  // host part of this file: kernel launches, and the integrator's descriptor
 
 #include "variants/cuda/persistent.h"
 #include "variants/cuda/runtime/handles.h"

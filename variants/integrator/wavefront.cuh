@@ -75,7 +75,7 @@ struct ShadePathsParameters {
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // the device's part: kernels, which NVRTC compiles
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device part of this file: kernels, which NVRTC compiles
 
 #include "variants/cuda/device/advance.cuh"
 #include "variants/cuda/device/device.cuh"
@@ -204,7 +204,7 @@ PT_KERNEL(shade_paths, pt::cuda::ShadePathsParameters<Real>,
 
 #endif
 
-#if defined(PT_HOST)  // the host's part: launches of the kernels, and the integrator's descriptor
+#if defined(PT_HOST)  // host part of this file: kernel launches, and the integrator's descriptor
 
 #include "variants/cuda/sort_stage.h"
 #include "variants/cuda/walks.h"

@@ -49,7 +49,7 @@ struct NextBounceParameters {
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // the device's part: kernels, which NVRTC compiles
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device part of this file: kernels, which NVRTC compiles
 
 #include "variants/cuda/device/advance.cuh"
 #include "variants/cuda/device/append.cuh"
@@ -215,7 +215,7 @@ PT_KERNEL(next_bounce, pt::cuda::NextBounceParameters<Real>,
 
 #endif
 
-#if defined(PT_HOST)  // the host's part: launches of the kernels, and the integrator's descriptor
+#if defined(PT_HOST)  // host part of this file: kernel launches, and the integrator's descriptor
 
 #include "variants/cuda/walks.h"
 #include "variants/cuda/wavefronts.h"

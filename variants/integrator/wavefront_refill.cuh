@@ -109,7 +109,7 @@ struct RefillQueueParameters {
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // the device's part: kernels, which NVRTC compiles
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device part of this file: kernels, which NVRTC compiles
 
 #include "variants/cuda/device/append.cuh"
 #include "variants/cuda/device/hit_keys.cuh"
@@ -254,7 +254,7 @@ PT_KERNEL(refill_queue, pt::cuda::RefillQueueParameters<Real>,
 
 #endif
 
-#if defined(PT_HOST)  // the host's part: launches of the kernels, and the integrator's descriptor
+#if defined(PT_HOST)  // host part of this file: kernel launches, and the integrator's descriptor
 
 #include <algorithm>
 #include <atomic>

@@ -80,7 +80,7 @@ private:
 
 }  // namespace pt::layout::aos
 
-#if defined(PT_HOST)  // the host's part: the layout's descriptor
+#if defined(PT_HOST)  // host part of this file: the layout's descriptor
 
 #include "variants/registry.h"
 

@@ -188,7 +188,7 @@ private:
 
 }  // namespace pt::layout::soa
 
-#if defined(PT_HOST)  // the host's part: the layout's descriptor
+#if defined(PT_HOST)  // host part of this file: the layout's descriptor
 
 #include "variants/registry.h"
 

@@ -21,7 +21,7 @@ struct AppendToQueuesParameters {
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // the device's part: kernels, which NVRTC compiles
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device part of this file: kernels, which NVRTC compiles
 
 #include "variants/cuda/device/device.cuh"
 
@@ -47,7 +47,7 @@ PT_KERNEL(append_to_queues, pt::cuda::AppendToQueuesParameters,
 
 #endif
 
-#if defined(PT_HOST)  // the host's part: launches of the kernels, and the choice's descriptor
+#if defined(PT_HOST)  // host part of this file: kernel launches, and the choice's descriptor
 
 #include "variants/cuda/stages.h"
 #include "variants/registry.h"

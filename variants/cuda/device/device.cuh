@@ -257,8 +257,7 @@ __device__ inline Hit first_hit(const SceneViews& scene, const Path& path, const
     return trace(scene, path);
 }
 
-// The hit of the path's current segment: for the first segment from the first-bounce cache if there is one, else
-// traced.
+// The hit of the path's current segment: traced or, for the first segment, from the first-bounce cache if there is one.
 __device__ inline Hit next_hit(const SceneViews& scene, const Path& path, const HitCache& cache) {
     return kernel_config.keeps_first_hits && path.segment == 0 ? first_hit(scene, path, cache) : trace(scene, path);
 }
