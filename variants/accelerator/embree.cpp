@@ -12,7 +12,7 @@
 namespace pt::accelerator::embree {
 namespace {
 
-// Bounds on the coordinates handed to Embree, which takes 1e-18 for 0 and 1.8e18 for infinity.
+// Bounds on direction lengths and mesh sizes handed to Embree, which takes 1e-18 for 0 and 1.8e18 for infinity.
 constexpr float smallest = 0x1p-40f, largest = 0x1p40f;
 
 struct Query {

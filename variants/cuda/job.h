@@ -14,7 +14,7 @@ namespace pt::cuda {
 
 struct Job {
     const Module* module = nullptr;
-    FilmView film;                    // the film's view in device memory
+    FilmView film;                    // view of the film, in device memory
     std::uint32_t pixels = 0;         // the pixels of the image that this device renders
     std::uint32_t image_pixels = 0;   // pixels of the whole film and of the first-bounce cache
     std::uint32_t longest_path = 1;   // most segments that a path may have
