@@ -5,7 +5,7 @@
 
 namespace pt {
 
-// Index of the material whose medium absorbs along the path once the path has crossed the surface at this vertex, or
+// Index of the material whose medium absorbs along the path once it has crossed the surface at the vertex, or
 // `no_medium`.
 template <class Real>
 PT_HD inline std::uint32_t medium_behind(const Vertex<Real>& vertex, const Material<Real>& material) {
@@ -19,7 +19,7 @@ PT_HD inline Vec3<Real> transmittance(const Material<Real>& medium, Real distanc
             exponential(-medium.sigma_a.z * distance)};
 }
 
-// Absorbs the throughput along the path's segment that ends at this vertex, which ran `distance` through the medium.
+// Absorbs from the throughput along the path's segment, which ran `distance` through the medium up to the vertex.
 template <class Real>
 PT_HD inline void attenuate(Path<Real>& path, const Material<Real>& medium, Real distance) {
     path.throughput *= transmittance(medium, distance);

@@ -19,12 +19,12 @@ inline constexpr Real most_carried = Real(64);
 
 template <class Real>
 struct AdjointCache {
-    Vec3<Real> low;  // lowest corner of the adjoint grid, relative to the eye
+    Vec3<Real> low;  // lowest corner of the adjoint grid, in scene units from the eye
     Vec3<Real> cells_a_unit;
     std::uint32_t cells;  // number of grid cells along each axis
-    // Weight window on a path's expected contribution, in units of its pixel's value.
+    // Weight window, from lowest to highest, on a path's expected contribution in units of its pixel's value.
     Real lowest, highest;
-    std::uint32_t most_branches;  // most branches that a path splits into; 1: no splitting
+    std::uint32_t most_branches;  // most branches into which a path splits at a vertex; 1: paths do not split
     // Adjoint estimates, relative to the image's mean: the radiance that paths bring from a grid cell and side, over
     // their throughput there; a factor for each number of segments; and 1 over each pixel's value.
     View<float> by_place;
@@ -106,7 +106,7 @@ PT_HD inline bool survives_by_share(Path<Real>& path, Real share, Real lowest, R
 struct OneBranch {
     template <class Config>
     static constexpr bool acts_in = has<Config>(Feature::adjoint_roulette);
-    // Whether the path is a branch that resumes at the vertex where it split, and so has arrived there before.
+    // Whether a path is a branch that resumes at the vertex where it split, and so has arrived at that vertex before.
     PT_HD static constexpr bool resumes() { return false; }
     // Plays adjoint-driven Russian roulette before a path scatters, with u in [0, 1). Returns whether the path goes on.
     template <class Config>

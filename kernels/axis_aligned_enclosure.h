@@ -1,8 +1,8 @@
-// An enclosure is an empty axis-aligned region, such as a room, whose sides are either open or inner faces of axis
-// boxes (walls). A ray from inside the enclosure, or one that enters by an open side, can hit only the wall whose plane
-// it crosses on its way out, at the very product that slab_interval forms for that wall: one plane per axis instead of
-// two per wall. Doubtful cases (a tie, a grazing ray, an origin outside) are left to the slab test, so the hits are the
-// same bit for bit; find_enclosure (harness/scene) says what makes an enclosure.
+// An enclosure is an empty axis-aligned region, such as a room, whose sides are open or inner faces of axis boxes
+// (walls). A ray from inside it, or one that enters by an open side, can hit only the wall whose plane it crosses on
+// its way out: one plane per axis is tested, not two per wall. Distances are the products that slab_interval forms, and
+// doubtful cases (a tie, a grazing ray, an origin outside) are left to slab tests, so hits are the same bit for bit.
+// find_enclosure (harness/scene) says what makes an enclosure.
 #pragma once
 
 #include "kernels/box.h"
@@ -13,12 +13,12 @@ template <class Real>
 struct AxisAlignedEnclosure {
     Vec3<Real> low{Real(0), Real(0), Real(0)};  // lowest corner of the enclosure, scene units from the eye
     Vec3<Real> high{Real(0), Real(0), Real(0)};
-    Vec3<Real> reach_low{Real(0), Real(0), Real(0)};  // bounding box of axis boxes at all times; infinite: one moves
+    Vec3<Real> reach_low{Real(0), Real(0), Real(0)};  // bounding box of all axis boxes; infinite if one moves
     Vec3<Real> reach_high{Real(0), Real(0), Real(0)};
-    // Face of the wall behind the low and the high side of each axis; `nowhere` where that side is open.
+    // Face of the wall behind the low (high) side of each axis; `nowhere` if that side is open.
     SurfaceId low_side[3], high_side[3];
     std::uint32_t walls = 0;       // bit i: axis box i is a wall of the enclosure; 0: there is no enclosure
-    std::uint32_t lamps = 0;       // bit i: axis box i has an emitter material, which no path leaves
+    std::uint32_t lamps = 0;       // bit i: axis box i has an emitter material: no path starts there
     std::uint32_t open_sides = 0;  // bit 2 * axis: the low side is open; bit 2 * axis + 1: the high side is open
 
     // Whether axis box i, an index into SceneView::axis_boxes, is a wall of the enclosure.
@@ -29,7 +29,7 @@ struct AxisAlignedEnclosure {
     }
 };
 
-// Where a ray leaves the enclosure. If the exit is not known, the slab test of every axis box decides.
+// Where a ray leaves the enclosure. Without a known exit the slab tests of all axis boxes decide.
 template <class Real>
 struct EnclosureExit {
     bool known;
@@ -37,12 +37,12 @@ struct EnclosureExit {
     SurfaceId side;  // face of the wall that the ray leaves at; nowhere: an open side
 };
 
-// Ray distances within this factor are a tie, left to the slab test, which accepts near <= far (1 + 2 gamma(3)).
+// Factor within which two ray distances tie, to be left to the slab test, which accepts near <= far (1 + 2 gamma(3)).
 template <class Real>
 inline constexpr Real room_slack = Real(1) + Real(4) * gamma<Real>(3);
 
-// Whether a ray from outside enters the enclosure by an open side, clearly before it leaves at `exit`: across the last
-// of the three planes that it crosses. No two planes are the last by more than the slack, so each axis is tested alone.
+// Whether a ray from outside enters the enclosure by an open side before it leaves at distance `exit`: across the last
+// of its three entry planes, which must be last by more than the slack, so that each axis is tested alone.
 template <class Real>
 PT_HD inline bool enters_by_open_side(const AxisAlignedEnclosure<Real>& enclosure, const Vec3<Real>& origin,
                                       const Vec3<Real>& inverse, Real exit) {
@@ -59,8 +59,8 @@ PT_HD inline bool enters_by_open_side(const AxisAlignedEnclosure<Real>& enclosur
     return enters(0, from_high_x, x, y, z) || enters(1, from_high_y, y, x, z) || enters(2, from_high_z, z, x, y);
 }
 
-// Finds where a ray leaves an enclosure. `inverse`: reciprocal of the ray's direction; `is_finite`:
-// has_finite_reciprocal of that direction.
+// Finds where a ray leaves an enclosure. `inverse`: reciprocal of the ray's direction; `is_finite`: whether it is
+// finite (has_finite_reciprocal).
 template <class Real>
 PT_HD inline EnclosureExit<Real> leave_enclosure(const AxisAlignedEnclosure<Real>& enclosure, const Vec3<Real>& origin,
                                                  const Vec3<Real>& inverse, bool is_finite) {
@@ -84,9 +84,9 @@ PT_HD inline EnclosureExit<Real> leave_enclosure(const AxisAlignedEnclosure<Real
                    : side_z};
 }
 
-// Which of an enclosure's walls lie between two points. The enclosure is convex: there is no wall between two points
-// inside, and one wall if the second point lies beyond walls alone, since the segment crosses no other plane. If this
-// is unknown, the slab test of every wall decides.
+// Which of an enclosure's walls lie between two points. The enclosure is convex: no wall lies between two points
+// inside, and one wall does if the second point lies beyond walls alone, since the segment crosses no other plane.
+// Where the answer is `unknown`, the slab test of every wall decides.
 enum class WallsBetween { none, one, unknown };
 
 template <class Real>
@@ -94,7 +94,7 @@ PT_HD inline WallsBetween walls_between(const AxisAlignedEnclosure<Real>& enclos
                                         const Vec3<Real>& to) {
     const Vec3<Real>& low = enclosure.low;
     const Vec3<Real>& high = enclosure.high;
-    // Distances of the second point beyond each of the enclosure's six sides, and of the first point within them.
+    // Distances by which the point `to` lies beyond each of the enclosure's six sides, and `from` within them.
     const Real beyond[6] = {low.x - to.x, to.x - high.x, low.y - to.y, to.y - high.y, low.z - to.z, to.z - high.z};
     const Real within[6] = {from.x - low.x,  high.x - from.x, from.y - low.y,
                             high.y - from.y, from.z - low.z,  high.z - from.z};
@@ -108,13 +108,13 @@ PT_HD inline WallsBetween walls_between(const AxisAlignedEnclosure<Real>& enclos
             to_wall = min(to_wall, within[side]);
         }
     }
-    // This margin exceeds the rounding errors of a point on the ray and of the slab test.
+    // `margin` exceeds the rounding errors of a point on the ray and of the slab test.
     const Real margin = gamma<Real>(64) * (absolute(low.x) + absolute(low.y) + absolute(low.z) + absolute(high.x) +
                                            absolute(high.y) + absolute(high.z));
     if (enclosure.walls == 0 || !enclosure.contains(from) || !(open < -margin)) {
         return WallsBetween::unknown;
     }
-    // A ray that starts exactly in the plane of a wall, as in a corner, does not hit that wall (keep_nearer).
+    // A ray that starts exactly in the plane of a wall, as in a corner, does not hit that wall, as in keep_nearer.
     return walls < -margin                       ? WallsBetween::none
            : walls > margin && to_wall > Real(0) ? WallsBetween::one
                                                  : WallsBetween::unknown;

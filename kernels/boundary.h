@@ -11,8 +11,8 @@
 
 namespace pt {
 
-// A dielectric boundary seen from one side. relative_ior = ior ahead / ior behind; `k` = (n - 1)(n + 1) is formed in
-// double at load, where 1 - n^2 cannot cancel.
+// A dielectric boundary seen from one side. relative_ior = index ahead / index behind; `k` = (n - 1)(n + 1) is formed
+// in double at load, where 1 - n^2 cannot cancel.
 template <class Real>
 struct Boundary {
     Real relative_ior;
@@ -50,8 +50,8 @@ PT_HD inline Refraction<Real> fresnel(const Boundary<Real>& boundary, Real cosin
     return {Real(0.5) * (r_s * r_s + r_p * r_p), q};
 }
 
-// The Fresnel reflectance in the form that the kernel is compiled for: the stable one, or the textbook's in a naive
-// kernel.
+// The Fresnel reflectance in the form that the kernel is compiled for: the stable form, or the textbook's (naive
+// kernels).
 template <class Config>
 PT_HD inline Refraction<typename Config::Real> fresnel(const Boundary<typename Config::Real>& boundary,
                                                        typename Config::Real cosine) {

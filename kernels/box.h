@@ -49,7 +49,7 @@ PT_HD inline bool has_finite_reciprocal(const Vec3<Real>& v) {
     return keep_smaller(keep_smaller(absolute(v.x), absolute(v.y)), absolute(v.z)) >= Real(0x1p-100);
 }
 
-// Component-wise reciprocal of a vector no longer than 1 but for rounding; infinite where a component is 0.
+// Component-wise reciprocal of a vector whose length is at most 1 but for rounding; infinite where a component is 0.
 template <class Real>
 PT_HD inline Vec3<Real> reciprocal(const Vec3<Real>& v) {
     if (has_finite_reciprocal(v)) {
@@ -58,8 +58,8 @@ PT_HD inline Vec3<Real> reciprocal(const Vec3<Real>& v) {
     return {Real(1) / v.x, Real(1) / v.y, Real(1) / v.z};
 }
 
-// Axis of the face through which a ray enters (or leaves, if `inside`) the box [low, high]. The products are those of
-// slab_interval, so the axis cannot contradict the hit.
+// Axis of the face through which a ray enters (or leaves, if `inside`) the box [low, high]. The products are those that
+// slab_interval forms, so the axis cannot contradict the hit.
 template <class Real>
 PT_HD inline int crossed_axis(const Vec3<Real>& low, const Vec3<Real>& high, const Vec3<Real>& origin,
                               const Vec3<Real>& inverse, bool inside) {
@@ -123,7 +123,7 @@ PT_HD inline LightSample<Real> sample_box(const Vec3<Real>& half, Real u, Real v
     const Real zx = half.z * half.x;
     const Real xy = half.x * half.y;
     const Real total = yz + zx + xy;
-    Real pick = w * Real(2);  // in [0, 2): the integer part chooses the side, the fraction the axis
+    Real pick = w * Real(2);  // random number in [0, 2): its integer part chooses the side, its fraction the axis
     const bool high = pick >= Real(1);
     pick = (high ? pick - Real(1) : pick) * total;
     const Real side = high ? Real(1) : Real(-1);

@@ -13,7 +13,7 @@ struct Camera {
     Vec3<Real> right, up, forward;  // orthonormal camera axes; `up` points up in the image
     Real pixel_size;                // size of a pixel at distance 1: 2 tan(vertical_fov / 2) / height
     std::uint32_t width, height;
-    Real aperture_radius;               // lens radius in scene units; 0: pinhole
+    Real aperture_radius;               // lens radius in scene units; 0: a pinhole camera
     Real focus_distance;                // distance of the plane in focus along `forward`, scene units
     Real shutter_open, shutter_length;  // shutter times in seconds
     std::uint32_t shutter_late;         // 1: ray times have density 2s/length^2, s = time since the opening
@@ -21,8 +21,8 @@ struct Camera {
     std::uint32_t initial_medium;       // material whose medium the eye is in, or Path::no_medium
 };
 
-// Unit vector along a camera ray. Without a lens the direction is no shorter than the camera's forward vector, so the
-// in-range functions apply; with a lens it is as long as the focus distance, whatever the scene's scale.
+// Unit vector along a camera ray. Without a lens `direction` is no shorter than the camera's forward vector, so the
+// functions of kernels/in_range.h apply; with a lens it is as long as the focus distance, whatever the scene's scale.
 template <class Config>
 PT_HD inline Vec3<typename Config::Real> unit_ray(const Vec3<typename Config::Real>& direction) {
     if constexpr (has<Config>(Feature::lens)) {
@@ -41,8 +41,8 @@ struct PixelPlace {
     }
 };
 
-// Start of a camera path: segment 0, on no surface. The random numbers are those of the sample `camera_sample`, which
-// is the path's own unless camera rays are shared between samples (first-bounce cache).
+// Start of a camera path: segment 0, on no surface. The camera ray has the random numbers of sample `camera_sample`,
+// which is the path's own unless samples share camera rays (first-bounce cache).
 template <class Config>
 PT_HD inline Path<typename Config::Real> camera_path(const Camera<typename Config::Real>& camera,
                                                      const RandomSeed& seed, const PixelPlace& place,

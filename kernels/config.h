@@ -9,7 +9,7 @@
 
 #include <cstdint>
 
-// PT_HD marks functions for both sides. Under g++ it vanishes; under nvcc and NVRTC every function serves both.
+// PT_HD marks functions that host and device share: under g++ it is empty; under nvcc and NVRTC it compiles for both.
 #if defined(__CUDACC__)
 #define PT_HD __host__ __device__
 #else
@@ -27,7 +27,7 @@ namespace pt {
 
 using FeatureSet = std::uint64_t;
 
-// First bit of each group of features in a FeatureSet. A group's bits stand together, with room for more of its kind.
+// First bit of each group of features in a FeatureSet. The bits of a group are contiguous, with spare ones for more.
 namespace feature_bit {
 inline constexpr FeatureSet camera = FeatureSet{1} << 0;      // 2 feature bits for the camera
 inline constexpr FeatureSet shape = FeatureSet{1} << 2;       // 16 feature bits for shapes
@@ -40,25 +40,25 @@ inline constexpr FeatureSet traversal = FeatureSet{1} << 58;  // 6 feature bits 
 enum class Feature : FeatureSet {
     jitter = feature_bit::camera << 0,
     lens = feature_bit::camera << 1,
-// One feature per kind of shape. Objects are classified once, at load: every kernel uses one formula per kind.
+// One feature per kind of shape. Objects are classified once, at load, and kernels use one formula per kind.
 #define PT_FEATURE(name, array, Type) name = feature_bit::shape << static_cast<std::uint32_t>(ShapeKind::name),
     PT_SHAPES(PT_FEATURE)
 #undef PT_FEATURE
     // Spheres that are close to the eye for their size, as a ground sphere is (NearSphere in kernels/shapes/sphere.h).
     near_sphere = feature_bit::shape << 13,
     motion = feature_bit::shape << 14,
-    // Every object is intersected through its 4x4 matrix (kernels/transform.h), another formula, which changes
-    // roundings and so the film.
+    // Every object is intersected through its 4x4 matrix (kernels/transform.h), by formulas that round otherwise and so
+    // change the film.
     matrix = feature_bit::shape << 15,
 // One feature for each material type.
 #define PT_FEATURE(name, Type, traits) name = feature_bit::material << static_cast<std::uint32_t>(MaterialType::name),
     PT_MATERIALS(PT_FEATURE)
 #undef PT_FEATURE
-    // Features of what materials do beyond their type.
+    // Features of materials that do not follow from a material's type.
     emission = feature_bit::material << 11,             // surfaces that both reflect and emit light
     absorption = feature_bit::material << 12,           // Beer-Lambert absorption inside a dielectric, smooth or rough
-    subsurface_boundary = feature_bit::material << 13,  // a subsurface body whose index of refraction is not 1
-    multiple_scattering = feature_bit::material << 14,  // rough conductors with energy compensation
+    subsurface_boundary = feature_bit::material << 13,  // subsurface bodies with an index of refraction other than 1
+    multiple_scattering = feature_bit::material << 14,  // rough conductors with compensation for energy that is lost
     textures = feature_bit::material << 15,             // colours and roughnesses that are images (kernels/texture.h)
     shading_normals = feature_bit::material << 16,      // normals other than geometric ones (kernels/shading_normal.h)
     environment = feature_bit::light << 0,
@@ -66,13 +66,13 @@ enum class Feature : FeatureSet {
     final_bounce = feature_bit::light << 1,
     next_event = feature_bit::light << 2,
     multiple_importance = feature_bit::light << 3,
-    // How light samples lie on a light (kernels/light_sampling.h). A kernel with none of these samples by solid angle,
-    // one with a single feature in that way, and one with all chooses at run time (SceneView::light_sampling).
+    // How points on a light are sampled (kernels/light_sampling.h). A kernel with none of these features samples by
+    // solid angle, with one of them in that way, with all as chosen at run time (SceneView::light_sampling).
     area_sampling = feature_bit::light << 4,
     projected_sampling = feature_bit::light << 5,
     automatic_sampling = feature_bit::light << 6,
-    // How next-event estimation chooses a light (kernels/light_selection.h). A kernel with neither feature chooses
-    // uniformly, one with a single feature in that way, and one with both at run time (SceneView::light_selection).
+    // How next-event estimation chooses a light (kernels/light_selection.h): a kernel with neither feature uniformly,
+    // with one of them in that way, with both as chosen at run time (SceneView::light_selection).
     power_selection = feature_bit::light << 7,
     tree_selection = feature_bit::light << 8,
     // One-sample MIS: at random either the connection to a light counts or the light that the path hits
@@ -91,19 +91,19 @@ enum class Feature : FeatureSet {
     // Russian roulette, and splitting, by a path's expected contribution (kernels/adjoint.h, kernels/path_tree.h).
     adjoint_roulette = feature_bit::sampling << 2,
     splitting = feature_bit::sampling << 3,
-    // Features that only make a kernel faster: the film is the same with and without them, and no scene needs them.
+    // Features that only make a kernel faster: no scene needs them, and they do not change the film.
     enclosure = feature_bit::traversal << 0,
-    // Features that use other formulas and so round otherwise: intersection in double within single precision
-    // (kernels/widen.h), and textbook forms throughout (kernels/naive.h).
+    // Features that compute by other formulas and so round otherwise: intersection in double precision within single
+    // precision (kernels/widen.h), and textbook forms throughout (kernels/naive.h).
     double_intersection = feature_bit::traversal << 1,
     naive = feature_bit::traversal << 2,
     // Ways to search mesh instances other than one by one: a tree over them (kernels/object_tree.h), and one tree over
-    // all their triangles. On the host the scene says which (MeshSearch), and no kernel has either feature.
+    // all their triangles. On the host the scene chooses (MeshSearch), and no kernel has either feature.
     object_tree = feature_bit::traversal << 3,
     flat_tree = feature_bit::traversal << 4,
 };
 
-// Light sampling and light selection that a variant asks for, by the features of light_samplings and light_selections.
+// Light sampling and selection as a variant asks for them, by the features of light_samplings and light_selections.
 enum class LightSampling : std::uint16_t { solid_angle, area, projected, automatic };
 enum class LightSelection : std::uint32_t { uniform, power, tree };
 
@@ -116,7 +116,7 @@ inline constexpr FeatureSet no_features = 0;
 #define PT_FEATURE(name, array, Type) | static_cast<FeatureSet>(Feature::name)
 inline constexpr FeatureSet shape_features = no_features PT_SHAPES(PT_FEATURE);
 #undef PT_FEATURE
-// Features of the material types that have any of the traits `wanted` (material_trait).
+// Features of all material types that have any of the traits `wanted` (material_trait).
 PT_HD constexpr FeatureSet materials_with(std::uint32_t wanted) {
     using namespace material_trait;
     FeatureSet set = no_features;
@@ -152,14 +152,14 @@ inline constexpr FeatureSet samplings = samplers | static_cast<FeatureSet>(Featu
 // Features with which a kernel traverses meshes. Only kernels for scenes with meshes have them, since the traversal of
 // an acceleration structure takes registers from every other shape.
 inline constexpr FeatureSet traversals = set_of(Feature::mesh);
-// Features for a tree over all meshes (TLAS, or one flat tree), at most one per kernel, only for scenes with meshes.
+// Features for one tree over all meshes (top-level or flat), at most one per kernel, only for scenes with meshes.
 inline constexpr FeatureSet mesh_levels = set_of(Feature::object_tree, Feature::flat_tree);
 
 // Features of kernels whose paths split. A kernel has one only for a variant that asks for it: the branches that wait
 // take registers and memory.
 inline constexpr FeatureSet path_trees = set_of(Feature::splitting);
 
-// Features that change what is computed: a kernel has exactly those of them that it is asked for.
+// Features that change what is computed: a kernel has exactly those of them that its variant asks for.
 inline constexpr FeatureSet formulas = set_of(Feature::double_intersection, Feature::naive);
 
 PT_HD constexpr FeatureSet operator|(Feature a, Feature b) {
@@ -193,7 +193,7 @@ struct Config {
 };
 
 // Whether a kernel is compiled for scenes whose only light is one fixed object, so that all threads read the same light
-// data. A device's configuration says so where it knows.
+// data. A configuration on the device says so where it applies.
 template <class Config>
 PT_HD constexpr bool has_one_light() {
     if constexpr (requires { Config::has_one_light; }) {
@@ -224,8 +224,8 @@ __noinline__
     return function();
 }
 
-// Runs `function`. A kernel with all features calls it out of line, so all call sites share one body; the lambda must
-// stand in a function that is the same for all of them. A copy at each call site would be 10^5 instructions.
+// Calls `function`: out of line in a kernel with all features, so that all call sites share one body of 10^5
+// instructions. For that the lambda must stand in a function that is the same for all call sites.
 template <class Config, class Function>
 PT_HD inline auto in_one_place(const Function& function) {
     if constexpr (has_everything(Config::features)) {

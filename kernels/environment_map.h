@@ -1,10 +1,10 @@
 // Environment light as an equirectangular image, y up, importance-sampled by a piecewise-constant distribution: first a
 // row, then a texel in it (Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th edition, sections 12.5 and
 // A.5). A direction has the radiance of its texel, and directions in a texel are drawn uniformly by solid angle, so
-// radiance over pdf is constant in a texel. Probabilities are whole multiples of 2^-32, none 0: the sampled one and the
-// one divided by are the same. A constant environment is an image of one texel, drawn uniformly over the sphere.
-//
-// The image's left edge is in the direction -z, and a quarter of its width on is +x, as in Mitsuba's `envmap`.
+// radiance over pdf is constant in a texel. Probabilities are whole multiples of 2^-32, none 0: weights divide by
+// exactly the probability drawn by. A constant environment is an image of one texel, drawn uniformly over the sphere.
+// |
+// |The image's left edge is in the direction -z, and a quarter of its width on is +x, as in Mitsuba's `envmap`.
 #pragma once
 
 #include "kernels/sampling.h"
@@ -17,21 +17,21 @@ template <class Real>
 struct EnvironmentRow {
     Real top;
     Real inverse_pdf;     // 1 / pdf of a direction in this row if its texel had probability 1
-    std::uint32_t first;  // start of the row's interval of [0, 2^32), which ends at the next row's `first`
+    std::uint32_t first;  // start of the row's interval of random words [0, 2^32), up to the next row's
 };
 
 template <class Real>
 struct EnvironmentTexel {
     Vec3<Real> radiance;
-    std::uint32_t first;  // start of the texel's interval of [0, 2^32) within its row
+    std::uint32_t first;  // start of the texel's interval of random words [0, 2^32) in its row
 };
 
 template <class Real>
 struct EnvironmentMap {
-    View<EnvironmentRow<Real>> rows;      // rows of the image from +y down
-    View<EnvironmentTexel<Real>> texels;  // texels of the image, row by row
-    std::uint32_t width;                  // number of texels in a row
-    Real turn;                            // rotation about y: where -z is in the image, in widths
+    View<EnvironmentRow<Real>> rows;      // rows of the environment image from +y down
+    View<EnvironmentTexel<Real>> texels;  // texels of the environment image, row by row
+    std::uint32_t width;                  // number of texels in a row of the environment image
+    Real turn;                            // rotation about y: where the direction -z is in the image, in widths
     std::uint32_t object_share;           // a random word below this draws an object that emits, not the environment
     std::uint32_t stretch;                // 2^63 / object_share, to stretch random words below object_share
     Real inverse_probability;             // 1 / probability of drawing the environment
@@ -51,16 +51,16 @@ PT_HD inline std::uint32_t entry_at(const Entry* entries, std::uint32_t count, s
     return low;
 }
 
-// Width of entry i's interval in a table that divides 2^32 words: 2^32 itself for an only entry. The last interval ends
-// at 2^32, whose low word is 0.
+// Width of entry i's interval in a table that divides the 2^32 random words among its entries: 2^32 itself for an only
+// entry. The last interval ends at 2^32, whose low word is 0.
 template <class Real, class Entry>
 PT_HD inline Real share_of_entry(const Entry* entries, std::uint32_t count, std::uint32_t i) {
     const std::uint32_t end = i + 1 < count ? entries[i + 1].first : 0u;
     return static_cast<Real>(end - entries[i].first - 1u) + Real(1);
 }
 
-// Relative position in [0, 1] of a random word within its entry's interval. 16 bits of `more` place it between two
-// words, since an interval may be one word wide.
+// Relative position in [0, 1] of a random word within its table entry's interval. An interval may be one word wide, so
+// 16 bits of `more` place it between two words.
 template <class Real, class Entry>
 PT_HD inline Real place_in_entry(const Entry& entry, Real share, std::uint32_t word, std::uint32_t more) {
     const Real between = (static_cast<Real>(more & 0xffffu) + Real(0.5)) * Real(0x1p-16);
@@ -81,7 +81,7 @@ PT_HD inline EnvironmentPlace<Real> place_at(const EnvironmentMap<Real>& map, st
     return {texels[column].radiance, map.rows[row].inverse_pdf * (Real(0x1p32) / share)};
 }
 
-// Azimuth of a direction about y in turns, from 0 at -z by way of 1/4 at +x: up to rounding within [-1/4, 3/4].
+// Azimuth of a direction about y in turns: 0 at -z, 1/4 at +x; up to rounding within [-1/4, 3/4].
 template <class Real>
 PT_HD inline Real azimuth_in_turns(const Vec3<Real>& direction) {
     const Real along = -direction.z;
@@ -111,7 +111,7 @@ PT_HD inline std::uint32_t row_at(const EnvironmentMap<Real>& map, Real cosine) 
     return low;
 }
 
-// Radiance of the environment texel in a unit direction, and 1 / pdf of directions to it.
+// Radiance of the environment texel that a unit direction points to, and 1 / pdf of directions to that texel.
 template <class Real>
 PT_HD inline EnvironmentPlace<Real> environment_towards(const EnvironmentMap<Real>& map, const Vec3<Real>& direction) {
     const Real across = fraction_of_turn(azimuth_in_turns(direction) + map.turn) * static_cast<Real>(map.width);

@@ -7,10 +7,10 @@
 
 namespace pt {
 
-// Faults met while a film was filled. Each is reported; none is repaired in silence.
+// Counts of faults met while a film was filled. Each fault is reported; none is repaired in silence.
 struct FilmFaults {
     std::uint64_t nonfinite = 0;  // samples with a NaN or an infinity: left out of the sums
-    std::uint64_t negative = 0;   // samples with a negative channel: summed as they are
+    std::uint64_t negative = 0;   // samples with a negative channel: summed unchanged
     std::uint64_t saturated = 0;  // samples beyond the film's limit: clamped to it
 
     PT_HD bool none() const { return nonfinite == 0 && negative == 0 && saturated == 0; }
@@ -48,10 +48,10 @@ struct FilmView {
     FilmFaults* faults = nullptr;
     double scale = 1.0;  // quanta per unit of radiance, a power of two
     double limit = 0.0;  // largest quanta of one sample such that the sum of all samples cannot overflow
-    // Scale and limit in single precision, in which a product with a power of two is exact as well. A negative limit:
-    // single precision is not to be used.
+    // Scale and limit of radiance in single precision, where a product with a power of two is exact as well. A negative
+    // limit says not to use single precision.
     float single_scale = 1.0f;
-    float single_limit = -1.0f;  // the largest float not above `limit`
+    float single_limit = -1.0f;  // the largest float not above `limit`; negative: none
 
     // Converts one sample's radiance to quanta. Faults are counted; a sample that is not finite is left out.
     PT_HD FilmSum quanta(const Vec3<float>& radiance) const {
@@ -59,7 +59,7 @@ struct FilmView {
         const float x = radiance.x * single_scale;
         const float y = radiance.y * single_scale;
         const float z = radiance.z * single_scale;
-        // A NaN radiance fails each of these comparisons and takes the slow path.
+        // A NaN radiance fails each comparison with 0 and takes the slow path.
         const bool plain =
             x >= 0.0f && y >= 0.0f && z >= 0.0f && x <= single_limit && y <= single_limit && z <= single_limit;
         if (plain) {
@@ -100,7 +100,7 @@ struct FilmView {
         add(pixel, quanta(radiance));
     }
 
-    // Adds the sum of several samples of a pixel, given as radiance.
+    // Adds the sum of several samples of a pixel, given as radiance, to the film.
     template <class Real>
     PT_HD void add_sum(std::uint32_t pixel, const Vec3<Real>& sum) const {
         using std::llrint;
@@ -123,7 +123,7 @@ private:
     }
 };
 
-// Sum of one pixel's samples in one thread before they go to the film: in quanta, so that the order does not matter. A
+// Sum of one pixel's samples in one thread before they go to the film: in quanta, so that order does not matter. A
 // naive kernel sums radiance in its own precision, in the order of the samples.
 template <class Config>
 class PixelSum {

@@ -33,11 +33,11 @@ struct GgxFacets {
           cosine(max(dot(outgoing_to, normal_of), least_cosine<Real>)),
           q(stretched(cosine)) {}
 
-    // Whether alpha is large enough for the pdf of a direction in single precision: for a smaller alpha the pdf depends
-    // on the rounding of the directions.
+    // Whether alpha is large enough for pdfs of directions in single precision: for a smaller alpha a pdf depends on
+    // how the directions round.
     PT_HD bool are_wide() const { return alpha >= Real(0x1p-7); }
 
-    // sqrt(c^2 + alpha^2 (1 - c^2)), which enters Smith's masking; never below c, so that no share is above 1.
+    // sqrt(c^2 + alpha^2 (1 - c^2)), a part of Smith's masking; never below the cosine c, so that no share is above 1.
     PT_HD Real stretched(Real c) const {
         return max(square_root(c * c + alpha * alpha * ((Real(1) - c) * (Real(1) + c))), c);
     }
@@ -47,7 +47,7 @@ struct GgxFacets {
         return (incoming_cosine * cosine + shared) / (stretched(incoming_cosine) * cosine + shared);
     }
 
-    // The share of light that passes to the other side unmasked; `incoming_cosine` is to the normal on that side.
+    // Share of refracted light not masked below the surface; `incoming_cosine` is to the normal on that side.
     PT_HD Real share_below(Real incoming_cosine) const {
         return Real(2) * incoming_cosine / (incoming_cosine + stretched(incoming_cosine));
     }
@@ -61,14 +61,14 @@ struct GgxFacets {
         return mirrored_pdf(alpha * alpha * (ratio * ratio) * (Real(1) / pi<Real>));
     }
 
-    // Density of the direction that is mirrored by a facet which sample() has drawn.
+    // Density of the direction in which a facet drawn by sample() mirrors the outgoing direction.
     PT_HD Real mirrored_pdf(const GgxFacet<Real>& facet) const {
         const Real stretch = facet.along * facet.along + alpha * alpha * facet.across;
         return mirrored_pdf(stretch * stretch / (alpha * alpha) * (Real(1) / pi<Real>));
     }
 
     // Samples a facet that faces the viewer (visible normals), by a point on the projected disc in the stretched space,
-    // where the ellipsoid of facets is a sphere; x is along the viewer's azimuth.
+    // where the ellipsoid of facets is a sphere; the disc's x is along the viewer's azimuth.
     PT_HD GgxFacet<Real> sample(Real u, Real v) const {
         const Frame<Real> frame(normal);
         const Real x = dot(outgoing, frame.tangent);
@@ -89,7 +89,7 @@ struct GgxFacets {
         const Real facet_x = c * view_x - b * view_z;
         const Real facet_z = max(b * view_x + c * view_z, least_cosine<Real>);
 
-        // The facet's slopes in surface space: 0 for a mirror, whose facet normal is the surface normal.
+        // Slopes of the sampled facet in surface space: 0 for alpha = 0, where the facet normal is the surface normal.
         const Real scale = alpha / facet_z;
         const Real slope_x = scale * (facet_x * turn_x - a * turn_y);
         const Real slope_y = scale * (facet_x * turn_y + a * turn_x);

@@ -8,7 +8,7 @@
 
 namespace pt {
 
-// Chebyshev sum of c_k T_k(x), x from -1 to 1 (Clenshaw 1955).
+// Chebyshev sum of c_k T_k(x) for x from -1 to 1, by Clenshaw's recurrence (1955).
 template <class Real, int count>
 PT_HD inline Real chebyshev_sum(const Real (&c)[count], Real x) {
     Real next = Real(0), after = Real(0);

@@ -20,7 +20,7 @@
 
 namespace pt {
 
-// Chooses the colour channel to sample a free path by, never one without throughput while another has some.
+// Chooses the colour channel by which a free path is drawn, in proportion to throughput.
 template <class Real>
 PT_HD inline std::uint32_t choose_channel(const Vec3<Real>& throughput, Real u) {
     const Real target = u * (throughput.x + throughput.y + throughput.z);
@@ -65,12 +65,12 @@ PT_HD inline Real guided_cosine(Real decay, Real albedo, Real u) {
 }
 
 // What the pdf of a guided walk's step depends on: the cosine to the outward normal, and whether the direction was
-// drawn with the step: not so at the start, after internal reflection, or where the phase function draws all of them.
+// drawn with the step (not at the start, after internal reflection, or where the phase function draws it).
 template <class Real>
 struct GuidedStep {
     Real cosine;
     bool drew_direction;
-    bool scattered;  // the flight ended in a collision, not at the surface
+    bool scattered;  // the free flight ended in a collision, not at the surface
 
     // Density of the guided step over that of the plain step, transmittances apart: albedo / (1 - decay cosine) for the
     // direction, 1 - decay cosine for the collision.
@@ -80,11 +80,11 @@ struct GuidedStep {
         }
         return scattered ? thinned(decay) : Real(1);
     }
-    // Factor by which the medium is thinned for guided flights.
+    // Factor by which the medium's extinction is thinned for guided flights.
     PT_HD Real thinned(Real decay) const { return Real(1) - decay * cosine; }
 };
 
-// Weight of a guided walk's step of length t: its transmittance, and scattering at its end, over the mean density.
+// Weight of a guided walk's step of length t: transmittance, and scattering at its end, over the mean density.
 template <class Real>
 PT_HD inline Vec3<Real> guided_step_weight(const ScatteringMedium<Real>& medium, const Vec3<Real>& throughput,
                                            const GuidedStep<Real>& step, Real t) {
@@ -99,7 +99,7 @@ PT_HD inline Vec3<Real> guided_step_weight(const ScatteringMedium<Real>& medium,
         return step.scattered ? medium.scattering_albedo * weight : Vec3<Real>{weight, weight, weight};
     }
     const auto guided_sigma = [&](int i) { return medium.sigma_t[i] * step.thinned(medium.guide_decay[i]); };
-    // Transmittances are relative to the most transparent of the six densities, so that not all of them underflow.
+    // Transmittances are relative to the most transparent of the six densities, so at least one does not underflow.
     Real least = min(medium.sigma_t.x, guided_sigma(0));
     for (int i = 1; i < 3; ++i) {
         least = min(least, min(medium.sigma_t[i], guided_sigma(i)));
@@ -113,7 +113,7 @@ PT_HD inline Vec3<Real> guided_step_weight(const ScatteringMedium<Real>& medium,
         density += throughput[i] * (step.scattered ? medium.sigma_t[i] * mean : mean);
         carries[i] = step.scattered ? medium.sigma_s[i] * transmittance : transmittance;
     }
-    // The weight stays finite where hardly anything is transmitted, as in flight_weight.
+    // The weight stays finite where hardly anything is transmitted, as flight_weight does.
     const Real total = throughput.x + throughput.y + throughput.z;
     constexpr Real most = std::numeric_limits<Real>::max();
     const Real inverse_mean = density > Real(0) ? min(most, total / density) : Real(0);

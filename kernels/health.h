@@ -7,7 +7,7 @@
 
 namespace pt {
 
-// Stages at which a path's numbers are audited, in the order in which a segment passes them.
+// Stages of a path segment at which its numbers are audited, in the order in which segments pass them.
 enum class HealthSite : std::uint32_t { camera, hit, point, normal, direction, throughput, radiance };
 inline constexpr std::uint32_t health_sites = 7;
 
@@ -20,16 +20,16 @@ struct HealthCounters {
     std::uint64_t nonfinite[health_sites] = {};
     // The first path (by pixel, sample, segment: HealthCounters::key) whose state was not finite at a site.
     std::uint64_t first_nonfinite[health_sites] = {nowhere, nowhere, nowhere, nowhere, nowhere, nowhere, nowhere};
-    std::uint64_t negative = 0;       // throughputs or radiances with a channel below 0
+    std::uint64_t negative = 0;       // throughputs or radiances with a negative channel
     std::uint64_t gains = 0;          // throughputs that sum to more than 3 (1 + 2^-20) without Russian roulette
-    std::uint64_t self_hits = 0;      // hits on the body just left outwards, within a thousandth of its size
-    std::uint64_t parity_errors = 0;  // hits on a body from the side that the path is not on
+    std::uint64_t self_hits = 0;      // hits on a body within a thousandth of its size by rays that have just left it
+    std::uint64_t parity_errors = 0;  // hits on a body's inside (outside) by a path that is outside (inside) of it
     std::uint64_t first_self_hit = nowhere;
     std::uint64_t first_parity_error = nowhere;
     std::uint64_t escaped = 0;           // path segments that left the scene
     std::uint64_t capped = 0;            // paths that only the depth limit ended
-    std::uint64_t capped_energy = 0;     // the mean throughput that the capped paths carried, in 2^-32
-    std::uint64_t unfinished_walks = 0;  // paths lost in a subsurface random walk
+    std::uint64_t capped_energy = 0;     // mean throughput that these paths carried, added up in units of 2^-32
+    std::uint64_t unfinished_walks = 0;  // paths lost in a subsurface random walk, as in PathCounters
     std::uint64_t worst_direction = 0;   // largest | |d|^2 - 1 | of a ray direction d, in 2^-40
     std::uint64_t worst_normal = 0;      // largest | |n|^2 - 1 | of a surface normal n, in 2^-40
 
@@ -72,7 +72,7 @@ PT_HD inline void HealthCounters::add(const HealthCounters& other) {
         [](std::uint64_t& into, std::uint64_t value) { into = max(into, value); });
 }
 
-// The bodies that a path is inside of: bit i stands for object i, one of the first 64 objects.
+// The bodies that a path is inside: bit i stands for object i, one of the first 64 objects.
 using BodySet = std::uint64_t;
 
 // Request to an integrator to audit its paths.
@@ -84,7 +84,7 @@ struct HealthRequest {
 
 template <class Real>
 PT_HD inline bool is_finite(const Vec3<Real>& v) {
-    // Entries are compared one by one, for a sum of squares would overflow where the entries do not.
+    // Components are compared one by one: a sum of squares could overflow where no component does.
     constexpr Real largest = std::numeric_limits<Real>::max();
     return absolute(v.x) <= largest && absolute(v.y) <= largest && absolute(v.z) <= largest;
 }
@@ -198,7 +198,7 @@ private:
     HealthCounters& counters_;
 };
 
-// Traces a whole path and audits it; the light that it has collected is in path.radiance.
+// Traces a whole path and audits it. The light that the path has collected is then in path.radiance.
 template <class Config>
 PT_HD inline void inspect_path(const SceneView<typename Config::Real>& scene,
                                const SceneView<typename Config::Real>& traced, Path<typename Config::Real>& path,

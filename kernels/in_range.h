@@ -8,8 +8,8 @@
 
 namespace pt {
 
-// Device code has shorter instruction sequences for operands in range; fast arithmetic (variants/arithmetic/fast.cpp)
-// has shorter ones of its own.
+// Device code has shorter instruction sequences for operands in range than the operators; fast arithmetic
+// (variants/arithmetic/fast.cpp) has shorter ones of its own.
 #if defined(__CUDA_ARCH__) && !defined(PT_FAST_MATH)
 #define PT_DEVICE_SEQUENCES 1
 #else
@@ -97,7 +97,7 @@ PT_HD inline Real nearly_square_root_in_range(Real x) {
     return square_root_in_range(x);
 }
 
-// Approximate square root of x, in the range of square_root_in_range, and its reciprocal.
+// Approximate square root of x, in the range of square_root_in_range, and approximate reciprocal of that root.
 template <class Real>
 struct RootAndInverse {
     Real root, inverse;

@@ -12,7 +12,7 @@ struct Ray {
     Vec3<Real> origin, direction;
     Real time;
     SurfaceId origin_surface;
-    std::uint32_t primitive = 0;  // primitive of origin_surface's object that the ray starts on
+    std::uint32_t primitive = 0;  // primitive on which the ray starts, of the object of origin_surface
 };
 
 template <class Real>
@@ -20,13 +20,13 @@ PT_HD inline Ray<Real> ray_of(const Path<Real>& path) {
     return {path.origin, path.direction, path.time, path.origin_surface, path.primitive};
 }
 
-// Whether the hit is on this primitive of its object; true for shapes other than meshes, which are one primitive.
+// Whether a hit is on the primitive of this number; true for shapes other than meshes, which are one primitive.
 template <class Config, class Real>
 PT_HD inline bool is_of_primitive(const Hit<Real>& hit, std::uint32_t primitive) {
     return !has<Config>(Feature::mesh) || hit.primitive == primitive;
 }
 
-// The primitive of a shape that a hit names: the shape itself or, for a mesh, one of its triangles.
+// The primitive of its shape that a hit names: the shape itself or, for a mesh, one of its triangles.
 template <class Shape>
 PT_HD inline const Shape& primitive_of(const Shape& shape, std::uint32_t) {
     return shape;
@@ -36,8 +36,8 @@ PT_HD inline MeshTriangle<Real> primitive_of(const MeshInstance<Real>& mesh, std
     return {mesh, primitive};
 }
 
-// Position of a ray origin in the frame of a moving object: the object stands still, the ray is moved back. Rounded
-// alike at every call, so that the surface that a search has hit is hit again when its position is asked for.
+// Position of a ray origin in the frame of a moving object: the object stands still, the ray is moved back. Rounding is
+// the same at every call, so that the surface found by a search is hit again when its position is computed.
 template <class Config, class Scene>
 PT_HD inline Vec3<typename Config::Real> at_rest(const Scene& scene, std::uint32_t object,
                                                  const Vec3<typename Config::Real>& point, typename Config::Real time) {
@@ -59,7 +59,7 @@ PT_HD inline Vec3<typename Config::Real> in_motion(const Scene& scene, std::uint
     }
 }
 
-// The scene's spheres in the form that a kernel with Feature::near_sphere intersects.
+// The spheres of the scene as NearSphere, for a kernel with Feature::near_sphere.
 template <class Real, class Spheres>
 struct NearSpheres {
     const Spheres& spheres;
@@ -149,8 +149,8 @@ PT_HD inline void keep_nearer_flat(Hit<Real>& best, const Interval<Real>& crossi
     }
 }
 
-// Whether a shape's intersection test gives distance 0 for a ray that misses. Distance 0 is never a hit, so the flag
-// `hits` needs no test.
+// Whether a shape's intersection test gives distance 0 for a ray that misses. A hit never has distance 0, so the flag
+// Interval::hits needs no test.
 template <class Shape>
 inline constexpr bool misses_at_zero = requires {
     Shape::misses_at_zero;
@@ -192,15 +192,14 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
         }
         const std::uint32_t object = first + i;
         const Vec3<Real> origin = at_rest<Config>(scene, object, ray.origin, ray.time);
-        // The box is copied: by reference, nvcc 13.0 loads plane by plane, at an address that varies by lane.
+        // The axis box is copied: by reference, nvcc 13.0 loads plane by plane, at an address that varies by lane.
         const AxisBox<Real> box = scene.axis_boxes[i];
-        // A ray known to hit no wall lies clearly within the enclosure, and so its direction has a finite reciprocal.
+        // A ray known to hit no wall starts clearly inside the enclosure, and so its direction has a finite reciprocal.
         const Interval<Real> crossing = without_walls ? finite_slab_interval(box.low, box.high, origin, inverse)
                                                       : slab_interval(box.low, box.high, origin, inverse);
         bool starts_here = ray.origin_surface.is_of(object);
         if constexpr (has<Config>(Feature::enclosure)) {
-            starts_here =
-                starts_here && !scene.enclosure.is_lamp(i);  // is_lamp: a constant if the compiler knows the enclosure
+            starts_here = starts_here && !scene.enclosure.is_lamp(i);  // is_lamp is constant if the enclosure is
         }
         if (!starts_here) {
             keep_nearer(best, crossing, object);
@@ -213,8 +212,8 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
 template <class Config>
 inline constexpr bool is_long_kernel = (Config::features & light_selections) != 0;
 
-// closest_axis_box with a loop that is not unrolled on a device, for kernels with an enclosure and so long that they
-// stall on instruction fetch: those that choose lights. (A body shared by both changes all kernels under nvcc 13.0.)
+// closest_axis_box with a loop that a device does not unroll, for kernels with an enclosure that stall on instruction
+// fetch: those that choose lights. (One function body for both changes all kernels under nvcc 13.0.)
 template <class Config, bool without_walls, class Scene>
 PT_HD inline void closest_axis_box_rolled(Hit<typename Config::Real>& best, const Scene& scene,
                                           const Ray<typename Config::Real>& ray,
@@ -248,7 +247,7 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
     if constexpr (has<Config>(Feature::enclosure)) {
         const EnclosureExit<Real> exit =
             leave_enclosure(scene.enclosure, ray.origin, inverse, has_finite_reciprocal(ray.direction));
-        // A ray inside a wall, even on its face, is not taken as inside the enclosure.
+        // A ray that starts inside a wall, even on its face, is not taken as inside the enclosure.
         bool in_wall = ray.origin_surface.exists() && ray.origin_surface.inside();
         if constexpr (has_insides<Config>()) {
             in_wall =
@@ -298,14 +297,14 @@ PT_HD inline void closest_flat(Hit<typename Config::Real>& best, const Scene& sc
     }
 }
 
-// A ray in the space of one mesh, prepared for the tests of its triangles.
+// A ray in the space of one mesh, with what its triangles' tests need.
 template <class Real>
 struct MeshRay {
     Vec3<Real> origin, direction;
     ShearedDirection<Real> sheared;
-    Vec3<Real> along;  // ray origin along the axes kx, ky and kz
+    Vec3<Real> along;  // ray origin along the axes kx, ky and kz, as the shear takes it
     std::uint32_t object;
-    std::uint32_t passed_over;  // triangle that the ray starts on and so does not hit, or `nothing`
+    std::uint32_t passed_over;  // triangle that the ray starts on and cannot hit, or `nothing`
 
     static constexpr std::uint32_t nothing = ~0u;
 
@@ -320,7 +319,7 @@ struct MeshRay {
     }
 };
 
-// Updates the closest hit `best` by the hit of a triangle, in the order of (t, object, primitive).
+// Updates the closest hit `best` by the hit of a triangle, by ascending (t, object, primitive).
 template <class Real>
 PT_HD inline void keep_nearer(Hit<Real>& best, const TriangleHit<Real>& hit, std::uint32_t primitive,
                               const MeshRay<Real>& ray) {
@@ -341,7 +340,7 @@ PT_HD inline Vec3<Real> corners_along(const LeafTriangle::Row& row, const Real& 
     return Vec3<Real>(Real(row.a) - origin, Real(row.b) - origin, Real(row.c) - origin);
 }
 
-// Updates the closest hit `best` by a leaf's triangle. The leaf lies in memory, where rows are chosen by address.
+// Updates the closest hit `best` by a leaf's triangle. The leaf lies in memory, where rows can be chosen by address.
 template <class Real>
 PT_HD inline void meet_triangle(Hit<Real>& best, const LeafTriangle& leaf, const MeshRay<Real>& ray) {
     // Each row of the leaf's triangle is loaded whole, in one memory access.
@@ -351,7 +350,7 @@ PT_HD inline void meet_triangle(Hit<Real>& best, const LeafTriangle& leaf, const
     keep_nearer(best, hit, z.primitive, ray);
 }
 
-// Termination rule of a closest-hit search through meshes: nothing ends the search early.
+// Termination rule of a closest-hit search through meshes: no hit ends the search.
 struct WithClosest {
     template <class Real>
     PT_HD static constexpr bool end_if_met(Hit<Real>&) {
@@ -379,7 +378,7 @@ struct NearerThan {
     }
 };
 
-// Updates the closest hit `best` by traversing a mesh's own tree, or ends the search as `end` says.
+// Updates the closest hit `best` by traversing a mesh's own tree; `end` is the rule by which the search may stop early.
 template <class Accelerator, class Real, class Counter, class End>
 PT_HD inline void closest_in_mesh(Hit<Real>& best, const MeshInstance<Real>& mesh, std::uint32_t object,
                                   const Vec3<Real>& origin, const Ray<Real>& ray, Counter& counter, const End& end) {
@@ -398,7 +397,7 @@ PT_HD inline void closest_in_mesh(Hit<Real>& best, const MeshInstance<Real>& mes
 }
 
 // Updates the closest hit `best` by the triangles of one mesh. Where the accelerator is chosen at run time
-// (RunTimeAccelerator), a function of the scene does so.
+// (RunTimeAccelerator), the scene's function MeshSearch::meet_mesh does so.
 template <class Config, class Scene, class End>
 PT_HD inline void closest_mesh(Hit<typename Config::Real>& best, const Scene& scene,
                                const MeshInstance<typename Config::Real>& mesh, std::uint32_t object,
@@ -429,7 +428,7 @@ PT_HD inline void closest_by_flat_tree(Hit<typename Config::Real>& best, const S
     using Real = typename Config::Real;
     const FlatTree& flat = scene.mesh_search->flat;
     MeshRay<Real> in_mesh{};
-    std::uint32_t seen_by = meshes.size;  // index of the mesh instance in whose space `in_mesh` is
+    std::uint32_t seen_by = meshes.size;  // mesh instance whose space `in_mesh` is in; none at first
     NoTraversalCounter counter;
     Config::Accelerator::traverse(
         flat.tree, ray.origin, ray.direction, best.t,
@@ -498,8 +497,8 @@ PT_HD inline void closest_of(Hit<typename Config::Real>& best, const Scene& scen
     }
 }
 
-// Intersects a ray with one object of any shape, for objects visited in any order, as the leaf of an acceleration
-// structure over objects does. After all objects `best` is the hit of closest_hit, bit for bit.
+// Intersects a ray with one object of any shape, for objects visited in any order, as in the leaf of an acceleration
+// structure over objects. After all objects `best` is the hit of closest_hit, bit for bit.
 template <VisitOrder order, class Real, class Shape>
 PT_HD inline void meet_shape(Hit<Real>& best, const Shape& shape, std::uint32_t object, const Vec3<Real>& origin,
                              const Ray<Real>& ray) {
@@ -565,7 +564,7 @@ PT_HD inline Ray<double> widened(const Ray<Real>& ray) {
     return {Vec3<double>(ray.origin), Vec3<double>(ray.direction), ray.time, ray.origin_surface, ray.primitive};
 }
 
-// Closest hit among some bodies in the textbook's way: every intersection beyond the epsilon counts.
+// Closest hit among some bodies in the textbook's way: every intersection at a distance above the epsilon counts.
 template <class Config, class Scene, class Bodies>
 PT_HD inline void closest_naive(Hit<typename Config::Real>& best, const Scene& scene, const Bodies& bodies,
                                 std::uint32_t first, const Ray<typename Config::Real>& ray) {
@@ -629,15 +628,15 @@ PT_HD inline Hit<typename Config::Real> closest_hit(const Scene& scene, const Ra
     return best;
 }
 
-// closest_hit for rays that connect a vertex to a light. Many lobes ask for it, so large kernels keep a single copy of
-// the code.
+// closest_hit for rays that connect a vertex to a light. Many lobes call it, so large kernels keep a single copy of its
+// code.
 template <class Config>
 PT_HD inline Hit<typename Config::Real> closest_hit_of_connection(const SceneView<typename Config::Real>& scene,
                                                                   const Ray<typename Config::Real>& ray) {
     return in_one_place<Config>([&] { return closest_hit<Config>(scene, ray); });
 }
 
-// Surface point of a hit in a naive kernel, which leaves the position where the ray's rounding puts it.
+// Surface point of a hit in a naive kernel, which leaves the position where rounding along the ray puts it.
 template <class Config, class Scene>
 PT_HD inline SurfacePoint<typename Config::Real> naive_surface_at(const Scene& scene,
                                                                   const Ray<typename Config::Real>& ray,
@@ -654,13 +653,13 @@ PT_HD inline SurfacePoint<typename Config::Real> naive_surface_at(const Scene& s
 }
 
 // Position of a hit, pulled back onto the surface, and the object's outward unit normal. Without `normal_of_face` the
-// normal is not set if the hit has a box face, which tells it already.
+// normal is not set where the hit names a box face, from which the normal follows.
 template <class Config, bool normal_of_face = true, class Scene>
 PT_HD inline SurfacePoint<typename Config::Real> surface_at(const Scene& scene, const Ray<typename Config::Real>& ray,
                                                             const Hit<typename Config::Real>& hit) {
     using Real = typename Config::Real;
     if constexpr (has<Config>(Feature::double_intersection)) {
-        // A flat shape's points keep away from its edges by the rounding of Real, so they are not evaluated in double.
+        // Points of flat shapes are kept off the edges by the rounding of Real, so they are not computed in double.
         if (!is_flat(scene, hit.side.object())) {
             const SurfacePoint<double> point = surface_at<InDouble<Config>>(
                 WideScene(scene), widened(ray), Hit<double>{hit.t, hit.side, hit.primitive});

@@ -1,5 +1,5 @@
-// Sampling of directions towards a light of any shape and the pdfs of these directions (kernels/solid_angle.h or
-// kernels/light_sampling.h), and the length of the shadow ray along them.
+// Sampling of directions towards a light of any shape, with pdfs (kernels/solid_angle.h or kernels/light_sampling.h)
+// and with the length of the shadow ray along a direction.
 #pragma once
 
 #include "kernels/light_sampling.h"
@@ -8,7 +8,7 @@
 
 namespace pt {
 
-// How the kernel draws points on boxes and quads that emit.
+// How the kernel draws points on boxes and quads that emit: as compiled, or as the scene says.
 template <class Config, class Scene>
 PT_HD inline LightSampling light_sampling_of(const Scene& scene) {
     constexpr FeatureSet compiled = Config::features & light_samplings;
@@ -20,7 +20,7 @@ PT_HD inline LightSampling light_sampling_of(const Scene& scene) {
     }
 }
 
-// The distance below which a light counts as near, in half diagonals of its box.
+// Distance from a light, in half diagonals of its box, below which the light counts as near.
 template <class Real, class Scene>
 PT_HD inline Real near_light_of(const Scene& scene) {
     return static_cast<Real>(scene.near_light) * Real(0.01);
@@ -61,7 +61,7 @@ PT_HD inline Real inverse_direction_pdf_in(const Scene& scene, const Shape& shap
     }
 }
 
-// Whether the kernel draws points on the faces of more than one kind of shape.
+// Whether the kernel draws points on the faces of more than one kind of shape that is sampled as a box.
 template <class Config>
 PT_HD constexpr bool has_many_box_likes() {
     using Real = typename Config::Real;
@@ -72,7 +72,7 @@ PT_HD constexpr bool has_many_box_likes() {
     return kinds > 1 && (Config::features & light_samplings) != 0 && !has<Config>(Feature::naive);
 }
 
-// A shape that may be sampled as a box, as the observer sees it: the box's frame, and a direction in that frame.
+// A shape that is sampled as a box, as its observer sees it: the box's frame, and a direction in that frame.
 template <class Real>
 struct SeenAsBox {
     bool is_box_like = false;
@@ -89,8 +89,8 @@ struct SeenAsBox {
     }
 };
 
-// Length of a shadow ray towards a body: the distance at which the ray enters the body, as closest_hit computes it, or
-// 0 if that is not known. (Boxes tell this distance with the light samples on their faces.)
+// Length of a shadow ray towards a body: the distance at which the ray enters the body, as by closest_hit, or 0 if
+// unknown. (Light samples on the faces of boxes come with their distance.)
 template <class Config, class Shape, class Real>
 PT_HD inline Real distance_to_light(const Shape& shape, const Vec3<Real>& observer, const Vec3<Real>& direction) {
     constexpr bool looks = has_lines_of_sight<Config> && (Config::features & light_samplings) != 0;
@@ -117,7 +117,7 @@ PT_HD inline DirectionSample<typename Config::Real> sample_direction_to(
         }
     };
     if constexpr (has_many_box_likes<Config>()) {
-        // Threads of a warp whose lights have different shapes sample points together, outside the visit to the shape.
+        // Shapes only tell their box here: threads of a warp whose lights differ in shape then sample points together.
         const LightSampling sampling = light_sampling_of<Config>(scene);
         SeenAsBox<Real> box;
         visit_shape<Config>(scene, object, [&](const auto& shape) {

@@ -25,14 +25,14 @@ concept IsBoxLike = requires(const Shape& shape, const Vec3<Real>& v) {
     box_to_local(shape, v);
 };
 
-// Faces of a box light that an observer outside the box sees, scaled so that the box's half extents add up to a number
-// from 1 to 2: the scaling by a power of two rounds nothing.
+// Faces of a box light that an observer outside the box sees. Lengths are scaled so that the box's half extents add up
+// to a number from 1 to 2; the scale is a power of two and rounds nothing.
 template <class Real>
 struct SeenFaces {
     Vec3<Real> observer, half;
     Vec3<Real> height;  // observer's height over the plane of the face across each axis; 0: face not seen, or no area
-    Vec3<Real> area;    // area of the faces across each axis, seen or not
-    Real scale;         // scaled units per scene unit
+    Vec3<Real> area;    // area of the faces across each axis, whether the observer sees them or not
+    Real scale;         // scaled units of length per scene unit
 
     PT_HD explicit SeenFaces(const BoxFrame<Real>& frame)
         : scale(power_to_one(frame.half.x + frame.half.y + frame.half.z)) {
@@ -44,18 +44,18 @@ struct SeenFaces {
     }
 
     PT_HD bool any() const { return height.x > Real(0) || height.y > Real(0) || height.z > Real(0); }
-    // Whether the observer is inside the box or on it; for a quad, in its plane within its edges.
+    // Whether the observer is inside the box light or on it; for a quad, in its plane within its edges.
     PT_HD bool inside() const {
         return absolute(observer.x) <= half.x && absolute(observer.y) <= half.y && absolute(observer.z) <= half.z;
     }
-    // Square of the distance from the observer to the box, in the units of SeenFaces.
+    // Square of the distance from the observer to the box light, in the scaled units of SeenFaces.
     PT_HD Real square_gap() const {
         const Vec3<Real> gap{max(Real(0), absolute(observer.x) - half.x), max(Real(0), absolute(observer.y) - half.y),
                              max(Real(0), absolute(observer.z) - half.z)};
         return dot(gap, gap);
     }
-    // Axis of the face by which a ray from the observer that hits the box enters it: of the seen faces the last whose
-    // plane the ray crosses.
+    // Axis of the face by which a ray from the observer that hits the box enters it: of the faces seen the one whose
+    // plane the ray crosses last.
     PT_HD int entered(const Vec3<Real>& direction) const {
         int axis = 0;
         Real of_height = height.x;
@@ -70,15 +70,15 @@ struct SeenFaces {
                           (!(of_height > Real(0)) || height.z * of_direction > of_height * absolute(direction.z));
         return by_z ? 2 : axis;
     }
-    // Axis of the face that `pick`, from 0 to the sum of the shares, falls to; a face without a share is never picked.
+    // Axis of the face that the number `pick`, from 0 to the sum of the shares, selects; never a face of share 0.
     PT_HD static int picked(const Vec3<Real>& share, Real pick) {
         if (share.z > Real(0) && pick >= share.x + share.y) {
             return 2;
         }
         return share.y > Real(0) && pick >= share.x ? 1 : 0;
     }
-    // The vector from the observer to a point of the face across `axis`; a and b place the point on the other two axes,
-    // from -1 to 1.
+    // The vector from the observer to a point of the box face across `axis`; a and b, from -1 to 1, place the point
+    // along the other two axes.
     PT_HD Vec3<Real> to_point(int axis, Real a, Real b) const {
         return {axis == 0 ? onto(observer.x, height.x) : a * half.x - observer.x,
                 axis == 1 ? onto(observer.y, height.y) : (axis == 0 ? a : b) * half.y - observer.y,
@@ -110,8 +110,8 @@ struct FacesByArea {
         }
         total = share.x + share.y + share.z;
     }
-    // 1 / pdf of a point on the face across `axis`; `inverse`: 1 / distance to the point. The factors are applied one
-    // by one, since neither the cube of `inverse` nor the product of `total` and a height need be in range.
+    // 1 / pdf of a point on the box face across `axis`; `inverse`: 1 / distance to the point. The factors are applied
+    // one by one, since neither the cube of `inverse` nor the product of `total` and a height need be in range.
     PT_HD Real inverse_pdf(int axis, Real inverse) const {
         const Real of_direction = projected ? inverse : component_of(faces.height, axis) * inverse;
         return total * inverse * inverse * of_direction;
@@ -120,7 +120,7 @@ struct FacesByArea {
         const int axis = faces.picked(share, w * total);
         const Vec3<Real> to_light = faces.to_point(axis, Real(2) * u - Real(1), Real(2) * v - Real(1));
         const Real square = dot(to_light, to_light);
-        // A point nearer than 2^-50 of the light's size is the observer itself, but for rounding, and brings nothing.
+        // A point nearer than 2^-50 of the light's size is the observer itself, but for rounding, and brings no light.
         if (!(square >= Real(0x1p-100))) {
             return {{Real(0), Real(0), Real(1)}, Real(0)};
         }
@@ -139,7 +139,7 @@ struct OneFaceNear {
     PT_HD explicit OneFaceNear(const SeenFaces<Real>& seen)
         : faces(seen), count(one_if(seen.height.x) + one_if(seen.height.y) + one_if(seen.height.z)) {}
 
-    // 1 / density, by solid angle, of a direction that enters the box by the face across `axis`.
+    // 1 / density, by solid angle, of a direction by which a ray enters the box light by the face across `axis`.
     PT_HD Real inverse_pdf(int axis, const Vec3<Real>& direction) const {
         const Axes axes = axes_of(axis);
         return count *
@@ -152,8 +152,8 @@ struct OneFaceNear {
         const Real back = component_of(faces.observer, axes.across) > Real(0) ? -point.z : point.z;
         const Vec3<Real> to_light{coordinate(axes, 0, point, back), coordinate(axes, 1, point, back),
                                   coordinate(axes, 2, point, back)};
-        // The vector is scaled first, since the end of a light as thin as a thread may be so near that the square of
-        // its distance is 0.
+        // The vector to the light is scaled first: the end of a light as thin as a thread may be so near that its
+        // squared distance is 0.
         const Real scale = power_to_one(max(max(absolute(to_light.x), absolute(to_light.y)), absolute(to_light.z)));
         const Vec3<Real> scaled = to_light * scale;
         const RootAndInverse<Real> length = nearly_root_and_inverse_in_range(dot(scaled, scaled));
@@ -161,7 +161,7 @@ struct OneFaceNear {
     }
 
 private:
-    // The axes of a face: the one across it, and those along its shorter and longer sides.
+    // The axes of a box face: the axis across it, and those along its shorter and its longer sides.
     struct Axes {
         int across, shorter, longer;
     };
@@ -183,7 +183,7 @@ private:
     }
 };
 
-// Whether a box light under automatic sampling is near: within `limit` of its half diagonals.
+// Whether a box light under automatic sampling counts as near: less than `limit` of its half diagonals away.
 template <class Real>
 PT_HD inline bool is_near(const SeenFaces<Real>& faces, Real limit) {
     return faces.square_gap() < limit * limit * dot(faces.half, faces.half);

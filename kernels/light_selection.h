@@ -13,7 +13,7 @@
 namespace pt {
 
 // A light chosen for next-event estimation. `light` is an index into SceneView::lights; `inverse_weighing` is 1 / the
-// density that multiple importance sampling weighs by (inverse_light_weighing).
+// probability of the light in weights of multiple importance sampling (inverse_light_weighing).
 template <class Real>
 struct LightPick {
     std::uint32_t light;
@@ -51,9 +51,9 @@ struct LitVertex {
 template <class Real>
 struct SeenNode {
     Vec3<Real> to_centre;
-    Real inverse;         // 1 / distance to the node's centre, taken as at least half the box's diagonal
+    Real inverse;         // 1 / distance to the node's centre; the distance counts as at least half the diagonal
     Real inverse_square;  // 1 / squared distance to the node's centre
-    Real shown;           // radiance times area that the node shows the position, times the distance
+    Real shown;           // radiance times projected area of the node as seen from the position, times the distance
 
     PT_HD SeenNode(const LightNode<Real>& node, const Vec3<Real>& position) : to_centre(node.centre - position) {
         const Real square = min(max(dot(to_centre, to_centre), node.least_square), Real(0x1p120));
@@ -63,8 +63,8 @@ struct SeenNode {
                 node.shown.y * (absolute(to_centre.y) + node.half.y) +
                 node.shown.z * (absolute(to_centre.z) + node.half.z);
     }
-    // What the light-tree node sends to the position: what it shows over the squared distance. Products of two in this
-    // order stay in range where powers of the distance do not.
+    // What the light-tree node sends to the position: what it shows, over the squared distance. Multiplied in this
+    // order no product leaves the range, as powers of the distance would.
     PT_HD Real sent() const { return shown * inverse_square * inverse; }
     // An upper bound on what the node sends to a surface: sent() times the largest cosine to the normal within the
     // node's box.
@@ -77,8 +77,8 @@ struct SeenNode {
     }
 };
 
-// Turns the amounts of a light-tree node's children, which add up to `total`, into probabilities in 2^-32nds. Each is
-// at least 2^-12, so every light has one whatever rounds to 0 or overflows; the last child is given what is left.
+// Turns what a light-tree node's children send, `total` together, into probabilities in 2^-32nds: each at least 2^-12,
+// so that no light is without, whatever rounds to 0 or overflows. The last child has the rest.
 template <class Real>
 struct Shares {
     static constexpr Real least = Real(0x1p20);
@@ -86,7 +86,7 @@ struct Shares {
 
     PT_HD Shares(Real total, std::uint32_t count) {
         const Real number = static_cast<Real>(count);
-        // A total that is 0, out of range or NaN gives every child of the node the same share.
+        // A `total` that is 0, out of range or NaN gives every child of the light-tree node the same share.
         const bool is_known = total > Real(0x1p-80) && total < Real(0x1p80);
         scale = is_known ? nearly_divide(Real(0x1p32) - (number + Real(1)) * least, total) : Real(0);
         floor = is_known ? least : nearly_divide(Real(0x1p32), number) - Real(0x1p9);
@@ -94,7 +94,7 @@ struct Shares {
     PT_HD Real of(Real amount) const { return scale > Real(0) ? amount * scale + floor : floor; }
 };
 
-// Picks a light by the light tree. The first word decides at the root, where stratification does most; hashes below.
+// Picks a light by the light tree: at the root by the first random word, for its stratification, then by its hashes.
 template <class Real>
 PT_HD inline LightPick<Real> pick_from_tree(const View<LightNode<Real>>& nodes, const LitVertex<Real>& vertex,
                                             const RandomWords& words) {
@@ -115,7 +115,7 @@ PT_HD inline LightPick<Real> pick_from_tree(const View<LightNode<Real>>& nodes, 
             total_by_place += seen.sent();
         }
         const Shares<Real> shares(total, last + 1), shares_by_place(total_by_place, last + 1);
-        std::uint32_t drawn = more.x, left = 0;  // `left`: part of 2^32 not yet given, where 0 means 2^32
+        std::uint32_t drawn = more.x, left = 0;  // `left`: part of 2^32 not yet given to a child; 0 means 2^32
         std::uint32_t chosen = 0, share = 0;
         PT_ROLLED
         for (;; ++chosen) {
@@ -157,7 +157,7 @@ PT_HD inline Real inverse_tree_weighing(const View<LightNode<Real>>& nodes, cons
     return nearly_divide(Real(1), weighing);
 }
 
-// The light selection of the kernel, or of the scene where the kernel chooses at run time.
+// The light selection of the kernel or, where the kernel chooses at run time, of the scene.
 template <class Config, class Scene>
 PT_HD inline LightSelection light_selection_of(const Scene& scene) {
     constexpr FeatureSet compiled = Config::features & light_selections;
@@ -189,8 +189,8 @@ PT_HD inline LightPick<typename Config::Real> pick_light(const SceneView<typenam
     return pick_uniformly<Real>(scene.lights.size, words.x);
 }
 
-// 1 / probability of a light, seen from `position`, that multiple importance sampling weighs by: pick_light's
-// inverse_weighing. `object`: the object that emits.
+// 1 / probability of a light, seen from `position`, in weights of multiple importance sampling (LightPick's
+// inverse_weighing). `object`: the object that emits.
 template <class Config>
 PT_HD inline typename Config::Real inverse_light_weighing(const SceneView<typename Config::Real>& scene,
                                                           std::uint32_t object,

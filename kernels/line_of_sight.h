@@ -13,16 +13,16 @@ namespace pt {
 // must be asked.
 enum class Sight { clear, blocked, unsure };
 
-// Relative error to which the distance to a light sample is known. A distance to a plane is a difference of coordinates
-// over a component of the direction: it is off by some roundings of the coordinates over the height above the plane.
-// Allowed are 16 of them where the height is a 256th of the coordinates, and one where it is a 4096th. Nearer to the
-// plane a light that touches another object may be seen where paths do not hit it; it sends little at such angles.
+// Relative error allowed for the distance to a light sample. The distance to a plane is a difference of coordinates
+// over a component of the direction: a rounding of the coordinates counts times coordinates / height above the plane.
+// 16 roundings are allowed for at a height of 1/256 of the coordinates, one at 1/4096. Nearer to the plane a light that
+// touches another object may be seen where paths do not hit it; it sends little at such angles.
 template <class Real>
 PT_HD constexpr Real point_rounding() {
     return gamma<Real>(16 * 256);
 }
 
-// A shadow ray up to a point on an object; hits between `before` and `about` cannot be told from the point itself.
+// A shadow ray up to a point on an object. Hits at distances from `before` to `about` may be the point itself.
 template <class Real>
 struct Segment {
     const Ray<Real>& ray;
@@ -36,13 +36,13 @@ struct Segment {
           before(distance * (Real(1) - point_rounding<Real>())),
           about(distance * (Real(1) + point_rounding<Real>())) {}
 
-    // Records an object hit at distance t, and returns whether it occludes the segment's end point.
+    // Records that a shadow ray meets an object at distance t, and returns whether this occludes the segment's end.
     PT_HD bool is_hidden_by(Real t) {
         unsure = unsure || t < about;
         return t < before;
     }
-    // Records a convex body or a flat surface that the shadow ray crosses over [near, far], and returns whether it
-    // occludes the segment's end point.
+    // Records that a shadow ray crosses a convex body or flat surface over [near, far], and returns whether that
+    // occludes the segment's end.
     PT_HD bool is_hidden_by(const Interval<Real>& crossing, bool flat) {
         const Real t = crossing.near > Real(0) || flat ? crossing.near : crossing.far;
         return crossing.hits && t > Real(0) && is_hidden_by(t);
@@ -92,7 +92,7 @@ PT_HD inline bool is_hidden_by_axis_boxes(Segment<typename Config::Real>& segmen
     const std::uint32_t first = first_of<ShapeKind::axis_box>(scene);
     if constexpr (has<Config>(Feature::enclosure)) {
         if (without_walls) {
-            // Without walls the light is mostly the only axis box, so the reciprocal direction is formed where it is
+            // Without walls the light is mostly the only axis box, so the reciprocal ray direction is formed only where
             // needed.
             for (std::uint32_t i = 0; i < scene.axis_boxes.size; ++i) {
                 if (!scene.enclosure.is_wall(i) && first + i != segment.object &&
@@ -104,7 +104,7 @@ PT_HD inline bool is_hidden_by_axis_boxes(Segment<typename Config::Real>& segmen
         }
     }
     const auto inverse = reciprocal(segment.ray.direction);
-    // The loop over axis boxes is kept rolled: in an enclosure few rays get to it, and rolled it has a sixth of the
+    // The loop over axis boxes is not unrolled: in an enclosure few rays get to it, and rolled it has a sixth of the
     // instructions.
     PT_ROLLED
     for (std::uint32_t i = 0; i < scene.axis_boxes.size; ++i) {
@@ -115,7 +115,7 @@ PT_HD inline bool is_hidden_by_axis_boxes(Segment<typename Config::Real>& segmen
     return false;
 }
 
-// Whether an object of one kind hides the point at the segment's end.
+// Whether some object of one kind hides the point at the shadow segment's end.
 template <class Config, ShapeKind kind, class Scene, class Shapes>
 PT_HD inline bool is_hidden_by_kind(Segment<typename Config::Real>& segment, const Scene& scene, const Shapes& shapes,
                                     bool without_walls) {
@@ -190,9 +190,9 @@ PT_HD inline bool passes_by(const Scene& scene, std::uint32_t object, const Ray<
 }
 
 // Whether a shadow ray reaches the light sample that it was drawn to, by its closest hit: the light itself is hit, or
-// the closest hit lies beyond the sample and the ray misses the light. Such a ray leads to the light's very edge:
-// line_of_sight, which does not test the light, calls it clear. This is the one rule for that edge, whether or not a
-// kernel knows a room's walls, and whether it tests occlusion or asks for the closest hit.
+// the closest hit lies beyond the sample and the ray misses the light. A ray that misses leads to the light's very
+// edge, and line_of_sight, which does not test the light, calls it clear. All kernels have this rule for the edge, with
+// or without a room's walls, with occlusion tests or closest hits.
 template <class Config, class Scene>
 PT_HD inline bool sees_point(const Scene& scene, std::uint32_t object, const Ray<typename Config::Real>& ray,
                              typename Config::Real distance, const Hit<typename Config::Real>& closest) {

@@ -14,14 +14,14 @@ inline constexpr Real least_cosine = Real(0x1p-40);
 // What a lobe scatters from one direction to another, and the pdf with which it samples that direction.
 template <class Real>
 struct LobeValue {
-    Vec3<Real> weight;  // weight of a sample: BSDF * cosine / pdf
+    Vec3<Real> weight;  // weight of a sample of the lobe: BSDF * cosine / pdf
     Real pdf;           // pdf, by solid angle, with which the lobe draws the direction
 };
 
 template <class Real>
 struct LobeSample {
     Vec3<Real> direction;
-    Real cosine;  // cosine to the normal; 0: the light is lost, and the other members are not set
+    Real cosine;  // cosine to the normal; 0: no light gets through, and the other members are not set
     LobeValue<Real> value;
 };
 

@@ -8,8 +8,8 @@ namespace pt {
 
 // Traits of a material type that a kernel, or code that chooses one, must know without the type's header.
 namespace material_trait {
-inline constexpr std::uint32_t ends_paths = 1;   // the material emits and reflects nothing
-inline constexpr std::uint32_t by_surface = 2;   // shading needs Surface alone, one read of 16 bytes
+inline constexpr std::uint32_t ends_paths = 1;   // the material emits light and reflects none
+inline constexpr std::uint32_t by_surface = 2;   // shading reads only struct Surface, 16 bytes, and not the material
 inline constexpr std::uint32_t is_delta = 4;     // specular: each direction is scattered into one or two others
 inline constexpr std::uint32_t connects = 8;     // the lobe is wide enough, or may be, to be connected to lights
 inline constexpr std::uint32_t has_inside = 16;  // rays may run inside the body that the material bounds
@@ -33,7 +33,7 @@ inline constexpr std::uint32_t has_walks = 32;   // paths do random walks in the
 enum class MaterialType : std::uint32_t { PT_MATERIALS(PT_MATERIAL_TYPE) };
 #undef PT_MATERIAL_TYPE
 
-// Whether a material type has any of the traits `wanted`.
+// Whether a material type has any of the traits in the set `wanted`.
 constexpr bool has_trait(MaterialType type, std::uint32_t wanted) {
     using namespace material_trait;
 #define PT_TRAITS(name, Type, traits) (traits),

@@ -34,10 +34,10 @@ template <class Real>
 struct Material {
     MaterialType type;
     std::uint32_t emits;    // 1 if emission is not black
-    Vec3<Real> emission;    // emitted radiance, linear RGB
-    Vec3<Real> sigma_a;     // absorption coefficient behind the surface, 1 / scene unit
-    std::uint32_t absorbs;  // 1 if paths run in the medium behind the surface, and sigma_a is not 0
-    // Parameters of the material's type.
+    Vec3<Real> emission;    // radiance that the material emits, linear RGB
+    Vec3<Real> sigma_a;     // absorption coefficient of the medium behind the surface, 1 / scene unit
+    std::uint32_t absorbs;  // 1 if the medium behind the surface lets rays run through and absorbs (sigma_a is not 0)
+    // Parameters of the material's type, by type.
 #define PT_PARAMETERS(name, Type, traits) Type<Real> name;
     union {
         PT_MATERIALS(PT_PARAMETERS)

@@ -49,7 +49,7 @@ PT_HD constexpr T clamp(T value, T low, T high) {
     return min(max(value, low), high);
 }
 
-// The vector's component along an axis from 0 to 2. It is selected by comparisons, since an index would put the vector
+// Component of a vector along an axis from 0 to 2. It is selected by comparisons, since an index would put the vector
 // into memory.
 template <class Real, class Axis>
 PT_HD constexpr Real component_of(const Vec3<Real>& v, Axis axis) {
@@ -120,7 +120,7 @@ PT_HD inline Real power_of_two(int k) {
     return number_of(bits_of(Real(1)) + k * (bits_of(Real(2)) - bits_of(Real(1))));
 }
 
-// The power of two at or below x, and 1 over it: for x from the least normal number to half of the largest.
+// The greatest power of two at or below x, and 1 over it: for x from the least normal number to half of the largest.
 template <class Real>
 PT_HD inline Real power_of_two_below(Real x) {
     return number_of(bits_of(x) >> mantissa_bits<Real> << mantissa_bits<Real>);
@@ -151,7 +151,7 @@ PT_HD inline double exponential_series(double z) {
 template <class Real>
 PT_HD inline Real exponential(Real x) {
     constexpr Real log2_e = Real(1.44269504088896340736);
-    // At these bounds e^x already rounds to 0 or to infinity. NaN counts as the lower bound until the last line.
+    // Beyond the bounds of the clamp e^x rounds to 0 or to infinity. NaN counts as the lower bound until the last line.
     const Real within = sizeof(Real) == 4 ? clamp(x, Real(-104), Real(89)) : clamp(x, Real(-746), Real(710));
     const int k = static_cast<int>(within * log2_e + (within < Real(0) ? Real(-0.5) : Real(0.5)));
     const Real high = within - Real(k) * ln2_high<Real>;
@@ -159,7 +159,7 @@ PT_HD inline Real exponential(Real x) {
     const Real r = high - low;  // e^r = 1 + 2 r / (r coth(r/2) - r)
     const Real c = r - exponential_series(r * r);
     const Real power = Real(1) - ((low - r * c / (Real(2) - c)) - high);
-    // 2^k is applied in two steps, for it may be beyond the normal numbers; only the second step can round.
+    // The factor 2^k is applied in two steps, since 2^k may be no normal number; only the second step can round.
     const Real result = power * power_of_two<Real>(k / 2) * power_of_two<Real>(k - k / 2);
     return x == x ? result : x;
 }
@@ -183,12 +183,12 @@ template <class Real>
 PT_HD inline Real logarithm(Real x) {
     const Real infinity = power_of_two<Real>(infinite_exponent<Real>);
     if (!(x > Real(0) && x < infinity)) {
-        const Real not_a_number = number_of(~bits_of(Real(0)));  // host and device have unlike NaNs of their own
+        const Real not_a_number = number_of(~bits_of(Real(0)));  // host and device make different NaNs
         return x == Real(0) ? -infinity : x == infinity ? infinity : not_a_number;
     }
     const bool denormal = x < power_of_two<Real>(2 - infinite_exponent<Real>);
     const auto bits = bits_of(denormal ? x * power_of_two<Real>(mantissa_bits<Real>) : x);
-    // Splits x into 2^k (1 + f) with 1 + f from sqrt(1/2) to sqrt(2).
+    // Splits x into 2^k (1 + f) such that 1 + f is from sqrt(1/2) to sqrt(2).
     const auto k = (bits - bits_of(Real(0.70710678118654752440))) >> mantissa_bits<Real>;
     const Real f = number_of(bits - (k << mantissa_bits<Real>)) - Real(1);
     const Real exponent = Real(static_cast<int>(k) - (denormal ? mantissa_bits<Real> : 0));
@@ -232,7 +232,7 @@ PT_HD inline Vec3<Real> renormalize(const Vec3<Real>& v) {
 template <class Real>
 PT_HD inline Vec3<Real> nearly_unit(const Vec3<Real>& v) {
     const Real excess = dot(v, v) - Real(1);
-    constexpr Real most = sizeof(Real) == 4 ? Real(1e-4) : Real(1e-8);  // so the Newton step's error is below rounding
+    constexpr Real most = sizeof(Real) == 4 ? Real(1e-4) : Real(1e-8);  // a Newton step's error is below rounding here
     return absolute(excess) < most ? v * (Real(1) - Real(0.5) * excess) : normalize(v);
 }
 
@@ -272,8 +272,8 @@ PT_HD inline SinCos<double> sin_cos_octant(double x) {
 // Sine and cosine of 2 pi u for u in [0, 1]: the reduction to an octant is exact, only the octant is rounded.
 template <class Real>
 PT_HD inline SinCos<Real> sin_cos_turn(Real u) {
-    const int quarter = static_cast<int>(u * Real(4) + Real(0.5));  // nearest quarter turn, 0..4
-    const Real rest = u - Real(quarter) * Real(0.25);               // exact remainder (Sterbenz), in [-1/8, 1/8]
+    const int quarter = static_cast<int>(u * Real(4) + Real(0.5));  // nearest quarter turn to u, 0 to 4
+    const Real rest = u - Real(quarter) * Real(0.25);               // u less that quarter, exact (Sterbenz), within 1/8
     const SinCos<Real> octant = sin_cos_octant(rest * (Real(2) * pi<Real>));
     switch (quarter & 3) {
         case 0:
@@ -287,7 +287,7 @@ PT_HD inline SinCos<Real> sin_cos_turn(Real u) {
     }
 }
 
-// Sine and cosine of x for |x| <= 2 pi, in radians: within an octant of a turn's border as precise as the octant's.
+// Sine and cosine of x for |x| <= 2 pi, in radians; for |x| <= pi/4 about as precise as sin_cos_octant.
 template <class Real>
 PT_HD inline SinCos<Real> sin_cos(Real x) {
     const SinCos<Real> of_size = sin_cos_turn(min(absolute(x) * (Real(0.5) / pi<Real>), Real(1)));

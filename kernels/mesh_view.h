@@ -10,7 +10,7 @@ namespace pt {
 struct TreeView {
     const void* nodes = nullptr;
     std::uint32_t node_count = 0;
-    std::uint32_t slot_count = 0;  // primitive slots in all leaves
+    std::uint32_t slot_count = 0;  // number of primitive slots in all leaves of the tree
     std::uint32_t node_bytes = 0;  // size of a tree node in bytes
 };
 
@@ -83,11 +83,11 @@ static_assert(sizeof(LeafTriangle) == 48);
 
 // A mesh as kernels see it. Coordinates are float in both precisions: it is the same mesh, hit more exactly in double.
 struct MeshView {
-    const LeafTriangle* leaves = nullptr;        // triangles by slot, in the order of the tree's leaves
+    const LeafTriangle* leaves = nullptr;        // triangles by slot, in the order of the tree's leaves, with indices
     const Triangle<float>* triangles = nullptr;  // triangles by primitive index
-    const float* cumulative_area = nullptr;      // cumulative area of the triangles; emissive meshes only
+    const float* cumulative_area = nullptr;      // cumulative area of the mesh's triangles; emissive meshes only
     TreeView tree;
-    const void* native = nullptr;  // own structure of a host accelerator for this mesh
+    const void* native = nullptr;  // what a host accelerator prepared from this mesh for itself
     std::uint32_t triangle_count = 0;
 };
 

@@ -8,7 +8,7 @@
 
 namespace pt {
 
-// Names of the robust forms that functions of namespace pt::naive do not hide.
+// The robust forms under names of their own, for namespace pt::naive, whose functions hide the usual names.
 template <class Shape, class Real>
 PT_HD inline Interval<Real> robust_interval(const Shape& shape, const Vec3<Real>& origin, const Vec3<Real>& direction) {
     return interval(shape, origin, direction);
@@ -28,7 +28,7 @@ PT_HD inline Real robust_inverse_pdf(const Shape& shape, const Vec3<Real>& obser
 
 namespace pt::naive {
 
-// A shape without a textbook form is handled in the robust way.
+// A shape without a textbook form of its own is handled in the robust way.
 template <class Shape, class Real>
 PT_HD inline Interval<Real> interval(const Shape& shape, const Vec3<Real>& origin, const Vec3<Real>& direction) {
     return robust_interval(shape, origin, direction);
@@ -44,7 +44,7 @@ PT_HD inline Real inverse_direction_pdf(const Shape& shape, const Vec3<Real>& ob
     return robust_inverse_pdf(shape, observer, direction, distance);
 }
 
-// Textbook ray epsilon: the offset of a ray origin, in scene units whatever the scene's size.
+// Textbook ray epsilon: hits nearer than this are ignored, in scene units whatever the scene's size.
 template <class Real>
 inline constexpr Real epsilon = Real(1e-4);
 
@@ -81,7 +81,7 @@ PT_HD inline Vec3<Real> nearest_face(const Vec3<Real>& half, const Vec3<Real>& p
                   : Vec3<Real>{Real(0), Real(0), p.z < Real(0) ? Real(-1) : Real(1)};
 }
 
-// Textbook Fresnel reflectance, from the cosines on both sides of the boundary, and these from 1 - cos^2. As for
+// Textbook Fresnel reflectance, from the cosines on both sides of the boundary, which come from 1 - cos^2. As for
 // fresnel() of kernels/boundary.h, q = n cos(theta_t) with n = index ahead / index behind.
 template <class Real>
 struct Fresnel {

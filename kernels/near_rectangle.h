@@ -1,7 +1,7 @@
 // Directions to a rectangle at any distance, sampled with weights below 2 pi: the position across it by the angle of
-// the strip that extends it endlessly along its longer side, and the position along it by solid angle. Ureña, Fajardo
-// and King, "An Area-Preserving Parametrization for Spherical Rectangles", EGSR 2013, draw the second so too, the first
-// so that all weights are one; this takes one arc tangent, and none of its numbers is a difference of angles.
+// the strip that extends it endlessly along its longer side, the position along it by solid angle. Ureña, Fajardo and
+// King, "An Area-Preserving Parametrization for Spherical Rectangles", EGSR 2013, draw the latter in this way too, and
+// the former so that weights are one. The form here takes one arc tangent and no difference of angles.
 #pragma once
 
 #include "kernels/in_range.h"
@@ -12,7 +12,7 @@ namespace pt {
 template <class Real>
 struct NearRectangle {
     Real x0, x1, y0, y1, height;
-    Real length;  // extent along y, known more precisely than y1 - y0
+    Real length;  // extent along y, known more precisely than the difference y1 - y0
     Real angle;   // angle that the strip subtends, up to pi; 0: the rectangle is not visible
 
     // `at`: the observer's position over the rectangle, from its centre; `half`: the rectangle's half sides.
@@ -32,30 +32,30 @@ struct NearRectangle {
 
     struct Sample {
         Vec3<Real> point;
-        Real inverse_pdf;  // 1 / pdf by solid angle
+        Real inverse_pdf;  // 1 / pdf of the direction by solid angle
     };
     PT_HD Sample sample(Real u, Real v) const {
         const Real x = x_at(u);
         const Stretch stretch(*this, x);
         return {{x, stretch.y_at(*this, v), height}, angle * stretch.share(*this)};
     }
-    // 1 / density, by solid angle, of a direction that meets the rectangle.
+    // 1 / density, by solid angle, of a direction in which the observer sees the rectangle.
     PT_HD Real inverse_pdf(Real direction_x, Real direction_z) const {
         const Real steepness = max(absolute(direction_z), Real(0x1p-100));
         return angle * Stretch(*this, clamp(height * nearly_divide(direction_x, steepness), x0, x1)).share(*this);
     }
 
 private:
-    // Lower bound on squared lengths, so that they have a reciprocal.
+    // Lower bound on squared lengths, so that their reciprocals are finite.
     static constexpr Real least_square = Real(0x1p-100);
 
     // The rectangle's line at one x, by the sines of the angles from the plane y = 0, in which the observer lies, to
     // the directions of the line's ends.
     struct Stretch {
-        Real square;  // squared distance to the line, extended endlessly
+        Real square;  // squared distance from the observer to the line, extended endlessly
         Real low, high;
-        Real inverse_low, inverse_high;  // 1 / distances to the line's ends
-        bool on_one_side;                // both ends are on one side of the plane y = 0
+        Real inverse_low, inverse_high;  // 1 / distances from the observer to the line's ends
+        bool on_one_side;                // both ends of the line are on one side of the plane y = 0
 
         PT_HD Stretch(const NearRectangle& of, Real x) : square(x * x + of.height * of.height) {
             inverse_low = inverse_root(square + of.y0 * of.y0);
@@ -81,7 +81,7 @@ private:
                                of.y0, of.y1)
                        : end;
         }
-        // high - low, without cancellation where both ends are on one side of the plane y = 0.
+        // high - low (a difference of sines), without cancellation where both ends are on one side of the plane y = 0.
         PT_HD Real share(const NearRectangle& of) const {
             if (!on_one_side) {
                 return high - low;
@@ -97,9 +97,9 @@ private:
         }
     };
 
-    // Scale that brings the rectangle's distances near 1, so that no squared length in an angle underflows.
+    // Scale that brings the distances to the rectangle near 1, so that no squared length in an angle underflows.
     PT_HD Real unit() const { return power_to_one(max(max(absolute(x0), absolute(x1)), height)); }
-    // The x for which a share u of the strip's angle lies on the side of x0.
+    // The x for which a share u of the angle of the rectangle's strip lies on the side of x0.
     PT_HD Real x_at(Real u) const {
         const Real scale = unit();
         const SinCos<Real> turn = sin_cos_turn(u * (angle * (Real(0.5) / pi<Real>)));

@@ -16,8 +16,8 @@
 
 namespace pt {
 
-// MIS weights of a BSDF sample and of a light sample by the ratio r of their pdfs. The former caps r, which may be
-// infinite close to a light, at 2^60, whose square is finite and whose weight is 1.
+// MIS weights of a BSDF sample and of a light sample by the ratio r of their pdfs. For the BSDF sample r, which may be
+// infinite close to a light, is capped at 2^60, whose square is finite and whose weight is 1.
 template <class Real>
 PT_HD inline Real mis_weight_bsdf(Real ratio, std::uint32_t exponent) {
     const Real finite = min(Real(0x1p60), ratio);
@@ -71,8 +71,8 @@ PT_HD inline bool is_to_be_connected(const SceneView<typename Config::Real>& sce
     using Real = typename Config::Real;
     if constexpr (has<Config>(Feature::one_sample)) {
         if (scene.one_sample != 0) {
-            // This choice hashes the light's random words in another order than kernels/light_selection.h does, so that
-            // the two choices are independent.
+            // One-sample MIS hashes the light's random words in another order than kernels/light_selection.h does, so
+            // that its choice is independent of the choice of the light.
             const bool connects = (pcg4d({words.w, words.z, words.y, words.x}).x >> 31) != 0;
             path.bsdf_pdf = connects ? Real(-1) : Real(1);
             return connects;
@@ -222,8 +222,8 @@ PT_HD inline LightDraw<typename Config::Real> draw_light(const SceneView<typenam
             sample_direction_to<Config>(read, object, vertex.position, time, unit_interval<Real>(words.y),
                                         unit_interval<Real>(words.z), unit_interval<Real>(words.w));
         if constexpr (has<Config>(Feature::emission)) {
-            // If the light is the body that the vertex lies on, closest_hit must tell which side the ray hits, so the
-            // distance counts as unknown.
+            // If the vertex lies on the light itself, only closest_hit tells which side the ray hits, so the distance
+            // is set to 0 (unknown).
             sample.distance = vertex.object == object ? Real(0) : sample.distance;
         }
         return {pick, object, sample};

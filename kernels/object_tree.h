@@ -10,7 +10,7 @@ namespace pt {
 // A node of the top-level tree (TLAS). It holds both children's bounding boxes, so that one read decides on two.
 struct alignas(16) ObjectNode {
     float low_x[2], high_x[2], low_y[2], high_y[2], low_z[2], high_z[2];
-    std::uint32_t link[2];  // child node, or leaf_bit and the index of a mesh instance
+    std::uint32_t link[2];  // number of a child node, or leaf_bit and the index of a mesh instance
     std::uint32_t unused[2];
 
     static constexpr std::uint32_t leaf_bit = 0x80000000u;
@@ -21,7 +21,7 @@ static_assert(sizeof(ObjectNode) == 64);
 struct ObjectTree {
     const ObjectNode* nodes = nullptr;  // nodes of the tree, root first
     std::uint32_t node_count = 0;
-    float margin = 0;  // growth of the boxes, in multiples of the ray origin's largest coordinate
+    float margin = 0;  // growth of all boxes for rounding, in multiples of the ray origin's largest coordinate
 
     // Size of the traversal stack: each inner node on the way to the deepest leaf leaves one child on it.
     static constexpr std::uint32_t most_levels = 64;
@@ -29,8 +29,8 @@ struct ObjectTree {
 
 template <class Real>
 struct ObjectTreeRay {
-    Vec3<Real> near_origin, far_origin;  // ray origin shifted by the margin, for entry and exit
-    Vec3<Real> inverse;                  // reciprocal direction; infinite along an axis that the ray does not move on
+    Vec3<Real> near_origin, far_origin;  // ray origin shifted by the margin, for entry and exit planes
+    Vec3<Real> inverse;                  // reciprocal ray direction; infinite along axes on which the ray does not move
 
     PT_HD static ObjectTreeRay of(const Vec3<Real>& origin, const Vec3<Real>& direction, float margin) {
         const Real largest = max(absolute(origin.x), max(absolute(origin.y), absolute(origin.z)));
@@ -59,7 +59,7 @@ struct ObjectTreeRay {
         cut(node.low_x[child], node.high_x[child], 0);
         cut(node.low_y[child], node.high_y[child], 1);
         cut(node.low_z[child], node.high_z[child], 2);
-        // The entry distance is lowered by the rounding errors of the slab test and of a triangle's t.
+        // The entry distance is lowered by the rounding errors of the slab test and of a hit triangle's t.
         nearest = nearest * (Real(1) - gamma<Real>(16));
         return nearest <= farthest ? nearest : no_entry;
     }

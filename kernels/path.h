@@ -53,12 +53,12 @@ template <class Real>
 struct Path {
     Vec3<Real> origin;      // ray origin, scene units relative to the camera's eye
     Vec3<Real> direction;   // unit direction of the ray
-    Vec3<Real> throughput;  // product of BSDF * cosine / pdf so far
-    Vec3<Real> radiance;    // light collected so far
-    Real time;              // ray time in seconds
+    Vec3<Real> throughput;  // throughput: product of BSDF * cosine / pdf so far
+    Vec3<Real> radiance;    // light that the path has collected so far
+    Real time;              // time of the path's rays in seconds
     std::uint32_t pixel;    // row-major pixel index
     std::uint32_t sample;
-    std::uint32_t segment;     // ray segments traced so far (segments_of); `ended` once the path is over
+    std::uint32_t segment;     // number of ray segments traced so far (segments_of); `ended` once the path is over
     SurfaceId origin_surface;  // the surface that the ray starts on
     std::uint32_t medium;      // material whose absorption the ray runs through, or no_medium
     // Pdf, by solid angle, of the ray's direction if its vertex was connected to a light too; 0 from the camera, a
@@ -75,8 +75,8 @@ struct Path {
     PT_HD bool alive() const { return segment != ended; }
 };
 
-// Low bits of Path::segment that count segments. In kernels whose paths split the bits above number the branch, and its
-// random numbers follow from them.
+// Low bits of Path::segment, which count segments. In kernels whose paths split, the bits above number the path's
+// branch, from which its random numbers follow.
 inline constexpr std::uint32_t segment_bits = 20;
 
 template <class Config>

@@ -1,5 +1,5 @@
-// The fields of a path, listed once: how a path lies in memory between two stages, whatever the layout, what of it a
-// scene's kernels carry, and what a bounce changes all follow from this list.
+// The fields of a path, listed once. How a path lies in memory between two stages, whatever the layout, which fields a
+// scene's kernels carry, and which of them a bounce changes all follow from this list.
 #pragma once
 
 #include "kernels/config.h"
@@ -13,7 +13,7 @@ enum class FieldType {
     word  // 32 bits
 };
 
-enum class FieldChange { by_bounce, never };  // never: the field is written when the path begins
+enum class FieldChange { by_bounce, never };  // when a field is written: at bounces, or only as the path begins
 
 // The fields of struct Path in their order. ALWAYS(name, type, change): every path carries the field.
 // OPTIONAL(name, type, change, features, value): it is carried by kernels with one of these features; in others all
@@ -45,7 +45,7 @@ struct PathFieldInfo {
     FieldType type;
     FieldChange change;
     bool is_optional;
-    FeatureSet features;  // features: kernels with one of them carry an optional field
+    FeatureSet features;  // of an optional field: a kernel with one of these features carries it
 
     PT_HD constexpr std::size_t bytes(std::size_t real_bytes) const {
         return type == FieldType::vector ? 3 * real_bytes
@@ -65,7 +65,7 @@ inline constexpr std::size_t path_field_count = sizeof path_field_table / sizeof
 
 PT_HD constexpr PathFieldInfo info(PathField field) { return path_field_table[static_cast<std::size_t>(field)]; }
 
-// A field that Path has and the list has not would be lost between two stages.
+// A path field that is in struct Path but not in the list of fields would be lost between two stages.
 static_assert([] {
     std::size_t bytes = 0;
     for (const PathFieldInfo& field : path_field_table) {
@@ -97,7 +97,7 @@ struct PathFields {
 };
 inline constexpr PathFields every_path_field{};
 
-// Whether a queue that carries `carried` has `field` among the columns that a stage with this kind of change writes.
+// Whether a queue whose paths carry `carried` has columns for `field`, and stages with this kind of change write them.
 PT_HD constexpr bool is_written(PathField field, FieldChange change, const PathFields& carried) {
     return info(field).change == change && carried.carries(field);
 }

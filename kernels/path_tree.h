@@ -42,8 +42,8 @@ public:
         return true;
     }
 
-    // Replaces `path`, a branch that has ended, by the next waiting branch, which takes over the radiance that the tree
-    // has collected. Returns false if none waits: `path` then has all the radiance.
+    // Replaces `path`, a branch that has ended, by the next waiting branch of its tree, which takes over the radiance
+    // that the tree has collected. Returns false if no branch waits: `path` then has all the radiance.
     PT_HD bool take_next(Path<Real>& path) {
         const std::uint32_t segments = segments_of<Config>(path);
         rays_ += segments - first_segment_;
@@ -70,12 +70,12 @@ public:
     PT_HD std::uint32_t rays() const { return rays_; }
     PT_HD std::uint32_t longest() const { return longest_; }
 
-    // Resets the tree for another camera sample, once no branch is left.
+    // Resets the path tree for another camera sample, once no branch is left.
     PT_HD void start_again() { rays_ = longest_ = first_segment_ = branch_ = promised_ = 0; }
 
 private:
     struct Waiting {
-        Path<Real> path;  // path at the vertex where it split, with a branch's throughput
+        Path<Real> path;  // path at the vertex where it split, with the throughput of one branch
         Hit<Real> hit;
         std::uint32_t branches;
     };
@@ -84,8 +84,8 @@ private:
     Waiting waiting_[capacity];
     Hit<Real> hit_;
     std::uint32_t size_ = 0;
-    std::uint32_t branch_ = 0;    // number of the last branch that began
-    std::uint32_t promised_ = 0;  // branches that have begun or wait, beside the first
+    std::uint32_t branch_ = 0;    // number of the branch that began last
+    std::uint32_t promised_ = 0;  // number of branches that have begun or wait, not counting the first
     std::uint32_t first_segment_ = 0;
     std::uint32_t rays_ = 0, longest_ = 0;
     bool resumes_ = false;

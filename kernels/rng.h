@@ -25,7 +25,7 @@ namespace pt {
 
 static_assert(sampler_count <= 8, "kernels/rng.h includes, and kernels/config.h has bits for, 8 samplers");
 
-// Four whitening words derived from the user's seed, and the sampler of a kernel that has several.
+// Seed of the random numbers: four whitening words from the user's seed, and the sampler of a kernel with several.
 struct RandomSeed {
     RandomWords words{0, 0, 0, 0};
     FeatureSet sampler = no_features;  // sampler: one of `samplers`, or none for pcg4d
@@ -84,7 +84,7 @@ PT_HD constexpr Real unit_interval(std::uint32_t bits) {
     }
 }
 
-// Uniform number in [-1, 1) from 32 random bits: exactly 2 unit_interval(bits) - 1, with one rounding less.
+// Uniform number in [-1, 1) from 32 random bits: exactly 2 unit_interval(bits) - 1, but with one rounding fewer.
 template <class Real>
 PT_HD constexpr Real symmetric_interval(std::uint32_t bits) {
     if constexpr (sizeof(Real) == 4) {

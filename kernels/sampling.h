@@ -12,10 +12,10 @@ PT_HD inline Vec2<Real> concentric_disc_of_square(Real x, Real y) {
     const bool x_is_radius = absolute(x) > absolute(y);
     const Real radius = x_is_radius ? x : y;
     const Real other = x_is_radius ? y : x;
-    // The quotient of two whole multiples of 2^-23 (in double 2^-31) that are at most 1 is in range.
+    // The quotient of coordinates, whole multiples of 2^-23 (in double 2^-31) that are at most 1, is in range.
     Real ratio;
     if constexpr (draws_approximately<Real>) {
-        ratio = keep_smaller(Real(1), nearly_divide(other, radius));  // a NaN from 0 / 0 is ignored
+        ratio = keep_smaller(Real(1), nearly_divide(other, radius));  // the NaN of 0 / 0 is ignored
     } else {
         ratio = radius == Real(0) ? Real(0) : divide_in_range(other, radius);
     }
@@ -33,7 +33,7 @@ template <class Real>
 PT_HD inline Vec3<Real> cosine_hemisphere_of_square(Real x, Real y) {
     const Vec2<Real> disc = concentric_disc_of_square(x, y);
     const Real rest = Real(1) - disc.x * disc.x - disc.y * disc.y;
-    // `rest` is a difference of numbers up to 1: if it is not 0, it is no less than their last bit, and so in range.
+    // `rest` is a difference of numbers up to 1: if not 0, it is at least their last bit, and so in range for the root.
     return {disc.x, disc.y, rest > Real(0) ? nearly_square_root_in_range(rest) : Real(0)};
 }
 

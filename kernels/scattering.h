@@ -32,7 +32,7 @@ struct Scattering {
     using Real = typename Config::Real;
 
     const SceneView<Real>& scene;
-    const SceneView<Real>& traced;  // the scene as rays traverse it
+    const SceneView<Real>& traced;  // the scene in the form that rays traverse
     Path<Real>& path;
     const VertexOf<Config>& vertex;
     const Surface<Real>& surface;

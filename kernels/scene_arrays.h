@@ -11,7 +11,7 @@ enum class ArrayKind : std::uint32_t {
     traced,     // array by object index that every ray reads
     matrix,     // array by object index that every ray of a kernel with Feature::matrix reads; unused by others
     shading,    // array by object index, read where a ray has hit
-    shared,     // array with indices of its own, read where a ray has hit
+    shared,     // array by an index of its own, not by object, read where a ray has hit
     selection,  // array read where a light is chosen, by kernels with one of light_selections; unused by others
     texture     // array read where a ray has hit, by kernels with Feature::textures; unused by others
 };
@@ -26,7 +26,7 @@ struct SceneArray {
                : kind == ArrayKind::texture   ? contains(features, Feature::textures)
                                               : true;
     }
-    // Whether every ray of a kernel with these features reads the array.
+    // Whether every ray of a kernel with the given features reads the array.
     PT_HD constexpr bool is_traced(FeatureSet features) const { return is_used(features) && kind < ArrayKind::shading; }
 };
 

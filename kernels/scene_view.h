@@ -12,7 +12,7 @@
 namespace pt {
 
 template <class Real>
-struct Material;  // defined in kernels/materials.h
+struct Material;  // the class of materials, defined in kernels/materials.h
 
 // What most hits need of an object's material, in one 16-byte read.
 template <class Real>
@@ -21,16 +21,16 @@ struct alignas(4 * sizeof(Real)) Surface {
     MaterialType type;
 };
 
-// A light: the index of an object that emits.
+// A light for next-event estimation: the index of an object that emits.
 struct Light {
     std::uint32_t object;
 };
 
-// A light's slot in the alias table of all lights, and its way through the light tree (kernels/light_selection.h).
+// A light's places: its slot in the alias table of all lights, its way in the light tree (kernels/light_selection.h).
 template <class Real>
 struct LightSlot {
-    std::uint32_t threshold;   // share, of 2^32, of the slot's own light; the rest is the alias's
-    std::uint32_t alias;       // light that gets the rest of the alias-table slot
+    std::uint32_t threshold;   // share of the slot, in 2^-32, of its own light; the rest is the alias's
+    std::uint32_t alias;       // light that has the rest of the alias-table slot
     Real inverse_probability;  // 1 / probability of the light by power
     std::uint32_t way;         // way down the light tree: bits 4i to 4i + 3 are the child at level i
 };
@@ -40,11 +40,11 @@ struct LightSlot {
 template <class Real>
 struct alignas(16) LightNode {
     Vec3<Real> centre;
-    std::uint32_t link;  // index of the first child (children are adjacent), or leaf_bit and a light
+    std::uint32_t link;  // index of the node's first child (children are adjacent), or leaf_bit and a light
     Vec3<Real> half;     // half extents of the bounding box
     std::uint32_t child_count;
     Vec3<Real> shown;
-    Real least_square;  // least squared distance: that of half the box's diagonal, at least 2^-100
+    Real least_square;  // least squared distance to reckon with: that of half the box's diagonal, at least 2^-100
 
     static constexpr std::uint32_t leaf_bit = 0x80000000u;
     // Limits of the light tree, with which the way to a light fits 32 bits.
@@ -62,7 +62,7 @@ struct TexelBlock {
     std::uint32_t first_texel;  // index of the first texel in SceneView::texels
 };
 
-// The images that an object shows, and how points of the object map to their coordinates.
+// The images that an object shows, and how the object's points map to texture coordinates.
 template <class Real>
 struct ObjectTexture {
     Transform<Real> place;
@@ -78,7 +78,7 @@ struct ObjectNormals {
     // The matrix that takes normals from a mesh's own space to the scene, but for a factor that all normals share.
     Vec3<Real> row[3];
     std::uint32_t first_normal;  // index of a mesh's first triangle in ShadingNormals::corners, or none
-    TexelBlock map;              // normal map, in the tangent space of the texture coordinates
+    TexelBlock map;              // normal map in the tangent space of the texture coordinates, if any
     Real map_scale;              // factor on the normal map's first two components
 };
 
@@ -91,13 +91,13 @@ struct ShadingNormals {
 template <class Real>
 struct Ray;
 
-// Function that updates the closest hit by the triangles of a mesh: hit, mesh, object index, ray origin in the object's
+// Function that updates the closest hit by a mesh's triangles: of hit, mesh, object index, ray origin in the object's
 // frame, ray, and the distance below which a hit ends the search (NearerThan, kernels/intersect.h; 0: none does).
 template <class Real>
 using MeetMesh = void (*)(Hit<Real>&, const MeshInstance<Real>&, std::uint32_t, const Vec3<Real>&, const Ray<Real>&,
                           Real);
-// Function that updates the closest hit by all mesh instances: hit, scene, ray, and the distance below which a hit ends
-// the search (0: none does).
+// Function that updates the closest hit by all mesh instances: of hit, scene, ray, and the distance below which a hit
+// ends the search (0: none does).
 template <class Real>
 struct SceneView;
 template <class Real>
@@ -141,7 +141,7 @@ struct SceneView {
 #undef PT_VIEW
     View<Transform<Real>> transforms;     // matrices by object index; only for kernels with Feature::matrix
     View<std::uint32_t> object_material;  // material index by object index
-    View<Surface<Real>> surfaces;         // surface data by object index
+    View<Surface<Real>> surfaces;         // what shading reads of each object's surface (Surface), by object index
     View<Vec3<Real>> velocity;            // velocities by object index, scene units a second
     View<Material<Real>> materials;
     View<Light> lights;
@@ -153,17 +153,17 @@ struct SceneView {
     View<CornerCoordinates> texture_coordinates;
     Vec3<Real> environment;  // radiance of rays that leave the scene
     Camera<Real> camera;
-    AxisAlignedEnclosure<Real> enclosure;  // the enclosure that the axis boxes make
+    AxisAlignedEnclosure<Real> enclosure;  // the enclosure whose walls are axis boxes
     RandomSeed seed;
     std::uint32_t depth;           // most ray segments in a path, at least 1
     std::uint32_t final_bounce;    // 1: connect the last vertex to a light
     std::uint32_t next_event;      // 1: connect every diffuse vertex but the last to a light
-    std::uint32_t mis_exponent;    // MIS: 0 none (only connections count), 1 balance heuristic, 2 power heuristic
-    std::uint32_t roulette_start;  // Russian roulette from the vertex at the end of this segment on; 0: none
+    std::uint32_t mis_exponent;    // MIS weights: 0 none (connections only), 1 balance heuristic, 2 power heuristic
+    std::uint32_t roulette_start;  // first segment after which Russian roulette is played; 0: never
     LightSampling light_sampling;  // light sampling of boxes and quads that emit
-    std::uint16_t near_light;      // automatic sampling: near limit, in hundredths of a light's half diagonal
+    std::uint16_t near_light;      // automatic light sampling: near limit, in hundredths of a light's half diagonal
     LightSelection light_selection;
-    std::uint32_t one_sample;  // 1: one-sample MIS, which counts a connection or a light hit
+    std::uint32_t one_sample;  // 1: one-sample MIS: either a connection counts or a light that is hit
 
     // The search through meshes; on a device null unless the kernels have one of mesh_levels, or shading_normals.
     const MeshSearch<Real>* mesh_search;

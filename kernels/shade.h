@@ -15,13 +15,13 @@
 
 namespace pt {
 
-// Counters of one thread that runs stages; whoever runs the thread sums them up.
+// Counters of one thread that runs stages of paths; whoever runs the thread adds them up.
 template <class Count>
 struct PathCountersOf {
     Count paths = 0;
-    Count rays = 0;              // rays traced: path segments (closest hit) and connections to lights
-    Count connections = 0;       // rays that connect a vertex to a light
-    Count unfinished_walks = 0;  // paths lost in a subsurface body: the walk met its cap, or began inside
+    Count rays = 0;              // rays traced: path segments (closest hits) and connections to lights
+    Count connections = 0;       // connections: rays that connect a vertex to a light
+    Count unfinished_walks = 0;  // paths lost in a subsurface body: their walk reached its cap, or began inside
 };
 using PathCounters = PathCountersOf<std::uint64_t>;
 
@@ -55,8 +55,8 @@ PT_HD inline void accumulate(const FilmView& film, const Path<Real>& path) {
     film.add(path.pixel, path.radiance);
 }
 
-// Has the vertex's material pick the next direction. Returns whether the path goes on. The list of material types is
-// expanded as statements: other forms give kernels other registers.
+// Has the vertex's material pick the path's next direction. Returns whether the path goes on. The list of material
+// types is expanded as statements: other forms give kernels other registers.
 template <class Config, class At>
 PT_HD inline bool scatter(const At& at) {
     using Real = typename Config::Real;
@@ -167,7 +167,7 @@ PT_HD inline bool shade(const SceneView<typename Config::Real>& scene, const Sce
     path.bsdf_pdf = Real(0);
     const RandomWords words =
         random_words<Config>(scene.seed, {path.pixel, path.sample, path.segment, random_block::scatter});
-    // The branch is not called where it does nothing, since even such a call gives some kernels other registers.
+    // Branch policies that do nothing are not called, since even such a call gives some kernels other registers.
     if constexpr (Branch::template acts_in<Config>) {
         if (!branch.template goes_on<Config>(scene, path, vertex, hit, unit_interval<Real>(words.w))) {
             return false;

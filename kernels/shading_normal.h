@@ -14,7 +14,7 @@
 
 namespace pt {
 
-// Shading normal of a mesh's triangle, interpolated from its corners' normals, outward; `own` where these have none.
+// Outward shading normal of a mesh's triangle, interpolated from its corners' normals; `own` where corners have none.
 template <class Config, class Scene>
 PT_HD inline Vec3<typename Config::Real> normal_of_corners(const Scene& scene,
                                                            const ObjectNormals<typename Config::Real>& normals,

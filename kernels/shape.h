@@ -1,19 +1,20 @@
 // Interface of a shape. A shape's header defines a class template on the number type with
-//   static constexpr const char* file_name     what scene files call it; several kinds may share a name
-//   static constexpr bool is_flat              a surface without an inside, met on both sides; has a unit `normal` then
-//   static constexpr UnitShape unit_shape      unit shape that a matrix kernel uses in its place, or none
-//   static bool is_kind_of(placement)          of the kinds of one name, the first that says yes is the object's
-//   static Shape placed(placement)             from what a scene's file says
-//   static bool contains(point)                of the shape of scale 1 about 0: whether the point lies inside
-// and these functions, found by the type of their first argument:
-//   interval(shape, origin, direction)         where a line enters and leaves it; flat: both are the hit
-//   surface_point(shape, origin, direction, t, inside)
-//   sample_point(shape, u, v, w)               a point on it, by area
-//   size_of(shape), bounds_of(shape)           the largest half extent; the bounding box
-//   widened(shape of float)                    the same in double
-//   naive::normal_at(shape, point)             for a point near its surface
-// Sampling by solid angle (kernels/solid_angle.h) asks for area_of(shape) where sample_point is uniform, or is written
-// anew. The others below have a default, which a shape's own function hides.
+// |  static constexpr const char* file_name     what scene files call it; several kinds may share a name
+// |  static constexpr bool is_flat              a surface without an inside, hit on both sides; then it has a unit
+// `normal`
+// |  static constexpr UnitShape unit_shape      unit shape that a matrix kernel uses in its place, or none
+// |  static bool is_kind_of(placement)          whether this kind fits; the first such kind of a name is the object's
+// |  static Shape placed(placement)             the shape where a scene's file places it
+// |  static bool contains(point)                whether the point is inside the shape of scale 1 about 0
+// |and these functions, found by the type of their first argument:
+// |  interval(shape, origin, direction)         where a line enters and leaves it; both the same for a flat shape
+// |  surface_point(shape, origin, direction, t, inside)
+// |  sample_point(shape, u, v, w)               a point on it, by area
+// |  size_of(shape), bounds_of(shape)           the largest half extent; the bounding box
+// |  widened(shape of float)                    the same shape in double
+// |  naive::normal_at(shape, point)             outward normal at a point near its surface
+// |Sampling by solid angle (kernels/solid_angle.h) needs area_of(shape) where sample_point is uniform, or its own form.
+// |Functions declared further down have a default, which a shape's own function hides.
 #pragma once
 
 #include "kernels/in_range.h"
@@ -30,7 +31,7 @@ struct Interval {
     bool hits;
 };
 
-// A convex body: a shape that a line crosses over one interval.
+// A convex body: a shape that any line crosses over at most one interval.
 template <class Shape, class Real>
 concept IsConvexBody = !Shape::is_flat && requires(const Shape& shape, const Vec3<Real>& v) {
     interval(shape, v, v).near;
@@ -45,8 +46,8 @@ struct SurfacePoint {
 template <class Real>
 struct LightSample {
     Vec3<Real> position;
-    Vec3<Real> normal;            // outward unit normal
-    Real inverse_density;         // 1 / density by area, square scene units
+    Vec3<Real> normal;            // outward unit normal at the hit point or sampled point
+    Real inverse_density;         // 1 / density of the point by area, square scene units
     std::uint32_t primitive = 0;  // primitive that the point lies on
 };
 
@@ -56,7 +57,7 @@ struct DirectionSample {
     Vec3<Real> direction;  // unit direction towards the light
     Real inverse_pdf;
     std::uint32_t primitive = 0;  // primitive that the direction was drawn to
-    Real distance = Real(0);      // distance to the sampled point; 0: not known
+    Real distance = Real(0);      // distance to the sampled point of the light; 0: not known
 };
 
 template <class Real>
@@ -70,7 +71,7 @@ enum class UnitShape : std::uint32_t { box, sphere, quad, none };
 // An object as its scene's file places it: the shape of scale 1 about 0, scaled, rotated, and moved.
 struct Placement {
     Vec3<double> centre;     // position relative to the camera's eye
-    Vec3<double> column[3];  // columns of the rotation; a flat shape faces +y before it
+    Vec3<double> column[3];  // columns of the rotation, before which a flat shape faces +y
     Vec3<double> scale;
     bool is_quarter_turned;  // rotated by multiples of 90 degrees only
 };

@@ -5,8 +5,8 @@
 #include <cstdint>
 
 // SHAPE(name, array, Type, WORD, more): name of the shape's header and of its Feature, array of SceneView that holds
-// its objects, class, and the word in PT_WORD, the constant that tells a kernel how many objects there are. `more` is
-// for macros that hand something on to SHAPE.
+// the shape's objects, class, and the word in PT_WORD, the constant that tells a kernel how many objects there are.
+// `more` is passed on unchanged, for macros that need further arguments.
 #define PT_SHAPES_WITH(SHAPE, more)                                        \
     SHAPE(sphere, spheres, Sphere, SPHERES, more)                          \
     SHAPE(ellipsoid, ellipsoids, Ellipsoid, ELLIPSOIDS, more)              \

@@ -16,7 +16,7 @@ namespace pt {
 // The cone of directions in which an observer sees a sphere: solid angle 2 pi (1 - cos); all directions from inside.
 template <class Real>
 struct Cone {
-    Real one_minus_cosine;  // 1 - cos of the half angle; 2: the whole sphere of directions
+    Real one_minus_cosine;  // 1 - cos of the cone's half angle; 2: the whole sphere of directions
 
     // A `radius_over_distance` above 1 means that the observer is inside the sphere, which then fills all directions.
     PT_HD explicit Cone(Real radius_over_distance) : one_minus_cosine(Real(2)) {
@@ -26,7 +26,7 @@ struct Cone {
         }
     }
     PT_HD Real inverse_pdf() const { return Real(2) * pi<Real> * one_minus_cosine; }
-    // Draws a direction in a cone around +z.
+    // Draws a direction in a cone around +z, uniformly by solid angle.
     PT_HD Vec3<Real> direction(Real u, Real v) const {
         const Real below = u * one_minus_cosine;
         const Real sine = square_root(max(Real(0), below * (Real(2) - below)));
@@ -38,7 +38,7 @@ struct Cone {
 template <class Real>
 PT_HD inline Vec3<Real> along(const Vec3<Real>& axis, const Vec3<Real>& local) {
     const Real square = dot(axis, axis);
-    // An observer at a sphere's very centre has no direction to it, and any axis of the cone will do.
+    // From a sphere's very centre there is no direction towards the centre, and any axis of the cone will do.
     return square > Real(0) ? Frame<Real>(axis * (Real(1) / square_root(square))).to_world(local) : local;
 }
 
@@ -46,8 +46,8 @@ PT_HD inline Vec3<Real> along(const Vec3<Real>& axis, const Vec3<Real>& local) {
 template <class Real>
 struct SphericalRectangle {
     Real x0, x1, y0, y1, height;
-    Real skew;         // angle from which shares of the solid angle are counted
-    Real solid_angle;  // solid angle of the rectangle; not above 0, or NaN: not visible
+    Real skew;         // angle from which shares of the rectangle's solid angle are counted
+    Real solid_angle;  // solid angle of the rectangle; 0, negative or NaN: not visible
 
     PT_HD SphericalRectangle(Real low_x, Real high_x, Real low_y, Real high_y, Real z)
         : x0(low_x), x1(high_x), y0(low_y), y1(high_y), height(z) {
@@ -82,7 +82,7 @@ private:
     }
 };
 
-// 1 / pdf of a light sample on a far box: `total` over the cube of the distance in diagonals of the box.
+// 1 / pdf of a light sample on a far box: `total` over the cube of the distance, in diagonals of the box.
 template <class Real>
 PT_HD inline Real far_inverse_pdf(Real total, Real distance, Real diagonal) {
     const Real t = distance / diagonal;
@@ -92,11 +92,11 @@ PT_HD inline Real far_inverse_pdf(Real total, Real distance, Real diagonal) {
 // A box light in its own frame as an observer sees it, in units of its diagonal. A quad is a box without height.
 template <class Real>
 struct SeenBox {
-    Vec3<Real> observer;  // observer's position relative to the box's centre
+    Vec3<Real> observer;  // observer's position relative to the centre of the box light
     Vec3<Real> half;
-    Real diagonal;  // length of the box's diagonal, scene units
+    Real diagonal;  // length of the box light's diagonal, scene units
     bool near;
-    Real share[3];  // share of each axis's seen face: solid angle (near) or projected area times distance (far)
+    Real share[3];  // share of samples for each axis's face: solid angle (near) or projected area times distance (far)
     Real total;
     bool inside;
 
@@ -122,7 +122,7 @@ struct SeenBox {
         }
     }
 
-    // 1 / pdf of the direction of a ray that hits the box after `distance` scene units.
+    // 1 / pdf, by solid angle, of the direction of a ray that hits the box light after `distance` scene units.
     PT_HD Real inverse_pdf(Real distance) const {
         if (inside) {
             return Real(4) * pi<Real>;
@@ -136,7 +136,7 @@ struct SeenBox {
             return {uniform_sphere(u, v), inverse_pdf(Real(1))};
         }
         const Real pick = w * total;
-        // Rounding may take the pick to the very end of the shares, which must not choose a face that is not seen.
+        // Rounding may take `pick` to the very end of the shares; the last face with a share is then chosen.
         const int last = share[2] > Real(0) ? 2 : share[1] > Real(0) ? 1 : 0;
         const int axis = pick < share[0] ? 0 : min(pick < share[0] + share[1] ? 1 : 2, last);
         const int b = after(axis);

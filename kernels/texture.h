@@ -34,7 +34,7 @@ struct TexelPair {
 template <class Real>
 PT_HD inline TexelPair<Real> texel_pair(Real coordinate, std::uint32_t count) {
     const Real place = (coordinate - whole_below(coordinate)) * static_cast<Real>(count) - Real(0.5);
-    const Real below = whole_below(place);  // index of the texel below, from -1 to count - 1
+    const Real below = whole_below(place);  // index of the texel below the coordinate, -1 to count - 1
     const std::uint32_t first = below >= Real(0) ? static_cast<std::uint32_t>(below) : count - 1u;
     return {first, first + 1u == count ? 0u : first + 1u, place - below};
 }
@@ -73,7 +73,7 @@ PT_HD inline std::uint32_t axis_along(const Transform<Real>& box, const Vec3<Rea
     return x > y ? (x > z ? 0u : 2u) : (y > z ? 1u : 2u);
 }
 
-// Texture coordinates u, v of a sphere by longitude and latitude, for a point p from its centre, of any length but 0.
+// Texture coordinates u, v of a sphere by longitude and latitude, for a point p of any distance but 0 from the centre.
 template <class Real>
 PT_HD inline Vec2<Real> sphere_coordinates(const Vec3<Real>& p) {
     const Real half(0.5);
@@ -84,7 +84,7 @@ PT_HD inline Vec2<Real> sphere_coordinates(const Vec3<Real>& p) {
 }
 
 // Barycentric weights of a mesh triangle where a ray hits it. A ray that was traced in double may miss the triangle in
-// single precision: its weights are then taken as they are.
+// single precision: the weights of its miss are then used as they are.
 template <class Real>
 PT_HD inline Vec3<Real> weights_of_corners(const MeshInstance<Real>& mesh, std::uint32_t primitive,
                                            const Vec3<Real>& origin, const Vec3<Real>& direction) {
@@ -108,7 +108,7 @@ PT_HD inline Vec2<Real> triangle_coordinates(const MeshInstance<Real>& mesh, std
             corners.v[0] * weights.x + corners.v[1] * weights.y + corners.v[2] * weights.z};
 }
 
-// Texture coordinates of a hit. `position`: the hit point, on the surface; `normal`: unit, on either side.
+// Texture coordinates u, v of a hit. `position`: the hit point, on the surface; `normal`: unit normal, on either side.
 template <class Config, class Scene>
 PT_HD inline Vec2<typename Config::Real> texture_coordinates_at(const Scene& scene,
                                                                 const ObjectTexture<typename Config::Real>& texture,

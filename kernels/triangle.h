@@ -14,12 +14,12 @@ struct Triangle {
     Vec3<Real> a, b, c;
 };
 
-// The shear and permutation that turn the ray's direction into the z axis: what every triangle's test of one ray
-// shares. The direction need not be a unit vector; distances come in its multiples.
+// The shear and the axis permutation that turn a ray's direction into the z axis, shared by the tests of all triangles
+// against the ray. The direction need not be a unit vector; distances come in multiples of it.
 template <class Real>
 struct ShearedDirection {
     std::uint32_t kx, ky, kz;  // kz: the axis of the direction's largest component
-    Vec3<Real> shear;          // x, y: shift per unit of z; z: 1 / the largest component
+    Vec3<Real> shear;          // shift in x and y per unit of z, and 1 / the largest component
 
     PT_HD static ShearedDirection of(const Vec3<Real>& direction) {
         const Vec3<Real> size{absolute(direction.x), absolute(direction.y), absolute(direction.z)};
@@ -35,11 +35,11 @@ struct ShearedDirection {
 
 template <class Real>
 struct TriangleHit {
-    Real t;        // distance in multiples of the direction
+    Real t;        // distance in multiples of the direction's length
     Real det;      // determinant u + v + w
-    Real u, v, w;  // barycentric weights of the corners a, b, c, times det
+    Real u, v, w;  // barycentric weights of the triangle's corners a, b, c, times det
     bool hits;
-    bool from_behind;  // hit on the side where a, b, c go round clockwise
+    bool from_behind;  // the side on which a, b, c go round clockwise was hit
 };
 
 // Edge function ax by - ay bx: two triangles that share the edge from a to b get exact negatives of each other.
@@ -68,7 +68,7 @@ PT_HD inline TriangleHit<Real> intersect_along(const Vec3<Real>& x, const Vec3<R
     TriangleHit<Real> hit{
         Real(0), Real(0), edge_function(cx, cy, bx, by), edge_function(ax, ay, cx, cy), edge_function(bx, by, ax, ay),
         false,   false};
-    // An edge function rounded to 0 tells no side; its exact sign does. In double nothing is wider, and 0 is inside.
+    // An edge function rounded to 0 tells no side, but its exact sign does. In double, with no wider type, 0 is inside.
     if (hit.u != Real(0) && hit.v != Real(0) && hit.w != Real(0) &&
         ((hit.u < Real(0)) != (hit.v < Real(0)) || (hit.u < Real(0)) != (hit.w < Real(0)))) {
         return hit;
@@ -93,7 +93,7 @@ PT_HD inline TriangleHit<Real> intersect_along(const Vec3<Real>& x, const Vec3<R
     return hit;
 }
 
-// Coordinates of a triangle's corners along one axis, relative to the ray origin.
+// Coordinates of the corners of a triangle along one axis, relative to the ray origin.
 template <class Real>
 PT_HD inline Vec3<Real> corners_along(const Triangle<Real>& triangle, const Vec3<Real>& origin, std::uint32_t axis) {
     return {component_of(triangle.a - origin, axis), component_of(triangle.b - origin, axis),

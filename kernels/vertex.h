@@ -11,11 +11,11 @@ struct Vertex {
     Vec3<Real> position;
     Vec3<Real> surface_normal;  // unit normal on the incoming ray's side; not set for hits with a box face
     std::uint32_t object;
-    bool inside;  // the incoming ray ran inside the object
+    bool inside;  // the incoming ray ran inside the object that it hit
     std::uint32_t material;
-    SurfaceId hit;  // surface of the hit, with its box face where that is known
+    SurfaceId hit;  // surface that was hit, with its box face where that is known
     std::uint32_t primitive = 0;
-    // Unit normal that the vertex is shaded with, on the incoming ray's side: a box face is hit from outside.
+    // Unit normal that the vertex is shaded with, on the incoming ray's side: outward for a box face, hit from outside.
     PT_HD Vec3<Real> normal() const { return hit.has_face() ? face_normal<Real>(hit) : surface_normal; }
     // The dot product of a finite vector with the normal. A face's normal has one entry that is not 0, so it is one
     // entry of the vector.
@@ -48,7 +48,7 @@ struct VertexOfKernel<Config, true> {
 template <class Config>
 using VertexOf = typename VertexOfKernel<Config>::Type;
 
-// The surface's own unit normal, on the incoming ray's side: it tells the surface's two sides apart.
+// The surface's geometric unit normal, on the incoming ray's side: with it the surface's two sides are told apart.
 template <class Config>
 PT_HD inline Vec3<typename Config::Real> geometric_normal(const VertexOf<Config>& vertex) {
     if constexpr (has<Config>(Feature::shading_normals)) {

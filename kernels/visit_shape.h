@@ -17,8 +17,8 @@ PT_HD constexpr bool is_last(ShapeKind kind, FeatureSet features) {
                              !contains(features, Feature::mesh));
 }
 
-// Shape i of an array. A kernel that is compiled for a scene's numbers of objects ignores the index if there is only
-// one shape of the kind.
+// Shape number i of an array. A kernel that is compiled for a scene's numbers of objects ignores the index if there is
+// only one shape of the kind.
 template <class Config, class Shapes>
 PT_HD inline decltype(auto) shape_in(const Shapes& shapes, std::uint32_t i) {
 #if defined(__CUDA_ARCH__)

@@ -62,13 +62,13 @@ struct VariantTraits {
 #define PT_CHOSEN(name) Chosen<name::Traits> name;
     PT_AXES(PT_CHOSEN)
 #undef PT_CHOSEN
-    std::map<std::string, std::uint32_t, std::less<>> tuning;  // the variant's tunables (Variant::tuning)
+    std::map<std::string, std::uint32_t, std::less<>> tuning;  // values of the variant's tunables (Variant::tuning)
 };
 
 // Why a variant or one of its choices cannot run: a short code for programs and a sentence for people.
 struct Reason {
     std::string_view code = {};  // a short word that stays the same: "needs_queue"; empty: the variant can run
-    std::string text = {};       // the reason as a sentence for people
+    std::string text = {};       // the reason why something cannot run, as a sentence for people
     std::string_view axis = {};  // axis of the choice that cannot run; empty if the reason is a tunable or the depth
 
     bool empty() const { return code.empty(); }

@@ -6,9 +6,9 @@
 namespace pt {
 
 struct Axis {
-    std::string_view key = {};        // name of the axis, filled in from the name of its folder
+    std::string_view key = {};        // name of the axis, which is that of its folder
     std::string_view what;            // what the axis decides, in one line
-    int order = 0;                    // place of the axis in a variant's name, lowest first; no two axes share one
+    int order = 0;                    // place of the axis in a variant's name, lowest first; no two axes share a place
     std::string_view since = "";      // commit that added the axis, which older result files lack; empty: the first
     std::string_view as_before = "";  // what every variant had before the axis was added; empty: a first axis
     // Whether `ptbench verify` combines the axis's choices with those of other axes in pairs only: the product of all

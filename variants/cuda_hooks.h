@@ -58,9 +58,9 @@ struct KernelConstant {
     std::uint32_t value = 0;
 };
 
-// A source file with one further kernel, which only some of an integrator's programs contain.
+// A source file of the device's code with one further kernel, which only some of an integrator's programs contain.
 struct KernelPart {
-    const char* source = nullptr;  // embedded source file; null: the integrator has no such kernel
+    const char* source = nullptr;  // embedded source file of the kernel; null: the integrator has no such kernel
     KernelSignature single_kernel = {};
     KernelSignature double_kernel = {};
 };
@@ -71,11 +71,11 @@ struct IntegratorHook {
     std::unique_ptr<Integrator> (*make_double)(JobOf<double>& job, IntegratorNeeds&& needs) = nullptr;
     std::vector<KernelSignature> (*single_kernels)() = nullptr;
     std::vector<KernelSignature> (*double_kernels)() = nullptr;
-    std::vector<KernelConstant> (*constants)(const Variant& variant) = nullptr;  // null: the kernels have no constants
-    const char* source = nullptr;  // embedded source file; null: variants/integrator/NAME.cuh
+    std::vector<KernelConstant> (*constants)(const Variant& variant) = nullptr;  // constants tuned::NAME; null: none
+    const char* source = nullptr;  // embedded source file of the kernels; null: variants/integrator/NAME.cuh
     KernelPart walks = {};         // kernel for subsurface walks, if the scene has some and walks_apart is not 0
     KernelPart meshes = {};        // kernel for rays through meshes, if the traversal needs one of its own
-    bool stores_hits = false;      // hits lie in device memory between kernels, as a queue's paths do
+    bool stores_hits = false;      // hits lie in device memory between two kernels, as the paths of a queue do
 
     std::vector<KernelSignature> kernels(std::size_t real_bytes) const {
         return real_bytes == sizeof(float) ? single_kernels() : double_kernels();
@@ -86,11 +86,11 @@ struct Hooks {
     std::unique_ptr<Compaction> (*compaction)(const CellContext&) = nullptr;
     std::unique_ptr<Sorting> (*sorting)(const CellContext&) = nullptr;
     Layout layout = {};
-    std::vector<KernelSignature> kernels = {};  // kernels of a compaction or sorting, compiled from AXIS/NAME.cuh
+    std::vector<KernelSignature> kernels = {};  // kernels of a compaction or sort, compiled from variants/AXIS/NAME.cuh
     IntegratorHook integrator = {};
-    std::vector<std::string> options = {};  // compiler options of a choice of the axis arithmetic
+    std::vector<std::string> options = {};  // compiler options that a choice of the axis `arithmetic` brings
     std::string real = "";                  // name of the type that a choice of the axis precision computes in
-    bool bakes_scene = false;               // a specialisation makes the scene's numbers constants of the kernel
+    bool bakes_scene = false;               // the specialisation makes the scene's numbers constants of the kernel
 };
 
 }  // namespace pt::cuda

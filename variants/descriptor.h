@@ -15,7 +15,7 @@
 
 namespace pt {
 
-// How a choice's film compares with the reference variant's: the same bits, the same expectation, or, declared,
+// A choice's claim on its film against the reference variant's: the same bits, the same expectation or, declared,
 // neither.
 enum class Claim { bitwise, statistical, biased };
 
@@ -34,11 +34,11 @@ constexpr bool contains(BackendSet set, Backend backend) { return (set & static_
 // so.
 struct Tunable {
     std::string_view name;
-    std::uint32_t default_value = 0;  // the tunable's value where a variant sets none
+    std::uint32_t default_value = 0;  // value of the tunable where a variant does not set it
     std::uint32_t lowest = 0, highest = 0;
     std::uint32_t multiple_of = 1;
     std::string_view summary = "";
-    bool sets_work = false;  // the tunable changes what is computed, not only how: autotune leaves it alone
+    bool sets_work = false;  // the tunable changes what is computed, not only how fast: autotune leaves it alone
     // Whether the tunable is a shortcut that leaves the film unchanged. The reference variant (Registry::reference)
     // sets it to `lowest`, which turns the shortcut off.
     bool is_shortcut = false;
@@ -53,7 +53,7 @@ struct Tunable {
     }
 };
 
-// A variant: one choice per axis, in the order of axis_names, and the tunables that are not at their default.
+// A variant: one choice per axis, in the order of axis_names, and the values of tunables that are not at their default.
 class Variant {
 public:
     const std::string& operator[](std::string_view axis) const { return choices_.at(index(axis)); }
@@ -81,21 +81,21 @@ private:
 // Counters of the work that a render did. A choice checks its own claims against them (Descriptor::check_counters).
 struct WorkCounters {
     std::uint64_t paths = 0;
-    std::uint64_t rays = 0;  // rays traced; a first hit taken from the cache is not counted
+    std::uint64_t rays = 0;  // rays traced; first hits that are taken from the cache do not count
     std::uint64_t unfinished_walks = 0;
     std::uint64_t bounces = 0;  // wavefront iterations over the queue
     std::uint64_t compactions = 0;
     std::uint64_t compacted_away = 0;  // ended paths that compactions took out of the queue
-    std::uint64_t last_bounces = 0;    // bounces at the last segment that a path may have
+    std::uint64_t last_bounces = 0;    // bounces at the last segment that a path may have, which are not compacted
     std::uint64_t last_paths = 0;      // paths alive in the last bounces, where all of them end
     std::uint64_t sorts = 0;
-    std::uint64_t sorted = 0;  // paths put in order by the sorts
+    std::uint64_t sorted = 0;  // paths that sorts put in order
     std::uint64_t cache_fills = 0;
     std::uint64_t cache_hits = 0;
     std::uint64_t connections = 0;  // shadow rays traced to lights
     std::uint64_t launches = 0;     // kernels, copies and graphs that the integrator's host side enqueued (CUDA)
-    std::uint64_t graph_nodes = 0;  // nodes of the CUDA graphs launched
-    std::uint64_t loop_rounds = 0;  // rounds of the loops within CUDA graphs
+    std::uint64_t graph_nodes = 0;  // nodes of the CUDA graphs that were launched
+    std::uint64_t loop_rounds = 0;  // rounds that loops within CUDA graphs ran
     std::uint64_t host_waits = 0;   // times that the host waited for the device within the render (CUDA)
 
     WorkCounters& operator+=(const WorkCounters& other);
@@ -105,13 +105,13 @@ struct Descriptor {
     std::string_view axis;
     std::string_view name;
     std::string_view summary;       // what the choice is, in one line
-    std::string_view origin;        // who proposed the choice, or where it was first seen
+    std::string_view origin;        // who proposed the choice, or where it was seen first
     BackendSet baseline = on_none;  // backends on which the choice is the baseline of its axis
-    // Backends on which bitwise claims on this axis are held against this choice; where no choice of the axis says so,
-    // they are held against the baseline.
+    // Backends on which this choice is the reference of its axis, to which bitwise claims are held; an axis without
+    // such a choice has the baseline as reference.
     BackendSet reference = on_none;
     Claim claim = Claim::bitwise;
-    std::string_view claim_note = "";  // for a statistical or biased claim: what the film is held against, and why
+    std::string_view claim_note = "";  // for a statistical or biased claim: what the film is compared with, and why
     // The film of a statistical choice has the expectation of the choice `mean_of` of the same axis at a maximum depth
     // that is greater by mean_at_extra_depth segments.
     std::string_view mean_of = "";
@@ -125,7 +125,7 @@ struct Descriptor {
     // Whether a sampler draws the samples of a pixel independently, so that the error of their mean falls as n^-1/2 and
     // halves of a run are independent.
     bool has_independent_samples = true;
-    Traits traits = {};  // what choices of other axes may ask of this choice; its own axis's traits alone
+    Traits traits = {};  // what choices of other axes may ask of this choice: the traits of its own axis
     BackendSet backends = on_cpu;
     std::span<const Tunable> tunables = {};
     // Why the choice cannot run on a scene with these features in this variant; empty if it can. Its axis is filled in

@@ -1,4 +1,4 @@
-// What the choices of the axes `accelerator` and `builder` ask of the scene and of each other.
+// Reasons for which choices of the axes `accelerator` and `builder` cannot run, by the scene or by other choices.
 #pragma once
 
 #include "variants/descriptor.h"
@@ -10,7 +10,8 @@ inline Reason needs_meshes(FeatureSet scene, const VariantTraits&) {
                                           : Reason{"needs_meshes", "has nothing to do: the scene has no mesh"};
 }
 
-// Why a choice that searches all mesh objects together, as by a top-level tree, does not apply; empty: it applies.
+// Why a choice that searches all objects with meshes together, as by a top-level tree, does not apply; empty: it
+// applies.
 inline Reason needs_search(FeatureSet scene, const VariantTraits& variant) {
     if (Reason reason = needs_meshes(scene, variant); !reason.empty()) {
         return reason;
@@ -21,8 +22,7 @@ inline Reason needs_search(FeatureSet scene, const VariantTraits& variant) {
                : Reason{};
 }
 
-// Why a choice that meets shapes by formulas of its own, with no traversal for meshes, does not apply; empty: it
-// applies.
+// Why a choice with ray tests of its own for shapes, and none for meshes, does not apply; empty: it applies.
 inline Reason meets_no_mesh(FeatureSet scene) {
     return contains(scene, Feature::mesh)
                ? Reason{"meets_no_mesh", "meets shapes in a way of its own that has none for meshes"}

@@ -42,7 +42,7 @@ const Descriptor& descriptor_at(std::string_view axis, const Variant& variant, B
     return Registry::instance().at(axis, variant, backend).descriptor;
 }
 
-// Descriptors of a variant's choices, in the order of the axes; null where no backend has the choice.
+// Descriptors of a variant's choices, in the order of the axes; null for a choice that no backend has.
 using Descriptors = std::array<const Descriptor*, axis_count>;
 
 // Finds the descriptors of a variant's choices; a choice that the backend lacks has the other backend's descriptor.
@@ -156,8 +156,8 @@ const Choice* Registry::find(std::string_view axis, std::string_view name, Backe
     if (axes == backends_.end() || place == axis_count) {
         return nullptr;
     }
-    // An axis has few names, most of different lengths: a linear search beats std::map's, and suites ask millions of
-    // times.
+    // A linear search for a choice's name: an axis has few names, most of different lengths, so it beats std::map's,
+    // and suites ask millions of times.
     for (const auto& [other, choice] : axes->second[place]) {
         if (other == name) {
             return &choice;

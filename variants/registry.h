@@ -27,15 +27,15 @@ using RenderFunction = RenderIn<float>;
 using AddFeatures = std::function<FeatureSet()>;
 // What a specialisation chooses a kernel's feature set from.
 struct KernelOffer {
-    FeatureSet needed = no_features;     // features that the scene and the variant need
-    FeatureSet shortcuts = no_features;  // shortcuts that the scene allows
-    std::vector<FeatureSet> compiled;    // feature sets that the integrator is, or can be, compiled for
+    FeatureSet needed = no_features;     // features that the scene and the variant need from the kernel
+    FeatureSet shortcuts = no_features;  // shortcut features that the scene allows
+    std::vector<FeatureSet> compiled;    // feature sets that the integrator is compiled for, or can be
 };
 // Picks the feature set of the kernel to run.
 using ChooseFeatures = std::function<FeatureSet(const KernelOffer& offer, const Variant& variant, Backend backend)>;
 
-// The code that a choice brings: besides `features` at most one member, which its axis and backend decide. A choice
-// that is only a name (`none`, a compiler option) brings none.
+// The code that a choice brings: `features`, and at most one other member, which the choice's axis and backend decide.
+// A choice that is only a name (`none`, a compiler option) brings none.
 struct Hook {
     MakeCompaction compaction = {};
     MakeSorting sorting = {};
@@ -44,7 +44,7 @@ struct Hook {
     AddFeatures features = {};
     ChooseFeatures specialisation = {};
     std::map<FeatureSet, RenderFunction> integrator = {};
-    std::map<FeatureSet, RenderIn<double>> integrator_in_double = {};  // empty: integrator in single precision only
+    std::map<FeatureSet, RenderIn<double>> integrator_in_double = {};  // empty: single precision only
     AcceleratorHook accelerator = {};
     BuilderHook builder = {};
     LevelsHook levels = {};
@@ -63,7 +63,7 @@ public:
     // Adds a choice on every backend that its descriptor names. Throws std::logic_error if the axis is unknown or if a
     // backend already has a choice of this name on the axis.
     void add(const Descriptor& descriptor, const Hook& hook);
-    // A CPU integrator is registered once for each feature set and precision that it was compiled for.
+    // A CPU integrator is registered once for each feature set and each precision that it has been compiled for.
     void add_integrator(const Descriptor& descriptor, FeatureSet features, RenderFunction render);
     void add_integrator(const Descriptor& descriptor, FeatureSet features, RenderIn<double> render);
 
@@ -82,7 +82,7 @@ public:
 
 private:
     using Choices = std::map<std::string, Choice, std::less<>>;
-    using Axes = std::array<Choices, axis_count>;  // one map per axis, in the order of axis_table
+    using Axes = std::array<Choices, axis_count>;  // the choices of every axis, in the order of axis_table
     Choice& insert(Backend backend, const Descriptor& descriptor);
 
     std::map<Backend, Axes> backends_;
@@ -127,8 +127,8 @@ Variant without_foreign_tunables(Variant variant, Backend backend);
 // samples (the flags of the same names in Descriptor).
 bool depends_on_order(const Variant& variant, Backend backend);
 bool has_independent_samples(const Variant& variant, Backend backend);
-// How many segments deeper the variant at the end of all claims of a mean must trace (sum of mean_at_extra_depth in
-// Descriptor). Claims form chains: a choice may claim the mean of one that claims the mean of a third.
+// How many segments deeper the variant that ends all claims of a mean must trace: the sum of mean_at_extra_depth
+// (Descriptor). Claims form chains, since a choice may claim the mean of one that claims the mean of a third.
 std::uint32_t extra_depth(Variant variant, Backend backend);
 // The features that the variant's choices ask of a kernel, whatever the scene.
 FeatureSet features_asked(const Variant& variant, Backend backend);

@@ -20,12 +20,12 @@ namespace pt {
 // `indirect`, the slots order[0..count-1] in that order.
 struct PathQueue {
     AnyPaths paths;
-    std::vector<Hit<float>> hits;      // by slot: closest hit of the path's current segment
-    std::vector<std::uint32_t> order;  // slots of the paths in play, if `indirect`; capacity entries
+    std::vector<Hit<float>> hits;      // by slot of a path: closest hit of the path's current segment
+    std::vector<std::uint32_t> order;  // slots of the paths in play, if `indirect`; `capacity` entries
     bool indirect = false;
     std::size_t count = 0;
-    std::vector<std::uint32_t> keys;     // sort keys by position in play; filled for a sort only
-    std::vector<std::uint32_t> scratch;  // a second index array, for choices that need one
+    std::vector<std::uint32_t> keys;     // sort keys by position in play; filled only where a sort follows
+    std::vector<std::uint32_t> scratch;  // second array of slots, for compactions and sorts that need one
 
     // Makes room for `capacity` paths. Memory is kept between renders, so that a timed render touches no fresh page.
     void reserve(std::size_t capacity);
@@ -46,7 +46,7 @@ public:
 class Sorting {
 public:
     virtual ~Sorting() = default;
-    // Sorts the paths in play by queue.keys, which holds a sort key below key_count for each path.
+    // Sorts the paths in play by queue.keys, which holds one sort key for each of them, below key_count.
     virtual void sort(PathQueue& queue, std::uint32_t key_count) = 0;
     virtual bool is_active() const { return true; }
 };
@@ -54,9 +54,9 @@ public:
 // The first hits of a few camera rays of every pixel, kept between samples: sample s uses ray s mod rays.
 template <class Real>
 struct FirstBounceCache {
-    std::vector<Hit<Real>> hits;  // hits by pixel, then by ray of the pixel
+    std::vector<Hit<Real>> hits;  // by pixel, then by ray of the pixel: first hits
     std::uint32_t rays = 1;
-    std::uint32_t samples_seen = 0;  // samples traced so far; the first `rays` of them fill the cache
+    std::uint32_t samples_seen = 0;  // samples of each pixel traced so far; the first `rays` of them fill the cache
 
     std::size_t index(std::uint32_t pixel, std::uint32_t sample) const {
         return std::size_t{pixel} * rays + sample % rays;
@@ -67,8 +67,8 @@ struct FirstBounceCache {
 
 // Time of a render by stage. Only instrumented renders have one: it is never part of a timed sample.
 struct StageTimes {
-    std::vector<std::pair<std::string_view, double>> milliseconds;  // time of each stage, in order of first use
-    std::vector<std::uint64_t> live_paths;  // entry k: number of paths that traced segment k + 1
+    std::vector<std::pair<std::string_view, double>> milliseconds;  // milliseconds of each stage, in order of first use
+    std::vector<std::uint64_t> live_paths;  // entry k: number of paths that were alive for segment k + 1
 
     void add(std::string_view stage, double ms);
     void add_live(std::size_t segment, std::uint64_t paths);
@@ -106,10 +106,10 @@ struct RenderJobIn {
     PathQueue* queue = nullptr;
     Compaction* compaction = nullptr;
     Sorting* sorting = nullptr;
-    FirstBounceCache<Real>* cache = nullptr;  // cached first hits of camera rays; null: every one is traced
+    FirstBounceCache<Real>* cache = nullptr;  // first hits of camera rays; null: every camera ray is traced
     WorkCounters work;
     StageTimes* stages = nullptr;  // stage timer; null: the render is not instrumented
-    HealthRequest health;          // read by an integrator that audits its paths
+    HealthRequest health;          // audit request, for an integrator that audits its paths
 };
 using RenderJob = RenderJobIn<float>;
 

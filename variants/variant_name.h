@@ -1,5 +1,5 @@
-// The names of a variant and its identity. Names say the integrator and what differs from the baseline, so they change
-// where a baseline does; the identity is a hash of all choices and tunables, which does not.
+// The names of a variant, and its identity. A name has the integrator and what differs from the baseline, so it changes
+// where a baseline does; the identity, a hash of all choices and tunables, does not.
 #pragma once
 
 #include <string>

@@ -9,8 +9,8 @@
 
 namespace pt {
 
-// Checks the number of paths in a queue after `stage`: `now` may not exceed `before`, the number the stage was given,
-// since what lies behind is no path. Throws std::runtime_error.
+// Checks the number of paths in a queue after `stage`: `now` may not exceed `before`, the number that the stage was
+// given, since slots further back hold no path. Throws std::runtime_error.
 inline void check_count_after(const char* stage, std::size_t before, std::size_t now) {
     if (now > before) {
         throw std::runtime_error("the " + std::string(stage) + " returned a count of " + std::to_string(now) +
@@ -25,7 +25,7 @@ inline std::string compacted_every_bounce(const WorkCounters& work, std::uint64_
         return std::to_string(work.compactions) + " compactions in " + std::to_string(work.bounces) + " bounces, " +
                std::to_string(work.last_bounces) + " of them last ones";
     }
-    // compacted_away is a difference of counts: paths put in instead of taken out make it a number near 2^64.
+    // compacted_away is a difference of counts: a compaction that adds paths makes it a number near 2^64.
     if (work.compacted_away > work.paths) {
         return std::to_string(0 - work.compacted_away) + " paths more in play after compactions than before them, of " +
                std::to_string(work.paths);

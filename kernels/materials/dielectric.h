@@ -8,7 +8,7 @@ namespace pt {
 
 template <class Real>
 struct DielectricMaterial {
-    Vec3<Real> tint;  // colour factor on each transmission
+    Vec3<Real> tint;  // colour factor on each transmission through the surface
     Boundary<Real> entering, leaving;
 
     PT_HD const Boundary<Real>& seen_from(bool inside) const { return inside ? leaving : entering; }

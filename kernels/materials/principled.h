@@ -36,10 +36,10 @@ struct Principled {
 
     RoughDielectric<Config> glass;  // glass lobe, whose facets are the metal's too
     Vec3<Real> colour;
-    Real metal_share, diffuse_share, glass_share;  // shares of the three lobes, which sum to 1
-    Real layer_reflectance;                        // reflectance of a smooth boundary, F(n.v)
+    Real metal_share, diffuse_share, glass_share;  // shares of the principled lobe's three parts, which sum to 1
+    Real layer_reflectance;                        // reflectance of a smooth boundary in the viewing direction, F(n.v)
     Real diffuse_probability;
-    Vec3<Real> diffuse_colour;  // colour * diffuse_share / diffuse_probability
+    Vec3<Real> diffuse_colour;  // base colour * diffuse_share / diffuse_probability
     bool are_facets_wide;
     std::uint32_t medium_beyond;
 
@@ -53,7 +53,7 @@ struct Principled {
           medium_beyond(beyond) {
         glass.tint = colour;
         if (!(glass_share > Real(0))) {
-            // No light comes out of an opaque body: the boundary is always the one from outside.
+            // No light comes out of an opaque body, whose boundary is always seen from outside.
             glass.boundary = material.glass.entering;
         }
         are_facets_wide = glass_share > Real(0) ? glass.is_connectable() : glass.facets.are_wide();
@@ -63,7 +63,7 @@ struct Principled {
         const Real both = layer_reflectance + beneath;
         diffuse_probability = diffuse_share * (both > Real(0) ? beneath / both : Real(1));
         const Vec3<Real> shown = colour * diffuse_share;
-        // The division comes last: share over probability would overflow for a colour near the least number.
+        // Division comes last: diffuse_share / diffuse_probability could overflow for a colour near the least number.
         diffuse_colour = diffuse_probability > Real(0)
                              ? Vec3<Real>(shown.x / diffuse_probability, shown.y / diffuse_probability,
                                           shown.z / diffuse_probability)
@@ -151,7 +151,7 @@ private:
                 metal_share + (diffuse_share - diffuse_probability) + glass_share * boundary};
     }
 
-    // The diffuse lobe's BSDF times the cosine over its own density, scaled by the probability with which it is drawn.
+    // The diffuse lobe's BSDF times the cosine over the lobe's density, scaled by the probability of drawing the lobe.
     PT_HD Vec3<Real> diffuse_weight(Real cosine) const {
         if (!(diffuse_probability > Real(0))) {
             return Vec3<Real>(Real(0));
@@ -179,7 +179,7 @@ private:
     PT_HD LobeValue<Real> through(const LobeValue<Real>& of_glass) const {
         return {of_glass.weight, of_glass.pdf * glass_share};
     }
-    // Keeps a lobe's pdf above 0: in a path a pdf of 0 means that no light was connected.
+    // Keeps a lobe's pdf above 0: a path stores the pdf 0 where its vertex was not connected to a light.
     PT_HD static LobeValue<Real> kept(const LobeValue<Real>& value) {
         return {value.weight, max(value.pdf, Real(0x1p-60))};
     }
@@ -204,7 +204,7 @@ private:
     }
 };
 
-// After narrow facets lights that the path hits count in full, though the diffuse lobe was connected to a light.
+// After narrow facets lights that are hit count in full, though the vertex's diffuse lobe was connected to one.
 template <class Real>
 template <class At>
 PT_HD inline bool PrincipledMaterial<Real>::scatter(const At& at, const Material<Real>& material) const {

@@ -24,17 +24,17 @@ struct RoughConductor {
     static constexpr bool transmits = false, may_be_opaque = false;
     GgxFacets<Real> facets;
     Vec3<Real> reflectance;
-    Vec3<Real> gain{Real(1)};  // factor on the lobe's weight
+    Vec3<Real> gain{Real(1)};  // factor on the lobe's weight, for energy compensation; 1: none
 
     PT_HD RoughConductor(const Vec3<Real>& reflectance_of, Real alpha, const Vec3<Real>& outgoing,
                          const Vec3<Real>& normal)
         : facets(alpha, outgoing, normal), reflectance(reflectance_of) {}
 
-    // Narrow lobes are not connected to lights, as mirrors are not: next to no connection would bring light. This
-    // depends on the surface alone, so either way the expectation is the same.
+    // Narrow lobes are not connected to lights, as mirrors are not: hardly any connection would bring light. The choice
+    // depends on the surface alone, so the expectation is the same either way.
     PT_HD bool is_connectable() const { return facets.are_wide(); }
 
-    // Adds the compensation for multiple scattering, in kernels that have it (kernels/ggx_gain.h).
+    // Adds the compensation for multiple scattering to the lobe, in kernels that have it (kernels/ggx_gain.h).
     PT_HD void scatter_multiply() {
         gain = Vec3<Real>(Real(1)) + reflectance * ggx_gain(facets.cosine / facets.q, facets.alpha);
     }
@@ -76,12 +76,12 @@ struct RoughConductor {
 
 template <class Real>
 struct RoughConductorMaterial {
-    Vec3<Real> reflectance;           // reflectance at normal incidence
+    Vec3<Real> reflectance;           // reflectance (linear RGB) at normal incidence
     Real alpha;                       // width of the GGX distribution, roughness^2
     std::uint32_t scatters_multiply;  // 1: energy lost between facets is given back
 
-    // Scatters the path by a rough conductor. The last vertex of a final-bounce path goes on, as a mirror's does. A
-    // path ends where the facet sends it into the surface.
+    // Scatters the path by a rough conductor, even at the last vertex of a final-bounce path, as a mirror does. A path
+    // ends where the facet sends it into the surface.
     template <class At>
     PT_HD bool scatter(const At& at, const Material<Real>&) const {
         using Config = typename At::Config;

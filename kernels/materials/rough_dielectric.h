@@ -47,7 +47,7 @@ struct RoughDielectric {
         const Real across_squared = dot(across, across);
         const Real square = along * along + across_squared;
         const Real length = (along < Real(0) ? Real(-1) : Real(1)) * square_root(square);
-        // Cosines of both directions to the facet normal, which is turned to the surface normal's side.
+        // Cosines of the outgoing and the incoming direction to the facet normal, turned to the surface normal's side.
         const Real between = dot(facets.outgoing, incoming);
         const Real facet_cosine = passes ? (Real(1) + index * between) / length : Real(0.5) * length;
         const Real beyond = (between + index) / length;
@@ -129,7 +129,7 @@ struct RoughDielectricMaterial {
             return false;
         }
         if (is_connected) {
-            // The stored pdf is never 0, which would say that there was no connection.
+            // The pdf that the path stores is never 0, since 0 would mean that the vertex was not connected to a light.
             constexpr Real least = Real(0x1p-60);
             at.path.bsdf_pdf = kept_pdf<Config>(at.path, max(sample.value.pdf, least));
         }

@@ -61,7 +61,7 @@ PT_HD inline Vec3<Real> flight_weight(const ScatteringMedium<Real>& medium, cons
                                    exponential((least - medium.sigma_t.y) * t),
                                    exponential((least - medium.sigma_t.z) * t)};
     const Real carried = dot(throughput, scattered ? transmittance * medium.sigma_t : transmittance);
-    // The weight stays finite where hardly anything is carried: an opaque channel must not become 0 * infinity.
+    // The weight stays finite where hardly anything is transmitted: an opaque channel must not become 0 * infinity.
     const Real inverse_mean = carried > Real(0) ? min(std::numeric_limits<Real>::max(),
                                                       (throughput.x + throughput.y + throughput.z) / carried)
                                                 : Real(0);
@@ -81,9 +81,9 @@ struct Walk {
 // A subsurface walk in progress in kernels that guide walks by Dwivedi sampling (kernels/guided_walk.h).
 template <class Real>
 struct GuidedWalk : Walk {
-    Vec3<Real> normal;            // outward normal of the surface that is nearest as far as is known
-    StepChoice choice;            // density by which the next step is drawn
-    bool drew_direction = false;  // the direction was drawn together with `choice`
+    Vec3<Real> normal;            // outward normal of the body's surface that is nearest as far as is known
+    StepChoice choice;            // density by which the walk's next step is drawn
+    bool drew_direction = false;  // the walk's direction was drawn together with `choice`
 
     PT_HD void meet_surface(const Vec3<Real>& outward, const StepChoice& next) {
         normal = outward;
@@ -92,7 +92,7 @@ struct GuidedWalk : Walk {
     }
 };
 
-// State of a walk in a kernel: kernels without guided walks keep nothing for the guide.
+// State of a subsurface walk in a kernel; with a guide only in kernels that have guided walks.
 template <class Config>
 using WalkOf = std::conditional_t<has<Config>(Feature::guided_walk), GuidedWalk<typename Config::Real>, Walk>;
 
@@ -102,7 +102,7 @@ PT_HD inline bool is_guided(const ScatteringMedium<Real>& medium) {
     return medium.guided_share > Real(0);
 }
 
-// The extinction coefficient sigma_t that the next flight is drawn by.
+// The extinction coefficient sigma_t of the colour channel that the next flight is drawn by.
 template <class Config>
 PT_HD inline typename Config::Real sigma_of_flight(const Path<typename Config::Real>& path, const WalkOf<Config>& walk,
                                                    const ScatteringMedium<typename Config::Real>& medium,
@@ -218,8 +218,8 @@ private:
 
 enum class WalkStep { goes_on, left, lost };
 
-// Takes one flight of a subsurface walk, to a collision or to the surface. `left`: the path is on the surface, heading
-// out; `lost`: the cap on scatterings and internal reflections was reached first.
+// Takes one flight of a subsurface walk, to a collision or to the surface. Result `left`: the path is on the surface,
+// heading out; `lost`: the cap on scatterings and internal reflections was reached first.
 template <class Config>
 PT_HD inline WalkStep walk_step(const SceneView<typename Config::Real>& scene, Path<typename Config::Real>& path,
                                 WalkOf<Config>& walk, const SubsurfaceMaterial<typename Config::Real>& body) {

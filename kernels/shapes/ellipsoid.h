@@ -7,11 +7,11 @@
 
 namespace pt {
 
-// An affine image of the unit sphere: p = centre + to_world * f, with |f| = 1.
+// An ellipsoid as the affine image p = centre + to_world * f of the unit sphere |f| = 1.
 template <class Real>
 struct Ellipsoid {
     Vec3<Real> centre;
-    Vec3<Real> semi_axis[3];     // columns of the matrix from the unit sphere to the scene
+    Vec3<Real> semi_axis[3];     // columns of the matrix from the unit sphere to the scene, the semi-axes
     Vec3<Real> inverse_axis[3];  // rows of the matrix from the scene to the unit sphere
 
     PT_HD Vec3<Real> to_unit(const Vec3<Real>& v) const {
@@ -20,7 +20,7 @@ struct Ellipsoid {
     PT_HD Vec3<Real> to_world(const Vec3<Real>& f) const {
         return semi_axis[0] * f.x + semi_axis[1] * f.y + semi_axis[2] * f.z;
     }
-    // Outward normal of the ellipsoid at the image of f; normals transform by the inverse transpose.
+    // Outward normal at the image of the unit sphere's point f; normals transform by the inverse transpose.
     PT_HD Vec3<Real> normal(const Vec3<Real>& f) const {
         return normalize(inverse_axis[0] * f.x + inverse_axis[1] * f.y + inverse_axis[2] * f.z);
     }
@@ -71,8 +71,8 @@ PT_HD inline LightSample<Real> sample_point(const Ellipsoid<Real>& e, Real u, Re
     return {e.centre + e.to_world(f), normal, Real(4) * pi<Real> * dot(cofactor, normal)};
 }
 
-// Solid angle in the world over solid angle in the unit sphere's frame: |det| / length^3, with `length` that of
-// the image of a unit vector. Each axis is divided by it first, so that no cube of a length is formed.
+// Solid angle in the world over solid angle in the unit sphere's frame: |det| / length^3, with `length` that of the
+// image of a unit vector. Each axis is divided by it first, so that no cube of a length arises.
 template <class Real>
 PT_HD inline Real ellipsoid_stretch(const Ellipsoid<Real>& e, Real length) {
     const Real inverse = Real(1) / length;

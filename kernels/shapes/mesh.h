@@ -16,12 +16,12 @@ PT_HD inline Vec3<Real> vector_of(const float (&v)[3]) {
 template <class Real>
 struct MeshInstance {
     MeshView geometry;
-    // The maps from the scene to the mesh's own space (row, offset), and back (column, centre). A mesh with a single
-    // instance has been placed in the scene already (is_placed), and needs neither.
+    // The maps from the scene to the mesh's own space (row, offset), and back (column, centre). The only instance of a
+    // mesh needs neither: its mesh has been placed in the scene already (is_placed).
     Vec3<Real> row[3], offset;
     Vec3<Real> column[3], centre;
-    Vec3<float> low, high;  // bounding box in the scene, relative to the eye
-    float area;             // surface area in the scene; 0: not emissive
+    Vec3<float> low, high;  // bounding box of the mesh in the scene, relative to the eye
+    float area;             // surface area of the mesh in the scene; 0: not emissive
     std::uint32_t is_placed;
 
     static constexpr const char* file_name = "mesh";
@@ -96,7 +96,7 @@ PT_HD inline Real largest_component(const Vec3<Real>& v) {
 template <class Real>
 struct KeptWeights {
     Vec3<Real> weights;
-    Real reach;  // how far rounding may put the point off the plane, in the mesh's units
+    Real reach;  // how far rounding may put the point off the triangle's plane, in the mesh's units
 };
 
 // Moves barycentric weights off the edges by twice a bound on the rounding of the point formed with them: a path that

@@ -10,8 +10,8 @@ namespace pt {
 template <class Real>
 struct OrientedBox {
     Vec3<Real> centre;
-    Vec3<Real> axis[3];  // orthonormal axes of the box
-    Vec3<Real> half;     // half extents of the box along its axes
+    Vec3<Real> axis[3];  // orthonormal axes of the oriented box
+    Vec3<Real> half;     // half extents of the oriented box along its axes
 
     PT_HD Vec3<Real> to_local(const Vec3<Real>& v) const { return {dot(axis[0], v), dot(axis[1], v), dot(axis[2], v)}; }
     PT_HD Vec3<Real> to_world(const Vec3<Real>& v) const { return axis[0] * v.x + axis[1] * v.y + axis[2] * v.z; }

@@ -9,8 +9,8 @@ namespace pt {
 template <class Real>
 struct Quad {
     Vec3<Real> centre;
-    Vec3<Real> normal;          // unit normal of the side that faces +y before the rotation
-    Vec3<Real> axis_u, axis_v;  // unit vectors along the sides
+    Vec3<Real> normal;          // unit normal of the quad, on the side that faces +y before the rotation
+    Vec3<Real> axis_u, axis_v;  // unit vectors along the sides of the quad
     Real half_u, half_v;
 
     static constexpr const char* file_name = "quad";

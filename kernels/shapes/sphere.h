@@ -13,12 +13,12 @@ struct Sphere {
     Vec3<Real> centre;
     Real radius;
     Real inverse_radius;
-    Real eye_power = Real(0);       // power of the eye (power_at), for a NearSphere
+    Real eye_power = Real(0);       // power of the eye with respect to the sphere (power_at), for NearSphere
     std::uint32_t is_near_eye = 0;  // 1: the sphere is intersected as a NearSphere
 
     static constexpr const char* file_name = "sphere";
     static constexpr bool is_flat = false;
-    static constexpr bool misses_at_zero = true;  // distance 0 means a miss (kernels/intersect.h)
+    static constexpr bool misses_at_zero = true;  // interval() is 0 where a ray misses (kernels/intersect.h)
     static constexpr UnitShape unit_shape = UnitShape::sphere;
     static bool is_kind_of(const Placement& object) {
         return object.scale.x == object.scale.y && object.scale.y == object.scale.z;
@@ -37,8 +37,8 @@ struct Sphere {
 template <class Real>
 struct NearSphere : Sphere<Real> {};
 
-// The frame of a sphere only moves and scales evenly, so the ray direction stays a unit vector: its square, 1 but for
-// rounding, would move t by no more than the direction's own rounding moves the point.
+// A sphere's frame only moves and scales evenly, so the ray direction stays a unit vector. Its square is 1 but for
+// rounding, which would move t by no more than the direction's own rounding moves the point.
 template <class Real>
 PT_HD inline Interval<Real> interval(const Sphere<Real>& sphere, const Vec3<Real>& origin,
                                      const Vec3<Real>& direction) {
@@ -49,7 +49,7 @@ PT_HD inline Interval<Real> interval(const Sphere<Real>& sphere, const Vec3<Real
     if (!(discriminant > Real(0))) {
         return {Real(0), Real(0), false};
     }
-    // The discriminant is one less a number up to 1: if it is not 0, it is no less than that number's last bit.
+    // The discriminant is 1 - d with d >= 0: if it is not 0, it is at least the last bit of 1 or of d, so in range.
     const Real root = nearly_square_root_in_range(discriminant);
     const Real q = b < Real(0) ? b - root : b + root;
     const Real other = nearly_divide(dot(f, f) - Real(1), q);
@@ -170,7 +170,7 @@ PT_HD inline Vec3<Real> normal_at(const Sphere<Real>& sphere, const Vec3<Real>& 
     return normalize(p - sphere.centre);
 }
 
-// 1 - cos of the half angle of the cone that a sphere fills, in the textbook's form; 2 from inside.
+// 1 - cos of the half angle of the cone in which a sphere is seen, in the textbook's form; 2 from inside.
 template <class Real>
 PT_HD inline Real one_minus_cosine(const Sphere<Real>& sphere, const Vec3<Real>& to_centre) {
     const Real sine_squared = sphere.radius * sphere.radius / dot(to_centre, to_centre);

@@ -10,8 +10,8 @@
 namespace pt::accelerator::bvh2 {
 
 struct alignas(16) Node {
-    float low_x[2], high_x[2], low_y[2], high_y[2], low_z[2], high_z[2];  // bounds of the two children
-    std::uint32_t link[2];  // links to the two children (variants/bvh/link.h)
+    float low_x[2], high_x[2], low_y[2], high_y[2], low_z[2], high_z[2];  // bounding boxes of the two children
+    std::uint32_t link[2];  // links to the two children, as in variants/bvh/link.h
     std::uint32_t padding[2];
 };
 static_assert(sizeof(Node) == 64);

@@ -20,11 +20,11 @@ inline constexpr std::uint32_t largest_leaf = 3;
 // Margin by which every child's box is widened, in steps of its node's grid. Distances to planes are rounded as numbers
 // near 2^15 steps are, by less than this.
 inline constexpr double plane_room = 1.0 / 128.0;
-// Size of the traversal stack, one entry for each level of nodes: encode() refuses a deeper tree.
+// Size of the traversal stack of cwbvh, one entry for each level of nodes: encode() refuses a deeper tree.
 inline constexpr std::uint32_t largest_depth = 64;
 
-// Bits of the float 2^15, into which plane_number splices a plane's byte. Nodes hold them: loaded with a node they cost
-// nothing, and a constant would take the instruction's one place for constants, which the byte selector needs.
+// Bits of the float 2^15, into which plane_number splices a plane's byte. Loaded with a node they cost nothing: as a
+// constant they would take an instruction's one place for constants, which the byte selector needs.
 inline constexpr std::uint32_t plane_splice = 0x47000000u;
 
 // A compressed wide node. Child i lies at one of the node's corners: bit k of i is 1 at the high end of axis k. Bit 24
@@ -32,14 +32,14 @@ inline constexpr std::uint32_t plane_splice = 0x47000000u;
 // a leaf.
 struct alignas(16) Node {
     float origin[3];
-    std::uint8_t exponent[3];  // step between planes on each axis, as a float's exponent field
+    std::uint8_t exponent[3];  // step between planes of the node's grid by axis, as a float's exponent field
     std::uint8_t unused = 0;
-    std::uint32_t child_base;  // number of the first child that is a node; the others follow in the order of i
-    std::uint32_t slot_base;   // first slot of the node's leaves; the others follow in the order of i
+    std::uint32_t child_base;  // number of the node's first child that is a node; others follow in the order of i
+    std::uint32_t slot_base;   // first slot of the node's leaves; other slots follow in the order of i
     std::uint32_t contents;
     std::uint32_t splice = plane_splice;
-    // The low and the high planes of the children's boxes on each axis, in steps from the node's origin, at least
-    // plane_room outside of the child.
+    // Low and high planes of the children's boxes by axis, in steps from the node's origin, at least plane_room outside
+    // of the child.
     std::uint8_t plane[3][2][width];
 };
 static_assert(sizeof(Node) == 80);
@@ -137,13 +137,13 @@ PT_HD inline std::int32_t earliest_exit(float x, float y, float z, float limit) 
 struct BoxRay {
     float origin[3];
     float inverse[3];
-    float room[3];       // margin of slab distances, in units of t
-    std::uint32_t flip;  // bit k: the ray goes up axis k, so it meets low planes first
+    float room[3];       // margin on slab distances for rounding, in units of t
+    std::uint32_t flip;  // bit k: the ray goes up axis k, and so meets low planes first
 
     template <class Real>
     PT_HD static BoxRay of(const LoadedNode& root, const Vec3<Real>& from, const Vec3<Real>& direction) {
-        // A direction component near 0 is replaced by 2^-60 of the largest one, or by 2^-100: how far the ray then
-        // strays is within the margin, too.
+        // A direction component near 0 is replaced by 2^-60 of the largest component, or by 2^-100: the ray then strays
+        // by less than the margin.
         const float largest =
             max(absolute(static_cast<float>(direction[0])),
                 max(absolute(static_cast<float>(direction[1])), absolute(static_cast<float>(direction[2]))));
@@ -207,14 +207,14 @@ PT_HD inline std::uint32_t boxes_hit(const LoadedNode& node, const BoxRay& ray, 
     return hits & node.contents();
 }
 
-// Rounds best_t up for box tests: a triangle's t is rounded, too, by less than 4 u from where its box is entered.
+// Rounds best_t up for box tests, since a triangle's t may be off by 4 u from where its box is entered.
 template <class Real>
 PT_HD inline float limit_of(const Real& best_t) {
     return static_cast<float>(best_t) * 1.000000476837158203125f;
 }
 
-// Permutes eight bits from slot order into the order in which a ray of this octant visits the children: bit i goes to i
-// ^ flip, and the highest bit comes first. The permutation is its own inverse.
+// Permutes eight bits from slot order into the order in which a ray of octant `flip` visits children: bit i goes to i ^
+// flip, and the highest bit comes first. The permutation is its own inverse.
 PT_HD inline std::uint32_t by_octant(std::uint32_t bits, std::uint32_t flip) {
     std::uint32_t swap = (bits ^ (bits >> 1)) & ((flip & 1u) != 0 ? 0x55u : 0u);
     bits ^= swap * 3u;
@@ -233,7 +233,7 @@ struct NodeGroup {
 
     PT_HD static NodeGroup root() { return {0, 1u << 31}; }
     PT_HD bool empty() const { return bits < (1u << 24); }
-    // The position in the group, from 7 (first) to 0 in the order of the ray's octant, of the child to enter next.
+    // Position in a group, from 7 (first) to 0 in the order of the ray's octant, of the child to enter next.
     PT_HD std::uint32_t nearest() const { return highest_bit(bits) - 24u; }
     PT_HD void keep_up_to(std::uint32_t position, bool inclusive) {
         bits &= (1u << (24u + position)) * (inclusive ? 2u : 1u) - 1u;
@@ -248,8 +248,8 @@ struct NodeGroup {
     }
 };
 
-// Passes leaves on slot by slot, though they hold up to three: one loop for all of a node keeps a warp's lanes
-// together.
+// Hands leaves on one slot at a time, though a leaf has up to three: one loop over all slots of a node keeps a warp's
+// lanes together.
 template <class Leaf, class Counter>
 PT_HD void visit_leaves(const LoadedNode& node, std::uint32_t hits, Leaf& leaf, Counter& counter) {
     for (std::uint32_t left = hits & 0xffffffu; left != 0;) {
@@ -293,9 +293,9 @@ PT_HD void traverse(const TreeView& tree, const Vec3<Real>& origin, const Vec3<R
     }
 }
 
-// The triangles of one node's leaves that are yet to be tested.
+// The triangles in the leaves of one node that are yet to be tested.
 struct SlotGroup {
-    std::uint32_t bits = 0;  // bits of slots yet to be tested, as boxes_hit returns them
+    std::uint32_t bits = 0;  // slots yet to be tested, a bit each as in boxes_hit's result
     std::uint32_t contents = 0, base = 0;
 
     PT_HD bool empty() const { return bits == 0; }
@@ -397,7 +397,7 @@ namespace {
 static_assert(std::is_trivially_default_constructible_v<NodeGroup>,
               "a ray would write its whole stack before it begins");
 
-// Nodes of the binary tree after every leaf too large for a cwbvh node is halved.
+// Nodes of the binary tree after each leaf that is too large for a cwbvh node has been halved.
 std::vector<BinaryTree::Node> with_small_leaves(const BinaryTree& tree) {
     std::vector<BinaryTree::Node> nodes = tree.nodes;
     for (std::size_t i = 0; i < nodes.size(); ++i) {

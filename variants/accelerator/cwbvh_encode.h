@@ -13,7 +13,7 @@ namespace pt::accelerator::cwbvh {
 inline constexpr float node_cost = 1.0f, reference_cost = 0.3f;
 inline constexpr std::uint32_t no_node = ~0u;
 
-PT_HD inline float box_area(const Box& box) {  // half of the box's surface area
+PT_HD inline float box_area(const Box& box) {  // half of the surface area of the subtree's box
     const float x = box.high[0] - box.low[0], y = box.high[1] - box.low[1], z = box.high[2] - box.low[2];
     return x * y + y * z + z * x;
 }
@@ -23,10 +23,10 @@ struct alignas(32) Cut {
     float cost[width - 1];
     std::uint32_t choices;
 
-    // How many of `roots` (2 to 8) subtrees the left child contributes; 0: one subtree fewer costs less.
+    // Number of binary subtrees, of `roots` (2 to 8), that the left child contributes; 0: one subtree fewer costs less.
     PT_HD std::uint32_t left_of(std::uint32_t roots) const { return choices >> (3 * (roots - 2)) & 7u; }
     PT_HD bool is_leaf() const { return (choices >> 21 & 1u) != 0; }
-    PT_HD std::uint32_t references() const { return choices >> 22; }  // references, counted up to largest_leaf + 1
+    PT_HD std::uint32_t references() const { return choices >> 22; }  // references below, up to largest_leaf + 1
 
     PT_HD static Cut of_leaf(float area, std::uint32_t count) {
         Cut cut;
@@ -135,7 +135,7 @@ struct Children {
     }
 
 private:
-    // The free corner of a wide node towards which a child lies farthest out.
+    // The free corner of a wide node at which a child lies farthest out.
     struct Wish {
         float from_centre[3], reach;
         std::uint32_t corner;
@@ -163,14 +163,14 @@ PT_HD inline float next_below(double x) {
         return rounded;
     }
     const std::int32_t bits = bits_of(rounded);
-    // The result is one step down among the floats: away from zero where the number is negative.
+    // `rounded` is moved one float down: away from zero where it is negative.
     return rounded > 0.0f   ? number_of(bits - 1)
            : rounded < 0.0f ? number_of(bits + 1)
                             : number_of(std::int32_t(0x80000001u));
 }
 
-// Sets a node's origin and its step: the least power of two with which the planes of the box, widened by plane_room,
-// fit in 0 to 255.
+// Sets a cwbvh node's origin and its step: the least power of two with which the planes of the node's box, widened by
+// plane_room, fit in 0 to 255.
 PT_HD inline void set_frame(Node& node, const Box& box) {
     for (int k = 0; k < 3; ++k) {
         const double low = static_cast<double>(box.low[k]), high = static_cast<double>(box.high[k]);
@@ -197,7 +197,7 @@ PT_HD inline void set_box(Node& node, std::uint32_t corner, const Box& box) {
     }
 }
 
-// Encodes a compressed node, but for the numbers at which its children and slots begin (child_base, slot_base).
+// Encodes a cwbvh node, except for the numbers at which its children and slots begin (child_base, slot_base).
 template <class Tree>
 PT_HD inline Node make_node(const Tree& tree, const Box& box, const std::uint32_t (&at)[width]) {
     Node node{};

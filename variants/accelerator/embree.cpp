@@ -12,11 +12,11 @@
 namespace pt::accelerator::embree {
 namespace {
 
-// Bounds on the numbers handed to Embree, which takes 1e-18 for 0 and 1.8e18 for infinity.
+// Bounds on direction lengths and mesh sizes handed to Embree, which takes 1e-18 for 0 and 1.8e18 for infinity.
 constexpr float smallest = 0x1p-40f, largest = 0x1p40f;
 
 struct Query {
-    RTCIntersectContext context;  // first member: Embree's callback is given the context's address
+    RTCIntersectContext context;  // first member: Embree hands callbacks this context's address
     Hit<float>* best;
     const LeafTriangle* leaves;
     MeshRay<float> ray;
@@ -38,7 +38,7 @@ void meet(const RTCIntersectFunctionNArguments* arguments) {
     RTCRayN_tfar(RTCRayHitN_RayN(arguments->rayhit, 1), 1, 0) = limit(query.best->t);
 }
 
-// A mesh's triangles, whose bounding boxes are wider by `margin`.
+// A mesh's triangles as an Embree geometry, with bounding boxes that are wider by `margin`.
 struct Widened {
     const LeafTriangle* leaves;
     float margin;
@@ -125,7 +125,7 @@ private:
         return level.scene.get();
     }
 
-    std::span<const LeafTriangle> leaves_;  // owned by the MeshTree that owns this mesh, too
+    std::span<const LeafTriangle> leaves_;  // triangles owned by the MeshTree that also owns this mesh
     float low_[3] = {largest, largest, largest}, high_[3] = {-largest, -largest, -largest};
     float size_ = 0;
     mutable std::array<Level, 5> levels_;

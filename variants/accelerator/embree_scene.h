@@ -1,5 +1,5 @@
-// Embree's device and scenes as values, and its errors as exceptions. Wald, Woop, Benthin, Johnson, Ernst, "Embree: A
-// Kernel Framework for Efficient CPU Ray Tracing", SIGGRAPH 2014.
+// Embree's device and scenes as objects that own them, and Embree's errors as exceptions. Wald, Woop, Benthin, Johnson,
+// Ernst, "Embree: A Kernel Framework for Efficient CPU Ray Tracing", SIGGRAPH 2014.
 #pragma once
 
 #include <memory>
@@ -11,7 +11,7 @@
 
 namespace pt::accelerator::embree {
 
-// Returns the program's only Embree device, made at the first call.
+// Returns the only Embree device of the program, made at the first call.
 RTCDevice device();
 // Throws std::runtime_error if Embree has reported an error on this thread.
 void require_no_error(const char* doing);

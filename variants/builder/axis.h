@@ -6,7 +6,7 @@
 namespace pt {
 
 struct BuilderTraits {
-    bool splits_primitives = false;  // a primitive may be in several leaves
+    bool splits_primitives = false;  // the builder may put a primitive into several leaves
 };
 
 namespace builder {

@@ -17,7 +17,7 @@ struct Reference {
     std::uint32_t primitive;
 };
 
-// The bounding box of some references, and the bounding box of their centres.
+// The bounding box of some references, and that of the references' centres.
 struct Bounds {
     Box box, centres;
 
@@ -51,14 +51,14 @@ struct Binning {
     int of(const Box& box, int axis) const {
         return std::clamp(static_cast<int>((centre(box, axis) - low) * scale), 0, bins - 1);
     }
-    // Whether the scale from centres to bins is finite: one that overflows would give bin numbers out of range.
+    // Whether the scale from centres to bins is finite: a scale that overflows would give bin numbers out of range.
     bool is_usable() const { return scale > 0 && scale < std::numeric_limits<float>::max(); }
 };
 
 struct ObjectSplit {
-    double cost = std::numeric_limits<double>::infinity();  // half area times count, summed over both children
-    int axis = -1;                                          // axis of the plane; -1: no plane parts the centres
-    int first_right = 0;                                    // first bin to the right of the plane
+    double cost = std::numeric_limits<double>::infinity();  // half area of a child times its count, summed over both
+    int axis = -1;                                          // axis across which the plane lies; -1: nothing to part
+    int first_right = 0;                                    // number of the first bin to the right of the plane
     Box left, right;
 };
 

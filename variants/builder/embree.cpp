@@ -53,7 +53,7 @@ public:
     }
 
 private:
-    // A leaf's number is its place among the leaves; an inner node's comes after those of all leaves.
+    // The number of a leaf node is its place among the leaves; inner nodes are numbered after all leaves.
     std::uint32_t number_of(const Node* node) {
         if (node->child[0] == nullptr) {
             pairing_.leaf.push_back(node->primitive);

@@ -61,7 +61,7 @@ __global__ void clear_bounds(CentreBounds* bounds) {
     }
 }
 
-// Twice a box's centre along an axis; the factor cancels in every use.
+// Twice the coordinate of a box's centre along an axis; the factor 2 cancels in every use.
 __device__ float centre_of(const Box& box, int axis) { return box.low[axis] + box.high[axis]; }
 
 __global__ void bound_centres(const Box* boxes, std::uint32_t count, CentreBounds* bounds) {
@@ -132,7 +132,7 @@ struct BuildView {
     const std::uint64_t* codes;
     GpuNode* nodes;
     Cluster* clusters;
-    std::uint32_t* other_end;  // [i]: the other end of the first range to arrive that ends between i and i + 1
+    std::uint32_t* other_end;  // entry i: far end of the range that first came to end between leaves i and i + 1
     std::uint32_t* root;
 };
 
@@ -146,7 +146,7 @@ struct Range {
         const std::uint64_t a = view.codes[i] ^ view.codes[i + 1], b = view.codes[j] ^ view.codes[j + 1];
         return a != b ? a < b : (i ^ (i + 1)) < (j ^ (j + 1));
     }
-    // Joins this range with its sibling's; false if the sibling has yet to arrive, which will then go on upwards.
+    // Joins a range of leaves with its sibling's; false if the sibling has yet to arrive, and will then go on upwards.
     __device__ bool rise(const BuildView& view) {
         const bool with_next = left == 0 || (right + 1 < view.count && is_closer(view, right, left - 1));
         __threadfence();
@@ -177,7 +177,7 @@ __device__ void store_node(GpuNode* node, const GpuNode& value) {
     words[1] = make_float4(value.high[0], value.high[1], value.high[2], __uint_as_float(value.right));
 }
 
-// The clusters of a range of leaves as a warp holds them, one cluster a lane.
+// The clusters of a range of leaves as a warp holds them, one in each lane.
 struct WarpClusters {
     Cluster cluster;
     float low[3], high[3];
@@ -194,7 +194,7 @@ struct WarpClusters {
         }
     }
 
-    // Loads up to 16 clusters of each half of a range, packed into the lowest lanes.
+    // Loads up to 16 clusters of each half of a range, packed into the lowest lanes of the warp.
     __device__ static WarpClusters load(const BuildView& view, const Range& range, std::uint32_t lane) {
         WarpClusters w;
         const std::uint32_t from = lane < merge_to ? range.left : range.split, at = lane % merge_to;
@@ -218,8 +218,8 @@ struct WarpClusters {
         return w;
     }
 
-    // Returns the lane of the neighbouring cluster whose joint bounding box with this lane's has the least surface; the
-    // first of equal ones, so that some two clusters always choose each other.
+    // Returns the lane of the neighbouring cluster whose joint bounding box with this lane's has the least surface; of
+    // equal ones the first, so that at least one pair of clusters choose each other.
     __device__ std::uint32_t nearest(std::uint32_t lane) const {
         std::uint32_t best = none;
 #pragma unroll
@@ -257,7 +257,7 @@ struct WarpClusters {
             }
             node.left = cluster.node;
             node.right = partner.cluster.node;
-            // A node's number is used once: every leaf but leaf 0 is the later first leaf of just one merge.
+            // An inner node's number is used once, as each leaf but leaf 0 is the later first leaf of just one merge.
             cluster.node = view.count - 1 + max(cluster.first, partner.cluster.first);
             cluster.first = min(cluster.first, partner.cluster.first);
             store_node(view.nodes + cluster.node, node);
@@ -323,8 +323,8 @@ __global__ void __launch_bounds__(block) lbvh(const __grid_constant__ BuildView 
         return;
     }
     Range range{index, index, 0};
-    // A range's node number stands at both of its ends, in clusters[left].node and clusters[right].first, for the
-    // parent.
+    // The number of a range's node is at both ends of the range, in clusters[left].node and clusters[right].first, for
+    // the parent.
     while (range.right - range.left + 1 != view.count && range.rise(view)) {
         const std::uint32_t left = __ldcg(&view.clusters[range.split - 1].first);
         const std::uint32_t right = __ldcg(&view.clusters[range.split].node);
@@ -436,7 +436,7 @@ BinaryTree GpuTree::download() const {
     tree.nodes.reserve(nodes.size());
     tree.references.reserve(count);
     tree.nodes.push_back({box_of(nodes[root]), 0, 0});
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> open{{root, 0}};  // number of a GPU node, place in tree.nodes
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> open{{root, 0}};  // GPU node, its place in tree.nodes
     while (!open.empty()) {
         const auto [number, place] = open.back();
         open.pop_back();

@@ -1,4 +1,4 @@
-// BVH builders on the GPU: from boxes in device memory they build a binary tree there, which can be copied to the host.
+// BVH builders on the GPU: from boxes in device memory they build a binary tree there. The host can copy the tree.
 #pragma once
 
 #include <cstddef>
@@ -28,7 +28,7 @@ public:
 
     std::uint32_t primitives() const;
     const GpuNode* device_nodes() const;
-    const std::uint32_t* device_root() const;  // number of the root node, in device memory
+    const std::uint32_t* device_root() const;  // number of the tree's root node, in device memory
     BinaryTree download() const;
 
 private:

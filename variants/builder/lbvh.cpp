@@ -35,7 +35,7 @@ private:
     std::uint32_t node(std::int64_t i, bool is_leaf) const {
         return static_cast<std::uint32_t>(is_leaf ? i : count_ + i);
     }
-    // The number of keys beyond key i, in direction d, that node i of the radix tree covers.
+    // The number of keys beyond key i, in direction d, that inner node i of the radix tree covers.
     std::int64_t length(std::int64_t i, std::int64_t d) const {
         const int delta_min = delta(i, i - d);
         std::int64_t longest = 2;
@@ -50,7 +50,7 @@ private:
         }
         return covered;
     }
-    // Returns the last key that the left child of node i covers.
+    // Returns the last key that the left child of inner node i covers.
     std::int64_t split(std::int64_t i, std::int64_t j, std::int64_t d) const {
         const int delta_node = delta(i, j);
         std::int64_t covered = 0, step = (j - i) * d;

@@ -6,7 +6,7 @@
 
 namespace pt::builder::lbvh {
 
-// Builds an LBVH. `leaf_size`: the most references of a leaf; subtrees become leaves by the surface area heuristic.
+// Builds a tree by LBVH. `leaf_size`: the most references of a leaf; subtrees become leaves by the SAH.
 BinaryTree build(const PrimitiveBoxes& boxes, std::uint32_t leaf_size = 4, const SahCosts& costs = {});
 
 }  // namespace pt::builder::lbvh

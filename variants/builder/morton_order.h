@@ -1,4 +1,4 @@
-// Primitives in Morton order, from which bottom-up builders start.
+// Primitives in Morton order, which bottom-up builders start from.
 #pragma once
 
 #include <cstdint>

@@ -17,8 +17,8 @@ struct Cluster {
     std::uint32_t node;
 };
 
-// Finds the neighbour whose joint bounding box with cluster i has the least surface. Of equal ones it is that whose
-// index differs least from i in its bits: a total order on pairs, so that some pair always chooses each other, and of
+// Finds the neighbour whose joint bounding box with cluster i has the least surface. Of equal neighbours it is the one
+// whose index differs least from i in its bits. This orders all pairs, so at least one pair choose each other, and of
 // equal boxes all pairs do.
 std::uint32_t nearest(const std::vector<Cluster>& clusters, std::uint32_t i, std::uint32_t radius) {
     const auto last = static_cast<std::uint32_t>(std::min<std::size_t>(std::size_t(i) + radius, clusters.size() - 1));

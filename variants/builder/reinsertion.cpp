@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint32_t no_node = ~0u;
 
-// A move of a reinsertion round: a node, its new sibling `to`, and by how much that lessens the sum of surface areas.
+// A move of a reinsertion round: a node, its new sibling `to`, and the gain, by which the sum of surface areas lessens.
 struct Move {
     float gain = 0;
     std::uint32_t node = no_node, to = no_node;
@@ -94,8 +94,8 @@ private:
         parents_[by] = parent;
     }
 
-    // Finds the best new place for a node, searching from its parent up to the root; what the way up saves so far
-    // bounds the gain within a subtree.
+    // Finds the best new place for a node, searching from its parent up to the root. What the way up to an ancestor
+    // saves bounds the gain that places in that subtree can have.
     Move best_move(std::uint32_t node) const {
         Move best;
         if (node == pairing_.root || parents_[node] == pairing_.root) {
@@ -166,8 +166,7 @@ private:
         changed.push_back(parent);
         changed.push_back(above);
     }
-    // Whether `node` is in the subtree of `top`: an earlier move of the round may have brought a new place below the
-    // node.
+    // Whether `node` lies in the subtree of `top`: an earlier move may have brought a node's new place below the node.
     bool is_below(std::uint32_t node, std::uint32_t top) const {
         for (; node != no_node; node = parents_[node]) {
             if (node == top) {
@@ -177,7 +176,7 @@ private:
         return false;
     }
 
-    // Refits the bounding boxes above the nodes that moves have changed, children first.
+    // Refits the bounding boxes of all nodes above those that moves have changed, children first.
     void refit(const std::vector<std::uint32_t>& changed) {
         std::vector<bool> is_stale(boxes_.size());
         for (std::uint32_t node : changed) {

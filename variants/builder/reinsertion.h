@@ -7,7 +7,7 @@
 
 namespace pt::builder {
 
-// Reinserts nodes for at most `rounds` rounds, or until a round lessens the sum of surfaces by under 0.1 %.
+// Reinserts nodes for at most `rounds` rounds, or until a round lessens the sum of surface areas by less than 0.1 %.
 void reinsert(Pairing& pairing, const PrimitiveBoxes& boxes, std::uint32_t rounds);
 
 }  // namespace pt::builder

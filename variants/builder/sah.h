@@ -10,8 +10,8 @@ namespace pt::builder {
 
 // SAH costs of a visited node and of a tested triangle, as in Stich et al. 2009 and Meister, Bittner 2018.
 struct SahCosts {
-    double traversal = 1.2;     // cost of visiting an inner node
-    double intersection = 1.0;  // cost of testing a primitive
+    double traversal = 1.2;     // cost of visiting an inner node in units of the SAH
+    double intersection = 1.0;  // cost of testing a primitive in units of the SAH
 };
 
 // Whether an inner node is cheaper than a leaf by the SAH. `split_cost`: half area times count, of both children.

@@ -14,7 +14,7 @@ namespace pt::builder::sah_binned {
 
 namespace {
 
-constexpr std::uint32_t task_size = 4096;  // subtrees of no more references are built without an OpenMP task
+constexpr std::uint32_t task_size = 4096;  // most references of a subtree that is built without an OpenMP task
 
 class Builder {
 public:

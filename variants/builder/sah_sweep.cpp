@@ -15,16 +15,16 @@ namespace pt::builder::sah_sweep {
 
 namespace {
 
-constexpr std::uint32_t task_size = 2048;  // subtrees of no more references are built without an OpenMP task
+constexpr std::uint32_t task_size = 2048;  // most references of a subtree that is built without an OpenMP task
 
 // A split of a node's references: the first `left` of them in the order of an axis go to the left child.
 struct Split {
-    double cost = std::numeric_limits<double>::infinity();  // half area times count, summed over both children
+    double cost = std::numeric_limits<double>::infinity();  // half area of a child times its count, summed over both
     int axis = 0;
     std::uint32_t left = 0;
 };
 
-// A builder whose references stay sorted along all axes from the root down: a node's partition keeps the order of each.
+// A tree builder whose references stay sorted along all axes from the root down: partitions of a node keep the orders.
 class Builder {
 public:
     Builder(const PrimitiveBoxes& boxes, std::uint32_t leaf_size, const SahCosts& costs)
@@ -72,8 +72,8 @@ private:
                 sweep(begin, end, axis, split);
             }
         }
-        // Where no partition is cheaper than none, rounding aside, references are halved: of equal boxes any partition
-        // would do, and halves leave the lowest tree.
+        // Where no partition is cheaper than a leaf, rounding aside, references are halved: equal boxes make all
+        // partitions equally dear, and halves leave the lowest tree.
         if (!(split.cost < area * count * (1 - 1e-9))) {
             split.axis = longest_axis(centres);
             split.left = count / 2;
@@ -130,7 +130,7 @@ private:
     std::array<std::vector<std::uint32_t>, 3> order_;
     std::vector<double> right_costs_;
     std::vector<std::uint32_t> scratch_;
-    std::vector<std::uint8_t> is_left_;  // by primitive: whether it goes to the left child
+    std::vector<std::uint8_t> is_left_;  // by primitive: whether the current split puts it into the left child
     std::vector<BinaryTree::Node> slots_;
 };
 

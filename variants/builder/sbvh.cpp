@@ -14,13 +14,13 @@ namespace pt::builder::sbvh {
 
 namespace {
 
-constexpr std::size_t task_size = 1024;  // subtrees of no more references are built without an OpenMP task
+constexpr std::size_t task_size = 1024;  // most references of a subtree that is built without an OpenMP task
 
 using References = std::vector<Reference>;
 
 struct Subtree {
     Box box;
-    std::vector<std::uint32_t> primitives;  // primitives of a leaf
+    std::vector<std::uint32_t> primitives;  // primitives of the subtree if it is a leaf
     std::unique_ptr<Subtree> children[2];
 };
 
@@ -130,8 +130,8 @@ private:
         }
     }
 
-    // Parts a node's references by a plane. A triangle across the plane goes whole to one side where that is cheaper
-    // ("reference unsplitting", Stich et al., section 4.4).
+    // Parts a node's references by a plane. The reference to a triangle across the plane goes whole to one side where
+    // that is cheaper ("reference unsplitting", Stich et al., section 4.4).
     void part_references(const References& references, const SpatialSplit& split, References& left,
                          References& right) const {
         Bin a = split.left, b = split.right;

@@ -11,9 +11,9 @@
 namespace pt::builder::sbvh {
 
 struct Settings {
-    std::uint32_t leaf_size = 4;  // most references of a leaf
+    std::uint32_t leaf_size = 4;  // most references that a leaf may hold
     SahCosts costs = {};
-    double overlap = 1e-5;    // spatial splits are tried above this share of the root's area (Stich's alpha)
+    double overlap = 1e-5;    // spatial splits are tried for overlaps above this share of root area (Stich's alpha)
     double duplicates = 0.5;  // duplicate references allowed, as a share of the primitives
 };
 

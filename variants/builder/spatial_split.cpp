@@ -9,7 +9,7 @@ namespace {
 constexpr int bins = 16;
 
 struct SpatialBin {
-    Box box;  // bounding box of the triangle parts in the bin
+    Box box;  // bounding box of the triangle parts that lie in the bin
     std::uint32_t entering = 0, leaving = 0;
 };
 
@@ -20,8 +20,8 @@ void join_point(Box& box, const Vec3<float>& point) {
     }
 }
 
-// The point where an edge crosses a plane, as a box rounded outward. It is found in double precision, whose own error
-// is far below the margin of the box.
+// The point where a triangle's edge crosses a plane, as a box rounded outward. It is found in double precision, whose
+// own error is far below the margin of the box.
 Box crossing(const Vec3<float>& from, const Vec3<float>& to, int axis, float plane) {
     constexpr float infinity = std::numeric_limits<float>::infinity();
     const double t = (static_cast<double>(plane) - from[axis]) / (static_cast<double>(to[axis]) - from[axis]);
@@ -48,8 +48,8 @@ Box overlap(const Box& a, const Box& b) {
     return common;
 }
 
-// Candidate planes of spatial splits, between bins: one step apart from low + 1 step on; a plane outside of (low, high)
-// by rounding does not exist.
+// Candidate planes of spatial splits, which lie between bins at low + step, low + 2 step and so on. A plane that
+// rounding puts outside of (low, high) is left out.
 struct Planes {
     float low, step;
 
@@ -57,7 +57,7 @@ struct Planes {
         return {box.low[axis], (box.high[axis] - box.low[axis]) / static_cast<float>(bins)};
     }
     float at(int bin) const { return low + step * static_cast<float>(bin); }
-    // The bin that holds coordinate x, found by comparison with the planes themselves.
+    // The bin of coordinate x, found by comparison with the candidate planes themselves.
     int bin_of(float x) const {
         int bin = std::clamp(static_cast<int>((x - low) / step), 0, bins - 1);
         while (bin > 0 && x < at(bin)) {
@@ -96,7 +96,7 @@ void sweep(const SpatialBin (&filled)[bins], std::size_t count, int axis, const 
         join(left.box, filled[i - 1].box);
         left.count += filled[i - 1].entering;
         const double cost = half_area(left.box) * left.count + half_area(right[i].box) * right[i].count;
-        // A split that gives one child all references is refused: the recursion would not end.
+        // A split that gives one child all references is refused, since the recursion would not end.
         if (cost < best.cost && left.count < count && right[i].count < count) {
             best = {cost, axis, planes.at(i), left, right[i]};
         }

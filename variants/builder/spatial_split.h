@@ -11,8 +11,8 @@
 namespace pt::builder {
 
 struct SpatialSplit {
-    double cost = std::numeric_limits<double>::infinity();  // half area times count, summed over both children
-    int axis = -1;                                          // axis of the plane; -1: no split
+    double cost = std::numeric_limits<double>::infinity();  // half area of a child times its count, summed over both
+    int axis = -1;                                          // axis of the plane; -1: there is no split
     float plane = 0;
     Bin left, right;
 };

@@ -19,12 +19,12 @@ struct Box {
 struct BinaryTree {
     struct Node {
         Box box;
-        std::uint32_t first = 0;  // inner node: its left child, whose sibling follows; leaf: its first reference
-        std::uint32_t count = 0;  // number of references of a leaf; 0: an inner node
+        std::uint32_t first = 0;  // inner node: its left child, which its right one follows; leaf: its first reference
+        std::uint32_t count = 0;  // leaf: number of its references; inner node: 0
 
         bool is_leaf() const { return count != 0; }
     };
-    std::vector<Node> nodes;                // the root is nodes[0]; empty: no primitives
+    std::vector<Node> nodes;                // the root is nodes[0]; a tree without primitives has no nodes
     std::vector<std::uint32_t> references;  // primitives in the order of the leaves; spatial splits repeat some
 };
 

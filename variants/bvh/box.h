@@ -1,4 +1,4 @@
-// Operations on bounding boxes for builders: union, surface area, centre.
+// Operations on bounding boxes for builders: union, surface area and centre.
 #pragma once
 
 #include "variants/bvh/binary_tree.h"

@@ -7,7 +7,7 @@
 
 namespace pt {
 
-// The extent of a tree's root box along one axis.
+// The bounds of a tree's root box along one axis.
 struct BoxSpan {
     float low, high;
 };
@@ -15,10 +15,10 @@ struct BoxSpan {
 template <class Real>
 struct BoxRay {
     Vec3<Real> near_origin, far_origin;  // ray origins shifted so that boxes are entered early and left late
-    Vec3<Real> inverse;  // reciprocal of the direction; infinite along an axis that the ray does not move on
+    Vec3<Real> inverse;                  // reciprocal of the direction; infinite for components of 0
 
-    // Prepares a ray for the box tests of a tree. Every operation has a rounding of its own in every arithmetic, so
-    // that a ray enters the same boxes on a GPU as on a CPU.
+    // Prepares a ray for the box tests of a tree. Every operation rounds on its own in every arithmetic, so a ray
+    // enters the same boxes on a GPU as on a CPU.
     PT_HD static BoxRay of(const Vec3<Real>& origin, const Vec3<Real>& direction, const BoxSpan (&spans)[3]) {
         const ShearedDirection<Real> s = ShearedDirection<Real>::of(direction);
         Vec3<Real> reach;
@@ -33,8 +33,7 @@ struct BoxRay {
             if (axis == s.kz) {
                 continue;
             }
-            // The margin covers six roundings of a sheared vertex, of the shear and of this sum, and two of the shifted
-            // origin.
+            // The margin covers six roundings of a sheared vertex, of shear and sum, and two of the shifted origin.
             const Real sheared = rounded_product(absolute(axis == s.kx ? s.shear.x : s.shear.y), along);
             const Real margin = rounded_product(gamma<Real>(8), reach[axis] + sheared) +
                                 rounded_product(gamma<Real>(2), absolute(origin[axis]));
@@ -45,7 +44,8 @@ struct BoxRay {
         return ray;
     }
 
-    // Whether the ray enters boxes at the high side of an axis. -0 counts as negative, as its inverse does.
+    // Whether the ray enters boxes at the high side of an axis. A direction of -0 counts as negative: it has reciprocal
+    // -infinity.
     PT_HD bool is_reversed(int axis) const { return inverse[axis] < Real(0); }
 
     // The ray parameter, at least 0, at which the ray enters a box, or `no_entry` if it misses the box or enters it
@@ -57,7 +57,7 @@ struct BoxRay {
             nearest = keep_larger(nearest, (entry_sides[axis] - near_origin[axis]) * inverse[axis]);
             farthest = keep_smaller(farthest, (exit_sides[axis] - far_origin[axis]) * inverse[axis]);
         }
-        // The distance of entry is lessened by three roundings of each side, and by those of a triangle's t.
+        // The entry distance is lowered by three roundings for each of both planes, and by those of a triangle's t.
         nearest = nearest * (Real(1) - gamma<Real>(16));
         return nearest <= farthest ? nearest : no_entry;
     }

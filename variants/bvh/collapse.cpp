@@ -10,7 +10,7 @@ namespace pt {
 
 namespace {
 
-// The height of the subtree under each node of a binary tree.
+// The height of the subtree under every node of a binary tree.
 std::vector<double> heights_of(const BinaryTree& tree) {
     const std::vector<std::uint32_t> order = parents_first(tree.nodes);
     std::vector<double> heights(tree.nodes.size(), 0);
@@ -78,7 +78,7 @@ WideTree collapse_by(const BinaryTree& tree, std::uint32_t width, const std::vec
 
 std::uint32_t stack_need(const WideTree& tree, std::uint32_t width) {
     std::vector<std::uint32_t> need(tree.nodes.size());
-    for (std::size_t i = tree.nodes.size(); i-- > 0;) {  // an inner child has a larger number than its parent
+    for (std::size_t i = tree.nodes.size(); i-- > 0;) {  // from the last node on: children have larger numbers
         const WideTree::Node& node = tree.nodes[i];
         need[i] = width;
         for (std::uint32_t child = 0; child < node.count; ++child) {

@@ -13,11 +13,11 @@ inline constexpr std::uint32_t max_width = 8;
 
 struct WideTree {
     struct Node {
-        std::uint32_t child[max_width];  // binary nodes that become the wide node's children
-        std::uint32_t inner[max_width];  // number of the wide node that an inner child becomes; 0 for a leaf
-        std::uint32_t count;             // number of the wide node's children
+        std::uint32_t child[max_width];  // binary nodes that become children of the wide node
+        std::uint32_t inner[max_width];  // wide node's number for a child that is an inner node; 0 for a leaf
+        std::uint32_t count;             // number of children of the wide node
     };
-    std::vector<Node> nodes;  // depth first; nodes[0] is the root; a tree of one leaf has it as the root's one child
+    std::vector<Node> nodes;  // depth first, root first; a tree of one leaf is a root with one child
 };
 
 // Most entries on the stack of a traversal that pushes all children of a node and pops one. Children that do not exist

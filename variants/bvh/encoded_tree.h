@@ -22,7 +22,7 @@ struct alignas(16) NodePiece {
 struct EncodedTree {
     std::vector<NodePiece> nodes;
     std::uint32_t node_count = 0;
-    std::vector<std::uint32_t> references;  // the primitive in each slot; leaves are ranges of slots
+    std::vector<std::uint32_t> references;  // primitive in each slot; a leaf is a range of slots
 
     TreeView view() const {
         return {nodes.data(), node_count, static_cast<std::uint32_t>(references.size()), node_bytes()};

@@ -5,12 +5,12 @@
 
 namespace pt {
 
-// Nodes 0 to n - 1 are the leaves, in the order of their Morton codes, one primitive each; inner nodes follow.
+// A node of a GPU-built tree: nodes 0 to n - 1 are leaves in Morton order, one primitive each; inner nodes follow.
 struct alignas(32) GpuNode {
     float low[3];
-    std::uint32_t left;  // inner node: its left child; leaf: its primitive
+    std::uint32_t left;  // inner node: number of its left child; leaf: its primitive
     float high[3];
-    std::uint32_t right;  // inner node: its right child
+    std::uint32_t right;  // inner node: number of its right child
 };
 
 }  // namespace pt

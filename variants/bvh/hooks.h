@@ -22,7 +22,7 @@ struct NativeMesh {
     std::uint64_t bytes = 0;
 };
 
-// Returns what the accelerator prepared for an object's mesh, as the type that its `prepare` made.
+// Returns what an accelerator prepared for an object's mesh, with the type that the accelerator's `prepare` made.
 template <class Mesh>
 const Mesh& mesh_of(const MeshInstance<float>& instance) {
     return static_cast<const Mesh&>(*static_cast<const HostMesh*>(instance.geometry.native));
@@ -35,7 +35,7 @@ struct AcceleratorHook {
     NativeMesh (*prepare)(const EncodedTree& tree, std::span<const LeafTriangle> leaves) = nullptr;
     MeetMesh<float> meet_single = nullptr;
     MeetMesh<double> meet_double = nullptr;
-    // Searches all objects with meshes by one tree over their triangles; null: the accelerator has trees of its own.
+    // Searches all objects with meshes by one tree over their triangles; null: the accelerator has its own trees.
     MeetMeshes<float> meet_flat_single = nullptr;
     MeetMeshes<double> meet_flat_double = nullptr;
 };
@@ -46,11 +46,11 @@ struct LevelsHook {
     std::vector<ObjectNode> (*build)(const PrimitiveBoxes& boxes) = nullptr;
     MeetMeshes<float> meet_single = nullptr;
     MeetMeshes<double> meet_double = nullptr;
-    bool is_flat = false;  // one tree over all objects' triangles, searched by the accelerator's meet_flat
+    bool is_flat = false;  // one tree over all objects' triangles, which the accelerator's meet_flat searches
 };
 
-// Configuration of mesh searches on the host. Kernels are compiled for motion or without it, their mesh search always
-// for motion: on an object at rest both find the same hit.
+// Configuration of mesh searches on the host. Kernels are compiled with or without motion, but mesh searches always
+// with it: on an object at rest both find the same hit.
 template <class Traversal, class Real>
 using SearchConfig = Config<Real, Feature::mesh | Feature::motion, Traversal>;
 
@@ -59,7 +59,7 @@ void meet_flat(Hit<Real>& best, const SceneView<Real>& scene, const Ray<Real>& r
     closest_by_flat_tree<SearchConfig<Traversal, Real>>(best, scene, scene.meshes, ray, NearerThan<Real>{enough});
 }
 
-// Traces a ray through a mesh on the host, by the traversal that the kernels of a GPU have compiled in.
+// Traces a ray through a mesh on the host, by an accelerator's `Traversal`, which GPU kernels have compiled in as well.
 template <class Traversal, class Real>
 void meet_mesh(Hit<Real>& best, const MeshInstance<Real>& mesh, std::uint32_t object, const Vec3<Real>& origin,
                const Ray<Real>& ray, Real enough) {

@@ -14,8 +14,8 @@ struct LocalMemory {
     PT_HD void set(std::uint32_t i, const Open& open) { entries[i] = open; }
 };
 
-// A traversal stack that holds all that can wait. Its memory is a separate object: an array that is indexed at run time
-// would keep the other members of its object in memory, too.
+// A traversal stack with room for every entry that can wait. Its array is a separate object, Memory: an array that is
+// indexed at run time would keep the stack's other members in memory, too.
 template <class Open, class MemoryT>
 class FullStack {
 public:
@@ -34,7 +34,7 @@ public:
     }
 
     // Pushes the children of a wide node that the ray enters (entries of 0 or more), the nearest on top. Returns
-    // whether `link` is the child to enter: never on this stack, from whose top the walk takes that child, too.
+    // whether the walk enters the child `link` directly: never here, where the walk pops the nearest child, too.
     template <class Real, int width>
     PT_HD bool enters_nearest(const Real (&entries)[width], const std::uint32_t (&links)[width], std::uint32_t&) {
         const std::uint32_t bottom = size_;
@@ -52,16 +52,15 @@ public:
         return false;
     }
 
-    // Pushes the further one of a binary node's children, both of which the ray enters; whether to enter the nearer
-    // one.
+    // Pushes the further of a binary node's children, both entered. Returns whether to enter the nearer one: always.
     PT_HD bool enters_nearer(const Open& further) {
         push(further);
         return true;
     }
     PT_HD bool enters_only_child() { return true; }
 
-    // Enters the child at `position` of a node whose children wait in one group, in an order that the ray's octant
-    // fixes; `rest`, the others, wait. Returns whether the triangles of the entered node have been tested before.
+    // Enters the child at `position` of a node whose children wait in one group, in the order of the ray's octant;
+    // `rest`, the others, wait. Returns whether the triangles of the entered node have been tested before.
     PT_HD bool enter(std::uint32_t, const Open& rest) {
         if (!rest.empty()) {
             push(rest);
@@ -101,8 +100,8 @@ public:
         size_ += size_ == entries ? 0 : 1;
         return true;
     }
-    // Whether to enter the only child that the ray meets: not if the walk restarted for the further child and the best
-    // hit has come nearer than that child since.
+    // Whether to enter the only child that the ray meets: not if the walk restarted for the further child, and the best
+    // hit has come nearer than that child.
     PT_HD bool enters_only_child() {
         const std::uint64_t level = level_below();
         if (level == restarted_for_) {
@@ -137,8 +136,8 @@ private:
 
     Memory& memory_;
     std::uint64_t trail_ = 0;
-    std::uint64_t level_ = 0;          // level of the choice that led to the current node; 0: that is the root
-    std::uint64_t restarted_for_ = 0;  // level of the choice that the last popped entry belongs to
+    std::uint64_t level_ = 0;          // level of the choice that led to the current node; 0 at the root
+    std::uint64_t restarted_for_ = 0;  // level of the choice whose entry was popped last from the stack
     std::uint32_t size_ = 0, top_ = 0;
 };
 
@@ -165,7 +164,7 @@ public:
         if (level == 0) {
             return target_ != 0;
         }
-        // The best hit has come nearer than the child that the trail leads to: what waits below the child is out of
+        // Without the trail's child among those entered, the best hit is nearer than it: what waits below is out of
         // reach.
         if (target_ != 0 && position != position_at(level)) {
             leave_trail(level);
@@ -216,18 +215,18 @@ private:
         return ((position_[0] & level) != 0 ? 1u : 0u) | ((position_[1] & level) != 0 ? 2u : 0u) |
                ((position_[2] & level) != 0 ? 4u : 0u);
     }
-    // Ends a restart: the walk has come to where it has not been, and nothing waits at this level or below.
+    // Ends a restart: from here on nodes are new to the walk, and nothing waits at `level` or below.
     PT_HD void leave_trail(std::uint64_t level) {
         target_ = 0;
         waits_ &= ~(level | (level - 1));
     }
 
     Memory& memory_;
-    // Each bit of these words stands for a level, the highest for the first level below the root.
+    // In these words each bit stands for a level of the tree, the highest for the first level below the root.
     std::uint64_t waits_ = 0;
     std::uint64_t position_[3] = {0, 0, 0};
-    std::uint64_t level_ = 0;   // level of the current group; 0: the root, or below the last level
-    std::uint64_t target_ = 0;  // level of the group that a restarted walk finds its way back to
+    std::uint64_t level_ = 0;   // level of the current group; 0: at the root, or below the last level
+    std::uint64_t target_ = 0;  // level that a restarted walk finds its way back to
     std::uint32_t size_ = 0, top_ = 0;
 };
 
@@ -262,7 +261,8 @@ public:
             target_ = 0;
         }
         waits_ &= ~(level_ | (level_ - 1));
-        // The ray enters no child, or the best hit is nearer than the trail's child: what waits below is out of reach.
+        // The ray enters no child, or the best hit is nearer than the child on the trail: what waits below is out of
+        // reach.
         if (met <= first) {
             return false;
         }
@@ -273,9 +273,9 @@ public:
             if (place[child] == first) {
                 link = links[child];
             }
-            const std::uint32_t above = place[child] - first - 1;  // stack entries that will lie above this child's
+            const std::uint32_t above = place[child] - first - 1;  // stack entries above the child's own
             if (above < waiting && above < entries) {
-                const Real entry = absolute(entries_of[child]);  // a distance of 0 may have a sign
+                const Real entry = absolute(entries_of[child]);  // of the sign alone: distance 0 has one, too
                 memory_.set((top_ + waiting - 1 - above) % entries,
                             {above == waiting - 1 ? -entry : entry, links[child]});
             }
@@ -312,8 +312,8 @@ private:
     static constexpr std::uint32_t highest_level = 1u << 31;
     static_assert(Open::width <= 8);
 
-    // Ranks a node's children by where the ray enters them, in FullStack's order where two are equal; those that it
-    // misses come last. Returns how many the ray enters.
+    // Ranks a node's children by entry distance, in FullStack's order where two are equal; those that the ray misses
+    // come last. Returns how many the ray enters.
     template <class Real, int width>
     PT_HD static std::uint32_t put_in_order(const Real (&entries_of)[width], std::uint32_t (&place)[width]) {
         std::uint32_t met = 0;
@@ -353,12 +353,12 @@ private:
     }
 
     Memory& memory_;
-    // Each bit of these words stands for a level, the highest for the root. The last waiting child of a node is marked
-    // in memory by a negated distance.
+    // In these words each bit stands for a level of the tree, the highest for the root. A negated distance in memory
+    // marks the last waiting child of a node.
     std::uint32_t waits_ = 0;
     std::uint32_t place_[place_bits] = {};
-    std::uint32_t level_ = 0;   // level of the choice that led to the current node; 0: that is the root
-    std::uint32_t target_ = 0;  // level of the choice that a restarted walk finds its way back to
+    std::uint32_t level_ = 0;   // level of the choice that led to the current node; 0 at the root
+    std::uint32_t target_ = 0;  // level that a restarted walk finds its way back to
     std::uint32_t size_ = 0, top_ = 0;
 };
 

@@ -35,10 +35,10 @@ struct OpenLink {
     PT_HD static OpenLink root() { return {Real(0), 0}; }
 };
 
-// A link that is above every inner node's number and below every leaf's link: the walk is over.
+// The link of a walk that is over: above every inner node's number and below every leaf's link.
 inline constexpr std::uint32_t no_link = leaf_flag - 1;
 
-// The steps of a traversal that trees with links share, and its state: the link of the current node or leaf.
+// The steps of a traversal that trees with links share, and their state: the link of the current node or leaf.
 template <class Real, int width = 2>
 class LinkWalk {
 public:

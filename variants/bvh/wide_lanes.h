@@ -17,7 +17,7 @@
 
 namespace pt::lanes {
 
-// GNU vectors (g++, clang): an operation applies to each lane, by IEEE; a comparison gives -1 or 0 in each.
+// Vectors of floats as GNU C++ (g++, clang) has them: operations apply to each lane, by IEEE; comparisons give -1 or 0.
 template <int width>
 struct VectorOf {
     typedef float Floats __attribute__((vector_size(width * sizeof(float))));
@@ -30,13 +30,13 @@ using Truths = typename VectorOf<width>::Truths;
 
 template <int width>
 inline Floats<width> broadcast(float value) {
-    return value - Floats<width>{};  // a sum with 0 would turn -0 into 0
+    return value - Floats<width>{};  // subtraction keeps the sign of -0, which a sum with 0 would lose
 }
 template <int width>
 inline Floats<width> loaded(const float* from) {
     return *reinterpret_cast<const Floats<width>*>(from);
 }
-// The lanes' truth values as a mask, one bit a lane.
+// The truth values of all lanes as a mask of one bit per lane.
 template <int width>
 inline std::uint32_t bits_of(const Truths<width>& truths) {
 #if defined(__AVX__)
@@ -69,7 +69,7 @@ template <int width>
 struct Mesh : HostMesh {
     std::vector<Node<width>> nodes;
     std::vector<TriangleBlock> blocks;
-    BoxSpan spans[3];  // extents of the root's bounding box
+    BoxSpan spans[3];  // bounds of the root box by axis
 
     std::uint64_t bytes() const { return nodes.size() * sizeof(Node<width>) + blocks.size() * sizeof(TriangleBlock); }
 };
@@ -92,10 +92,10 @@ inline LeafTriangle triangle_in(const TriangleBlock& block, std::uint32_t lane) 
 
 // The slots of the triangles in one block: a leaf's, or a whole subtree's if it has no more than a block holds.
 struct BlockSlots {
-    std::uint32_t count = 0;  // number of slots; 0: more than a block holds
+    std::uint32_t count = 0;  // number of slots; 0: there are more than a block holds
     std::uint32_t slot[block_width];
 
-    // Adds a leaf's slots to the block's; false if there would be more than a block holds.
+    // Adds a leaf's slots to the block's slots; false if there would be more than a block holds.
     bool take(std::uint32_t first, std::uint32_t slots) {
         if (count + slots > block_width) {
             return false;
@@ -107,8 +107,8 @@ struct BlockSlots {
     }
 };
 
-// For each node, the slots of its subtree if they fit one block: then a test of the block costs less than a visit of
-// the node. The root always stays a node.
+// For each node of a wide tree, the slots of its subtree's triangles if one block holds them: to test the block then
+// costs less than to visit the node. The root always stays a node.
 template <int width>
 std::vector<BlockSlots> subtrees_of_a_block(std::span<const WideNode<width>> nodes) {
     std::vector<BlockSlots> fits(nodes.size());
@@ -132,7 +132,7 @@ std::vector<BlockSlots> subtrees_of_a_block(std::span<const WideNode<width>> nod
         }
         return all;
     };
-    for (std::size_t i = nodes.size(); i-- > 1;) {  // an inner child has a larger number than its parent
+    for (std::size_t i = nodes.size(); i-- > 1;) {  // from the last node on: children have larger numbers
         fits[i] = gather(nodes[i]);
     }
     return fits;
@@ -194,7 +194,7 @@ private:
     Mesh<width> mesh_;
 };
 
-// The numbers of BoxRay for the box tests of one ray, one lane a child.
+// The numbers of BoxRay for the box tests of one ray, repeated in every lane, where a lane tests one child.
 template <int width>
 struct BoxLanes {
     Floats<width> near_origin[3], far_origin[3], inverse[3];
@@ -212,7 +212,7 @@ struct BoxLanes {
         return lanes;
     }
 
-    // BoxRay::entry for every child of a node: sets `entries` to the distances; returns a bit for each child entered.
+    // BoxRay::entry for every child of a node: sets `entries` to the distances; returns a mask of the children entered.
     std::uint32_t entered(const Node<width>& node, float best_t, Floats<width>& entries) const {
         Floats<width> nearest{}, farthest = broadcast<width>(best_t);
         for (int axis = 0; axis < 3; ++axis) {
@@ -226,7 +226,7 @@ struct BoxLanes {
     }
 };
 
-// The numbers for the triangle tests of one ray, one lane a triangle.
+// The numbers for the triangle tests of one ray, repeated in every lane, where a lane tests one triangle.
 struct TriangleLanes {
     using Lane = Floats<block_width>;
     Lane origin[3], shear_x, shear_y;  // ray origin along kx, ky, kz
@@ -259,7 +259,7 @@ struct TriangleLanes {
 };
 
 struct Waiting {
-    std::uint64_t of;  // the distance's bits above the link: no distance is negative, so the nearer is the smaller
+    std::uint64_t of;  // entry distance above, link below: as distances are not negative, a smaller word is nearer
 
     static Waiting make(float entry, std::uint32_t link) {
         return {static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(entry)) << 32 | link};
@@ -277,8 +277,8 @@ inline void put_by_distance(Waiting*& top, const Waiting* bottom, const Waiting&
     *at = next;
 }
 
-// Returns the link of the nearest child of a node among those that a ray enters, one or more; the others wait on the
-// stack. `found` has a bit for each child entered, `entries` the distances.
+// Returns the link of the nearest child of a node that a ray enters and puts its other entered children on the stack.
+// `found` has a bit for each child entered (at least one), `entries` the distances.
 template <int width>
 inline std::uint32_t take_nearest(std::uint32_t found, const float* entries, const Node<width>& node, Waiting*& top) {
     const auto take = [&] {

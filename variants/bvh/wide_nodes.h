@@ -14,13 +14,13 @@
 
 namespace pt {
 
-// A wide node. Row 2 axis of `side` has the children's low planes, row 2 axis + 1 the high ones. A child that does not
-// exist has an empty box, which only a ray of NaNs enters; such a ray comes to the leaf `no_child_link` and to an end.
+// A wide node. Row 2 axis of `side` has the children's low planes, row 2 axis + 1 the high ones. A missing child has an
+// empty box, which only a ray of NaNs enters; such a ray comes to the leaf `no_child_link` and so to an end.
 template <int width>
 struct alignas(16) WideNode {
     float side[6][width];
-    std::uint32_t link[width];     // links to the children: variants/bvh/link.h
-    std::uint32_t padding[width];  // fills whole lines of 128 bytes
+    std::uint32_t link[width];     // links to the children, as in variants/bvh/link.h
+    std::uint32_t padding[width];  // padding that makes a node fill whole lines of 128 bytes
 
     PT_HD bool has_child(int child) const { return side[0][child] <= side[1][child]; }
     PT_HD BoxSpan span(int axis) const {
@@ -33,10 +33,10 @@ struct alignas(16) WideNode {
     }
 };
 
-// The link of a child that does not exist: the leaf of slot 0, since one more triangle to test changes no hit.
+// The link of a missing child: the leaf of slot 0, since one more triangle to test changes no hit.
 inline constexpr std::uint32_t no_child_link = leaf_link(0, 1);
 
-// Stack entries that suffice for a tree of max_tree_depth levels in any shape (collapse.h).
+// Stack size that suffices for a wide tree made from a binary one of max_tree_depth levels in any shape (collapse.h).
 template <int width>
 inline constexpr std::uint32_t wide_stack_size = width == 4 ? 1 + 3 * 32 : 1 + 7 * 22;
 
@@ -62,7 +62,7 @@ EncodedTree encode_wide(const BinaryTree& tree) {
 }
 #endif
 
-// Sets `entries` to the ray parameter at which the ray enters each child, or to BoxRay::no_entry where it misses it.
+// Sets `entries` to the ray parameter at which the ray enters each child's box, or to BoxRay::no_entry for a miss.
 template <class Real, int width>
 PT_HD inline void child_entries(const WideNode<width>& node, const BoxRay<Real>& ray, const Real& best_t,
                                 Real (&entries)[width]) {
@@ -109,7 +109,7 @@ PT_HD void traverse_wide(const TreeView& tree, const Vec3<Real>& origin, const V
                 if (entries[child] < Real(0)) {
                     continue;
                 }
-                std::uint32_t at = waiting++;  // nearest child on top of the stack
+                std::uint32_t at = waiting++;  // entries are sorted: the nearest child on top
                 for (; at > bottom && entry_stack[at - 1] < entries[child]; --at) {
                     entry_stack[at] = entry_stack[at - 1];
                     link_stack[at] = link_stack[at - 1];

@@ -13,7 +13,7 @@ struct MeshRays {
     Vectors<float> origin, direction, along, shear;
     Lanes<std::uint32_t> kx, ky, kz;
     Vectors<float> near_origin, far_origin, inverse;
-    Flags enters;  // whether the ray may enter the tree's root
+    Flags enters;  // whether the lane's ray may enter the root of the tree
 
     MeshRay<float> ray(std::uint32_t l, std::uint32_t object, std::uint32_t passed_over) const {
         return {origin[l], direction[l], {kx[l], ky[l], kz[l], shear[l]}, along[l], object, passed_over};
@@ -30,7 +30,7 @@ inline void to_mesh(MeshRays& rays, const MeshInstance<float>& instance, const V
         const Vec3<float> o = is_placed ? origin[l] : instance.point_in(origin[l]);
         const Vec3<float> d = is_placed ? direction[l] : instance.direction_in(direction[l]);
         const Vec3<float> size{absolute(d.x), absolute(d.y), absolute(d.z)};
-        // kz as in ShearedDirection::of: the axis of the largest component, and of equal ones the later axis.
+        // kz as in ShearedDirection::of: the axis of the largest component, and of equal components the later axis.
         const float before_z = size.x > size.y ? size.x : size.y;
         const bool is_z = !(before_z > size.z);
         const bool is_x = (before_z > size.z) & (size.x > size.y);
@@ -116,7 +116,7 @@ public:
     }
     const Hit<float>& best() const { return best_; }
 
-    // Visits a node or a leaf of the ray's tree. Returns whether there is more to visit.
+    // Visits a node or a leaf of the tree for one ray. Returns whether there is more to visit.
     bool step() {
         if (is_leaf_link(link_)) {
             meet_leaf(best_, mesh_->blocks.data(), link_, TriangleLanes::of(ray_), ray_);
@@ -126,7 +126,7 @@ public:
     }
 
 private:
-    // Goes to the nearest child that the ray enters, and has the others wait. Returns false if the ray enters none.
+    // Goes to the nearest child that the ray enters, and stacks the others. Returns false if the ray enters none.
     bool visit(const Node<width>& node) {
         alignas(sizeof(Floats<width>)) float entries[width];
         const std::uint32_t found = entered(node, *reinterpret_cast<Floats<width>*>(entries));
@@ -136,7 +136,7 @@ private:
         go_to(take_nearest<width>(found, entries, node, top_));
         return true;
     }
-    // BoxRay::entry for every child of a node: sets `entries` to the distances; returns a bit for each child entered.
+    // BoxRay::entry for every child of a node: sets `entries` to the distances; returns a mask of the children entered.
     std::uint32_t entered(const Node<width>& node, Floats<width>& entries) const {
         Floats<width> nearest{}, farthest = broadcast<width>(best_.t);
         for (int axis = 0; axis < 3; ++axis) {
@@ -182,7 +182,7 @@ private:
     Waiting stack_[wide_stack_size<width>];
 };
 
-// How many rays take turns, and the bytes of a tree from which they do: not much of it lies in the nearest caches.
+// Number of rays that take turns, and the size of a tree in bytes from which rays do: little of it is in near caches.
 inline constexpr std::uint32_t walks_at_once = 8;
 inline constexpr std::size_t most_bytes_at_hand = 1u << 19;
 
@@ -272,7 +272,7 @@ NativeMesh prepare(const EncodedTree& tree, std::span<const LeafTriangle> leaves
     return {mesh, mesh->bytes()};
 }
 
-// The hooks of an accelerator on the host. `Traversal` is for rays in double, and for a tree over all objects.
+// The functions of an accelerator on the host. `Traversal` is for rays in double, and for one tree over all objects.
 template <int width, class Traversal>
 AcceleratorHook accelerator_hook(EncodedTree (*encode)(const BinaryTree& tree)) {
     return {encode,

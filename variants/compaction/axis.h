@@ -8,9 +8,9 @@ namespace pt {
 
 struct CompactionTraits {
     bool compacts = true;
-    bool payload_contiguous = true;  // the paths in play are slots 0 to count - 1 after the compaction
-    bool host_sync = false;          // the host waits for the device within a compaction, so no CUDA graph can hold it
-    bool reproducible_order = true;  // a path has the same position in the queue in every run
+    bool payload_contiguous = true;  // after the compaction the paths in play are slots 0 to count - 1
+    bool host_sync = false;          // the host waits for the device within a compaction, so no CUDA graph can hold one
+    bool reproducible_order = true;  // a path has the same queue position in every run
     AppendInKernel append_in_kernel = AppendInKernel::no;
 
     constexpr bool can_append_in_kernel() const { return append_in_kernel != AppendInKernel::no; }

@@ -2,7 +2,7 @@
 // atomic operation a thread block.
 #pragma once
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device part of this file: kernels, which NVRTC compiles
 
 #include "variants/cuda/device/append.cuh"
 
@@ -14,7 +14,7 @@ __device__ inline std::uint32_t append(std::uint32_t* count, bool keep) {
 
 #endif
 
-#if defined(PT_HOST)  // host code: kernel launches and the choice's descriptor
+#if defined(PT_HOST)  // host part of this file: kernel launches, and the choice's descriptor
 
 #include "variants/cuda/append_compaction.h"
 

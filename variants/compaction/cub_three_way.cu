@@ -10,7 +10,7 @@
 namespace pt::cuda::compaction::cub_three_way {
 namespace {
 
-// Whether a live path leaves a surface of the wanted class. A camera ray leaves none, and goes with the diffuse-like.
+// Whether a path is alive and leaves a surface of the wanted class. A camera ray, which leaves none, is diffuse-like.
 struct IsAliveOfClass {
     IsAlive is_alive;
     FieldView origin_surface;
@@ -86,8 +86,8 @@ private:
 
     CellContext cell_;
     CubStorage storage_;
-    std::uint32_t* delta_like_ = nullptr;    // slots of delta-like paths, until they are appended
-    std::uint32_t* group_counts_ = nullptr;  // sizes of the diffuse-like and the delta-like group
+    std::uint32_t* delta_like_ = nullptr;    // slots of delta-like paths, until these are appended
+    std::uint32_t* group_counts_ = nullptr;  // sizes of the diffuse-like and the delta-like group of paths
 };
 
 const Registration registration(

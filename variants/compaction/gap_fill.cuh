@@ -13,7 +13,7 @@ struct CountLiveParameters {
     std::uint32_t* live;
 };
 
-// Parameters of find_gaps, which lists the gaps (ended paths) below *live and the equally many live paths above it.
+// Parameters of the kernel find_gaps, which lists gaps (ended paths) below *live and as many live paths above it.
 struct FindGapsParameters {
     static constexpr const char* kernel = "find_gaps";
     PathStore store;
@@ -35,7 +35,7 @@ struct FillGapsParameters {
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device part of this file: kernels, which NVRTC compiles
 
 #include "variants/cuda/device/append.cuh"
 
@@ -72,7 +72,7 @@ PT_KERNEL(fill_gaps, pt::cuda::FillGapsParameters,
 
 #endif
 
-#if defined(PT_HOST)  // host code: kernel launches and the choice's descriptor
+#if defined(PT_HOST)  // host part of this file: kernel launches, and the choice's descriptor
 
 #include "variants/cuda/append_compaction.h"
 
@@ -89,14 +89,14 @@ public:
         counts_ = arena.take<std::uint32_t>(2);
     }
 
-    // Works on the queue's slots 0 to count - 1: an index order by which they were shaded is dropped.
+    // Compacts the queue's slots 0 to count - 1. An index order by which these were shaded is dropped.
     void compact(Queue& queue) override {
         PT_CUDA_CHECK(cudaMemsetAsync(queue.count_spare, 0, sizeof(std::uint32_t), context_.stream));
         PT_CUDA_CHECK(cudaMemsetAsync(counts_, 0, 2 * sizeof(std::uint32_t), context_.stream));
         launch(queue.bound, CountLiveParameters{queue.paths, queue.count, queue.count_spare});
         launch(queue.bound,
                FindGapsParameters{queue.paths, queue.count, queue.count_spare, gaps_, counts_, movers_, counts_ + 1});
-        // At most half of all paths move: each from above the number of live paths into a gap below it.
+        // At most half of all paths move: each of them from above the number of live paths into a gap below it.
         launch(queue.bound / 2 + 1, FillGapsParameters{queue.paths, gaps_, movers_, counts_ + 1});
         queue.swap_count();
         queue.indirect = false;
@@ -113,7 +113,7 @@ private:
     const Module& module_;
     std::uint32_t* gaps_ = nullptr;
     std::uint32_t* movers_ = nullptr;
-    std::uint32_t* counts_ = nullptr;  // numbers of gaps and of paths to move
+    std::uint32_t* counts_ = nullptr;  // number of gaps, and number of paths to move into them
 };
 
 constexpr Descriptor descriptor{

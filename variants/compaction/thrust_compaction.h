@@ -1,4 +1,4 @@
-// What the Thrust compactions on the CPU share: their predicates, and a compaction that moves whole paths.
+// What the Thrust compactions on the CPU share: predicates, and a compaction that moves whole paths.
 #pragma once
 
 #include <thrust/system/omp/execution_policy.h>

@@ -12,7 +12,7 @@ public:
     bool moves_paths() const override { return false; }
     explicit CopyIfIndex(const CellContext& cell) : cell_(cell), thrust_(cell) {}
 
-    // Positions 0 to bound - 1 are all in play, since every Thrust compaction returns the count to the host.
+    // All positions below queue.bound are in play, since every Thrust compaction returns the count to the host.
     void compact(Queue& queue) override {
         if (queue.bound == 0) {
             return;

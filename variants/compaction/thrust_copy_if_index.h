@@ -6,7 +6,7 @@
 
 namespace pt {
 
-// The compaction's descriptor on the CPU; on_device (variants/cuda/thrust_policy.h) derives the one on CUDA from it.
+// thrust_copy_if_index's descriptor on the CPU; on_device (variants/cuda/thrust_policy.h) derives CUDA's from it.
 inline constexpr Descriptor thrust_copy_if_index{
     .axis = "compaction",
     .name = "thrust_copy_if_index",

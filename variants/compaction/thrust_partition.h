@@ -6,7 +6,7 @@
 
 namespace pt {
 
-// The compaction's descriptor on the CPU; on_device (variants/cuda/thrust_policy.h) derives the one on CUDA from it.
+// thrust_partition's descriptor on the CPU; on_device (variants/cuda/thrust_policy.h) derives CUDA's from it.
 inline constexpr Descriptor thrust_partition{
     .axis = "compaction",
     .name = "thrust_partition",

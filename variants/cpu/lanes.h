@@ -114,7 +114,7 @@ struct Hits {
     }
 };
 
-// Bit `bit` of a word, by the sign of a shifted word: g++ 12 makes no vectors of a truth value from a one-bit test.
+// Bit number `bit` of a word, by the sign of a shifted word: g++ 12 does not vectorise truth values of one-bit tests.
 inline bool has_bit(std::uint32_t word, std::uint32_t bit) {
     return static_cast<std::int32_t>(word << (31u - bit)) < 0;
 }

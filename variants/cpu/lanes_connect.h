@@ -15,13 +15,13 @@ namespace pt::lanes {
 // The surfaces that a packet's rays hit, one a lane, as shading needs them.
 template <class Real>
 struct Surfaces {
-    Vectors<Real> colour, position, normal;  // the normal points to the side that the ray comes from
+    Vectors<Real> colour, position, normal;  // normal on the side that the ray comes from
     Lanes<std::uint32_t> type;
-    Flags by_surface_at, by_shade;  // lanes left to the scalar surface_at() and shade()
+    Flags by_surface_at, by_shade;  // lanes whose hits are left to the scalar surface_at() or shade()
 };
 
 inline bool is_type(std::uint32_t type, MaterialType asked) { return type == static_cast<std::uint32_t>(asked); }
-// The side of a hit (object, and inside or outside) without the face that it may name.
+// A SurfaceId's word with only object and side (inside or outside), without the face that it may name.
 inline std::uint32_t without_face(std::uint32_t side) { return side & ((SurfaceId::most_objects << 1) - 1u); }
 
 // Work space for a packet's next-event estimation. It starts as zeros, so that unused lanes hold numbers, too.
@@ -30,9 +30,9 @@ struct Connections {
     BoxObservers<Real> observers;
     LightDirections<Real> drawn;
     Vectors<Real> emission;
-    Lanes<std::uint32_t> light;  // object that is the light
+    Lanes<std::uint32_t> light;  // object that is the lane's light
     Flags connects, sends, sees;
-    Lanes<Real> weight, cosine;  // weight of light that is hit or sampled; cosine at the vertex
+    Lanes<Real> weight, cosine;  // weight of the light that is hit or sampled; cosine at the vertex
     Paths<Real> shadow;
     Hits<Real> hits;
 };
@@ -41,13 +41,13 @@ struct Connections {
 template <class Config>
 inline constexpr bool draws_points = face_sampling<Config> != LightSampling::solid_angle&& has_lines_of_sight<Config>;
 
-// The number of an object among the scene's axis boxes.
+// The place of an object among the scene's axis boxes, from the object's number.
 template <class Real>
 inline std::uint32_t box_of(const SceneView<Real>& scene, std::uint32_t object) {
     return object - first_of<ShapeKind::axis_box>(scene);
 }
 
-// Adds the lane to the observers of box lights; false if the light is no box, or shows the lane no face.
+// Adds a lane to the observers of box lights; false if its light is no box or shows it no face.
 template <class Config>
 inline bool observes_box(BoxObservers<typename Config::Real>& observers, std::uint32_t l,
                          const SceneView<typename Config::Real>& scene, const LightTable<typename Config::Real>& lights,
@@ -101,7 +101,7 @@ inline void weigh_encounters(Connections<typename Config::Real>& work, const Sce
     }
 }
 
-// Looks up the objects of the lights that were chosen, and their emission.
+// Looks up which objects the lights chosen by lanes are, and the emission of these objects.
 template <bool one_light, class Real>
 inline void look_up_lights(Connections<Real>& work, const LightTable<Real>& lights) {
     const std::uint32_t* const object = lights.object.data();
@@ -116,7 +116,7 @@ inline void look_up_lights(Connections<Real>& work, const LightTable<Real>& ligh
     }
 }
 
-// Chooses a light for every lane that is connected to one.
+// Chooses a light for every lane whose vertex is connected to a light.
 template <class Config>
 inline void choose_lights(Connections<typename Config::Real>& work, const SceneView<typename Config::Real>& scene,
                           const LightTable<typename Config::Real>& lights, const Paths<typename Config::Real>& paths) {
@@ -138,7 +138,7 @@ inline void choose_lights(Connections<typename Config::Real>& work, const SceneV
     lights.object.size() == 1 ? look_up_lights<true>(work, lights) : look_up_lights<false>(work, lights);
 }
 
-// Samples the directions to the chosen lights in the lanes that are connected to one.
+// Samples directions to the chosen lights in the lanes whose vertex is connected to a light.
 template <class Config>
 inline void draw_directions(Connections<typename Config::Real>& work, const SceneView<typename Config::Real>& scene,
                             const LightTable<typename Config::Real>& lights, const Paths<typename Config::Real>& paths,

@@ -35,7 +35,7 @@ inline void keep_nearer(Hits<Real>& hits, std::uint32_t l, const Interval<Real>&
     hits.side[l] = leaves ? origin_surface.code : meets ? side : hits.side[l];
 }
 
-// Intersects shapes for which there is no loop over lanes: calls find(hit, ray) for each lane that `asks`.
+// Intersects shapes for which there is no loop over lanes: calls find(hit, ray) for each lane with the flag `asks`.
 template <class Real, class Find>
 inline void closest_by_lane(Hits<Real>& hits, const Paths<Real>& paths, const Flags& asks, const Find& find) {
     for (const std::uint32_t l : LaneList(asks)) {
@@ -61,7 +61,7 @@ inline void closest_sphere(Hits<typename Config::Real>& hits, const SceneView<ty
         for (std::uint32_t l = 0; l < width; ++l) {
             const SurfaceId origin_surface{paths.origin_surface[l]};
             const Vec3<Real> origin = at_rest<Config>(scene, object, paths.origin[l], paths.time[l]);
-            // A ray that starts on no surface departs from no object: SurfaceId::nowhere has the number of none.
+            // A ray that starts on no surface starts on no object: SurfaceId::nowhere has the number of none.
             keep_nearer(hits, l, lanes::interval(sphere, origin, paths.direction[l]),
                         chord(sphere, origin, paths.direction[l]), object, origin_surface.object() == object,
                         origin_surface);
@@ -74,9 +74,9 @@ template <class Real>
 struct EnclosureExits {
     Lanes<Real> t;
     Lanes<std::uint32_t> side;
-    Flags known;    // the exit is known (EnclosureExit::known), and the ray is in no wall
-    Flags nothing;  // the ray is past all axis boxes
-    Flags unclear;  // the ray is to be intersected by itself: neither of the two is so
+    Flags known;    // exit of the ray is known (EnclosureExit::known), and the ray is in no wall
+    Flags nothing;  // ray has left the bounding box of all axis boxes behind
+    Flags unclear;  // neither is known: the ray is intersected by itself
 };
 
 // Versions without a branch of three functions of kernels/axis_aligned_enclosure.h. The sums they have in common are
@@ -224,7 +224,7 @@ inline void closest_axis_box(Hits<typename Config::Real>& hits, const SceneView<
     }
 }
 
-// Whether the host's accelerator can search a mesh for all lanes at once, and each object's mesh is searched in turn.
+// Whether the host's accelerator can search a mesh for all lanes at once, and meshes are searched one after the other.
 template <class Config>
 inline bool meets_in_lanes(const SceneView<typename Config::Real>& scene,
                            const MeshInstance<typename Config::Real>& mesh) {
@@ -233,7 +233,7 @@ inline bool meets_in_lanes(const SceneView<typename Config::Real>& scene,
            prepared != nullptr && prepared->meet_in_lanes != nullptr;
 }
 
-// Keeps in `hits` the closest triangle of one mesh, in the lanes that `asks`. `enough`: as for MeetMeshInLanes.
+// Keeps in `hits` the closest triangle of one mesh, in the lanes that `asks`. `enough`: see MeetMeshInLanes.
 template <class Config>
 inline void closest_mesh(Hits<typename Config::Real>& hits, const SceneView<typename Config::Real>& scene,
                          std::uint32_t number, const Paths<typename Config::Real>& paths, const Flags& asks,
@@ -289,7 +289,7 @@ inline void closest_of(Hits<typename Config::Real>& hits, const SceneView<typena
     }
 }
 
-// Finds the closest hits of a packet's rays, in the lanes that `asks`; the hits of other lanes are undefined.
+// Finds the closest hits of a packet's rays in lanes with the flag `asks`; the hits of other lanes are undefined.
 template <class Config>
 inline void closest_hit(Hits<typename Config::Real>& hits, const SceneView<typename Config::Real>& scene,
                         const Paths<typename Config::Real>& paths, const Flags& asks) {

@@ -11,14 +11,14 @@ namespace pt::lanes {
 template <class Config>
 inline constexpr LightSampling face_sampling = light_sampling_in(Config::features& light_samplings);
 
-// Coordinate of a light's face as the observer sees it, as by SeenFaces::onto (kernels/light_sampling.h).
+// A coordinate of a light's face as an observer sees it, computed as by SeenFaces::onto (kernels/light_sampling.h).
 template <class Real>
 inline Real onto_face(Real observer, Real height) {
     return observer > Real(0) ? -height : height;
 }
 
-// sample_box_light (kernels/light_sampling.h) for the lanes that sample a box of which they see a face; other lanes are
-// left to `drawn.is_other`. `near_limit`: as for sample_box_light, for LightSampling::automatic.
+// sample_box_light (kernels/light_sampling.h) for lanes whose light is a box of which they see a face; other lanes are
+// flagged in `drawn.is_other`. `near_limit`: as for sample_box_light, for LightSampling::automatic.
 template <LightSampling sampling, bool one_light, class Real>
 inline void sample_faces(LightDirections<Real>& drawn, const LightTable<Real>& table, const Vectors<Real>& positions,
                          const Flags& draws, Real near_limit) {

@@ -9,11 +9,11 @@
 
 namespace pt::lanes {
 
-// What SeenBox (kernels/solid_angle.h) computes of an axis box, whoever observes it.
+// What SeenBox (kernels/solid_angle.h) computes of an axis box that does not depend on the observer.
 template <class Real>
 struct BoxLight {
     Vec3<Real> centre;
-    Vec3<Real> half;  // half extents in units of the diagonal
+    Vec3<Real> half;  // half extents of the box in units of its diagonal
     Real diagonal, inverse_diagonal;
 
     explicit BoxLight(const AxisBox<Real>& box) : centre((box.high + box.low) * Real(0.5)) {
@@ -30,7 +30,7 @@ struct LightTable {
     std::vector<BoxLight<Real>> boxes;
     std::vector<std::uint32_t> object, is_box;
     std::vector<Real> centre[3], half[3], emission[3], diagonal, inverse_diagonal;
-    // Numbers of SeenFaces by light: half extents in its units, its units a scene unit, and scene units a unit.
+    // SeenFaces of each light: half extents in scaled units, scaled units per scene unit, and the inverse of that.
     std::vector<Real> face_half[3], scale, unit;
 
     LightTable() = default;
@@ -50,7 +50,7 @@ private:
     void add(const SceneView<Real>& scene, std::uint32_t number) {
         const std::uint32_t box = number - first_of<ShapeKind::axis_box>(scene);
         const bool is_one = box < scene.axis_boxes.size;
-        // A light that is no axis box gets the unit box, whose numbers nobody uses.
+        // A light that is no axis box has a unit box in the table, whose numbers are not used.
         const AxisBox<Real> unit_box{Vec3<Real>(Real(-1)), Vec3<Real>(Real(1))};
         const BoxLight<Real> light = is_one ? boxes[box] : BoxLight<Real>(unit_box);
         object.push_back(number);
@@ -68,7 +68,7 @@ private:
     }
 };
 
-// Number of entries that loops over a packed list take at a time; results past the list's end are ignored.
+// Entries of a packed list that a loop over the list takes at a time; results past the list's end are ignored.
 inline constexpr std::uint32_t group = 16;
 static_assert(width % group == 0);
 
@@ -77,11 +77,11 @@ template <class Real>
 struct BoxViews {
     std::uint32_t size = 0;
     Lanes<std::uint32_t> lane;
-    Vectors<Real> observer, half;  // observer and half extents of SeenBox
+    Vectors<Real> observer, half;  // observer and the box's half extents, as in SeenBox
     Lanes<Real> diagonal;
-    Vectors<Real> share, skew;  // SeenBox::share, and skew of the SphericalRectangle, by axis
+    Vectors<Real> share, skew;  // by axis: SeenBox::share, and skew of the SphericalRectangle
     Lanes<Real> total;
-    // Directions sampled to the box: the random numbers that they take, and the results.
+    // Directions sampled towards box lights: the random numbers that sampling takes, and the results.
     Lanes<Real> u, v, w, axis;
     Vectors<Real> direction;
     Lanes<Real> inverse_pdf;
@@ -125,7 +125,7 @@ inline Real arc_tangent(Real x) {
     const Real size = absolute(x);
     const bool is_large = size > Real(2.41421356237309504880);
     const bool is_middle = size > least_for_quarter;
-    // A small number is itself the quotient to take the arc tangent of.
+    // The dividend of the quotient whose arc tangent is taken: for a small number the number itself, divided by 1.
     const Real dividend = is_large ? Real(-1) : is_middle ? size - Real(1) : size;
     const Real divisor = is_large ? size : is_middle ? size + Real(1) : Real(1);
     const Real base = is_large ? pi<Real> / Real(2) : is_middle ? pi<Real> / Real(4) : Real(0);
@@ -170,7 +170,7 @@ inline void measure_faces(BoxViews<Real>& views) {
     }
 }
 
-// Computes SeenBox::share and SeenBox::total for near observers.
+// Computes SeenBox::share and SeenBox::total for the near observers of box lights.
 template <class Real>
 inline void measure_near(BoxViews<Real>& views) {
     measure_faces<0>(views);
@@ -241,7 +241,7 @@ inline Vec2<Real> point_in_rectangle(Real x0, Real x1, Real y0, Real y1, Real he
     return {x, rest > Real(0) ? inner : edge};
 }
 
-// An axis for each lane, kept as a Real: g++ 12 does not vectorise selections by numbers of another kind.
+// An axis for each lane, stored as a Real: g++ 12 does not vectorise selections by numbers of another type.
 template <class Real>
 struct PickedAxis {
     Real number;
@@ -257,14 +257,14 @@ struct PickedAxis {
 // Light samples by lane: unit directions to lights with 1 / pdf.
 template <class Real>
 struct LightDirections {
-    Lanes<Real> u, v, w;              // random numbers of the light sample
+    Lanes<Real> u, v, w;              // random numbers of the lane's light sample
     Lanes<std::uint32_t> light;       // number of the light among the scene's lights
-    Vectors<Real> observer;           // observer of a box light, as in SeenBox
-    Flags is_near, is_far, is_other;  // how the light is seen, if it is a box
+    Vectors<Real> observer;           // observer's position relative to the box light, as in SeenBox
+    Flags is_near, is_far, is_other;  // how the lane sees a box light (near or far); other: no such light
     Vectors<Real> direction;
     Lanes<Real> inverse_pdf;
-    Lanes<Real> distance;            // distance to the sampled point; 0: not known
-    Lanes<std::uint32_t> primitive;  // mesh triangle that the sampled point is on
+    Lanes<Real> distance;            // distance to the light point that was sampled; 0: not known
+    Lanes<std::uint32_t> primitive;  // mesh triangle on which the sampled light point lies
 };
 
 // Loads a number at a lane's own index. The index is signed, as a gathering load wants it.
@@ -273,13 +273,13 @@ inline T gathered(const T* from, std::uint32_t index) {
     return from[static_cast<std::int32_t>(index)];
 }
 
-// A light's entry in a table. A table of one light is read without index: a gathering load costs as much as 16 loads.
+// A light's entry in a table. The table of one light is read without index: a gathering load costs as much as 16 loads.
 template <bool one_light, class T>
 inline T of_light(const T* from, std::uint32_t light) {
     return one_light ? *from : gathered(from, light);
 }
 
-// Computes how the lanes that sample a light see it: the observer's position, and whether the box is near or far.
+// Computes how lanes that sample a light see it: the observer's position, and whether a box light is near or far.
 template <class Real>
 inline void look_at_lights(LightDirections<Real>& drawn, const LightTable<Real>& table, const Vectors<Real>& positions,
                            const Flags& draws) {
@@ -303,7 +303,7 @@ inline void look_at_lights(LightDirections<Real>& drawn, const LightTable<Real>&
     }
 }
 
-// Packs the lanes whose flags are set into a list, with all that sampling a direction takes.
+// Packs the lanes whose flags are set into a list of observers, with all that sampling a direction takes.
 template <class Real>
 inline void pack(BoxViews<Real>& views, const LightDirections<Real>& drawn, const LightTable<Real>& table,
                  const Flags& flags) {

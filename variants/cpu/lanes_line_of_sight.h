@@ -11,11 +11,11 @@ namespace pt::lanes {
 // The shadow rays of a packet up to their points on lights: Segment (kernels/line_of_sight.h) by lane.
 template <class Real>
 struct Sights {
-    Lanes<Real> before, about;   // distances just below and just above that of the light point
-    Lanes<std::uint32_t> light;  // object that the point is on
-    Flags asks;                  // whether the ray's point is known
+    Lanes<Real> before, about;   // distances just below and just above that of the ray's light point
+    Lanes<std::uint32_t> light;  // object that the ray's light point is on
+    Flags asks;                  // whether the lane has a ray to a known light point
     Flags blocked, unsure;
-    Flags by_lane;  // the ray may cross a wall: tested by itself, whatever the flags before say
+    Flags by_lane;  // the ray may cross a wall: it is tested by itself, whatever the flags above say
 };
 
 // Records an object that a lane's shadow ray meets at distance t, as Segment::is_hidden_by does.
@@ -46,7 +46,7 @@ inline void leave_out_walls(Sights<typename Config::Real>& sights, const SceneVi
     const AxisAlignedEnclosure<Real> enclosure = scene.enclosure;
     const Vec3<Real> low = enclosure.low, high = enclosure.high;
     const auto is_open = [&](std::uint32_t side) { return ((enclosure.open_sides >> side) & 1u) != 0; };
-    // Bounds of the enclosure by its open sides alone, and by its walls alone; other planes are infinitely far.
+    // The enclosure split in two boxes: its open sides alone, and its walls alone; a side left out lies at infinity.
     const Vec3<Real> open_low{is_open(0) ? low.x : -infinity, is_open(2) ? low.y : -infinity,
                               is_open(4) ? low.z : -infinity};
     const Vec3<Real> open_high{is_open(1) ? high.x : infinity, is_open(3) ? high.y : infinity,
@@ -116,7 +116,7 @@ inline void note_axis_boxes(Sights<typename Config::Real>& sights, const SceneVi
     }
 }
 
-// Tests shadow rays against all objects with meshes, in the lanes that `asks`.
+// Tests shadow rays against all objects with meshes, in lanes with the flag `asks`.
 template <class Config>
 inline void note_meshes(Sights<typename Config::Real>& sights, const SceneView<typename Config::Real>& scene,
                         const Paths<typename Config::Real>& shadow, Flags asks) {
@@ -167,7 +167,7 @@ inline void note_kind(Sights<typename Config::Real>& sights, const SceneView<typ
 }
 
 // hit_of_light (kernels/next_event.h) for the lanes that `sends`; on return `sends` marks the lanes that see their
-// points. `distance`: to the points, or 0 where a point is not known and the light is seen if it, or its triangle in
+// light points. `distance`: to these points; 0: the point is not known, and the light is seen if it, or its triangle in
 // `primitives`, is the closest hit.
 template <class Config>
 inline void look_along(Flags& sends, const SceneView<typename Config::Real>& scene, const Lanes<std::uint32_t>& lights,

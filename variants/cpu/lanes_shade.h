@@ -12,8 +12,8 @@ template <class Config>
 inline constexpr bool has_one_light_sampling = ((Config::features & light_samplings) &
                                                 ((Config::features & light_samplings) - 1u)) == 0;
 
-// Whether a kernel's shading is done in SIMD lanes: not if it has one of the listed features. Objects and materials
-// without a loop over lanes send a single lane through shade().
+// Whether a kernel's shading is done in SIMD lanes: not if the kernel has one of the features listed here. Objects and
+// materials without a loop over lanes send a single lane through shade().
 template <class Config>
 inline constexpr bool shades_in_lanes = has_one_light_sampling<Config> &&
                                         (Config::features &
@@ -35,8 +35,8 @@ inline void look_up(Surfaces<Real>& surfaces, const SceneView<Real>& scene, cons
     }
 }
 
-// Counts a segment, adds the light of emitters that were hit, and says which paths go on. `weight`: of that light, in a
-// kernel with next-event estimation.
+// Counts a path segment, adds the light of emitters that were hit, and says which paths go on. `weight`: MIS weight of
+// that light, in a kernel with next-event estimation.
 template <class Config>
 inline void meet(Paths<typename Config::Real>& paths, Flags& goes_on, const Surfaces<typename Config::Real>& surfaces,
                  const Hits<typename Config::Real>& hits, const Lanes<typename Config::Real>& weight,
@@ -92,7 +92,7 @@ inline void place_others(Surfaces<typename Config::Real>& surfaces, const SceneV
                          const Paths<typename Config::Real>& paths, const Hits<typename Config::Real>& hits) {
     const LaneList others(surfaces.by_surface_at);
     if constexpr (has<Config>(Feature::mesh)) {
-        // Triangles lie far apart in memory: all are prefetched before the first is used.
+        // Triangles that lanes have hit lie far apart in memory, so all are prefetched before the first is used.
         for (const std::uint32_t l : others) {
             const std::uint32_t mesh = SurfaceId{hits.side[l]}.object() - first_of<ShapeKind::mesh>(scene);
             if (mesh < scene.meshes.size) {
@@ -107,7 +107,7 @@ inline void place_others(Surfaces<typename Config::Real>& surfaces, const SceneV
     }
 }
 
-// Samples the BSDF at diffuse and mirror vertices. `is_connected`: diffuse vertices were connected to lights.
+// Samples the BSDF at diffuse and mirror vertices. `is_connected`: whether diffuse vertices were connected to lights.
 template <class Config>
 inline void scatter(Paths<typename Config::Real>& paths, const Surfaces<typename Config::Real>& surfaces,
                     const RandomSeed& seed, const Hits<typename Config::Real>& hits, bool is_connected) {
@@ -123,7 +123,7 @@ inline void scatter(Paths<typename Config::Real>& paths, const Surfaces<typename
         const bool is_diffuse = is_type(surfaces.type[l], MaterialType::diffuse);
         const bool is_here = surfaces.by_shade[l] == 0;
         if constexpr (has<Config>(Feature::next_event)) {
-            // The BSDF pdf kept is never 0, since 0 stands for a vertex without a connection.
+            // The BSDF pdf that a path stores is never 0, which stands for a vertex without a connection.
             constexpr Real least = Real(0x1p-60);
             const Real pdf = max(dot(spread, normal), least) * (Real(1) / pi<Real>);
             paths.bsdf_pdf[l] = is_here ? (is_diffuse & is_connected ? pdf : Real(0)) : paths.bsdf_pdf[l];
@@ -133,7 +133,7 @@ inline void scatter(Paths<typename Config::Real>& paths, const Surfaces<typename
         paths.direction.set_if(is_here, l,
                                {is_diffuse ? spread.x : mirrored.x, is_diffuse ? spread.y : mirrored.y,
                                 is_diffuse ? spread.z : mirrored.z});
-        const std::uint32_t side_alone = (SurfaceId::most_objects << 1) - 1u;  // masks out the face that a hit may name
+        const std::uint32_t side_alone = (SurfaceId::most_objects << 1) - 1u;  // mask that leaves out a hit's box face
         paths.origin_surface[l] = is_here ? hits.side[l] & side_alone : paths.origin_surface[l];
         if constexpr (has<Config>(Feature::mesh)) {
             paths.primitive[l] = is_here ? hits.primitive[l] : paths.primitive[l];
@@ -159,7 +159,7 @@ inline void shade(Paths<typename Config::Real>& paths, Flags& goes_on, const Sce
     place_others<Config>(surfaces, scene, paths, hits);
     for (const std::uint32_t l : LaneList(surfaces.by_shade)) {
         Path<Real> path = paths.load(l);
-        path.segment -= 1;  // shade() counts the segment
+        path.segment -= 1;  // undone, since shade() counts the segment as well
         goes_on[l] = pt::shade<Config>(scene, scene, path, hits[l], counters) ? 1u : 0u;
         paths.store(l, path);
     }

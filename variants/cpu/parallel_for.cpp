@@ -38,7 +38,7 @@ void run_chunks(std::size_t count, std::size_t chunk, void (*run)(void*, std::si
         const std::size_t begin = turn * step % chunks * chunk;
         try {
             run(context, begin, std::min(begin + chunk, count));
-        } catch (...) {  // an exception must not leave an OpenMP region
+        } catch (...) {  // no exception may leave an OpenMP region
             const std::lock_guard lock(failure_mutex);
             failure = std::current_exception();
         }

@@ -1,5 +1,5 @@
-// Runs a loop over all cores through Thrust's OpenMP system, in chunks. Only the .cpp knows Thrust, so a kernel's loop
-// is compiled as a plain loop over [begin, end).
+// Runs a loop over all cores through Thrust's OpenMP system, in chunks. Only parallel_for.cpp includes Thrust, so a
+// kernel's loop is compiled as a plain loop over [begin, end).
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// How many threads parallel loops have where several processes share a machine.
+// How many threads parallel loops have in a process where several processes share a machine.
 #pragma once
 
 #include <cstddef>

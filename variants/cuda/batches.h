@@ -20,41 +20,41 @@ public:
 
     void reserve(Arena& arena);
     void clear();
-    // Captures a full batch as a CUDA graph before the clock starts, if the variant's launches are captured.
+    // Captures a full batch as a CUDA graph before the clock starts, if the variant's launches are captured in one.
     void prepare(const Enqueue& enqueue);
     // Enqueues all samples of the job, samples_in_flight at a time. A batch that is not full (the last one, or the only
     // one of a short part of a render) fills the first slots of the queue only. Full batches run as a CUDA graph where
     // one was captured, others by stream.
     void run(const Enqueue& enqueue);
 
-    // Captures the body of a loop over segments, if the graph loops and a batch is being captured: `enqueue_round`
-    // enqueues segments 1 and 2 and returns the counters of the paths then alive, and the loop ends with the last path.
-    // Returns the number of segments that the loop may take, without the last possible segment, which ends differently.
+    // Captures the body of a graph's loop over segments, if the graph has one and a batch is being captured:
+    // `enqueue_round` enqueues segments 1 and 2 and returns the counters of the paths then alive; the loop ends with
+    // the last path. Returns how many segments the loop may take: all but the last possible one, which ends
+    // differently.
     std::uint32_t enqueue_loop(const std::function<LiveCounts()>& enqueue_round);
     SegmentNumber segment(std::uint32_t number) const { return {number, is_in_loop_ ? offset_ : nullptr}; }
-    // The device address of a batch's first sample while the batch is being captured; null: the sample is in the
-    // parameter.
+    // The device address of a batch's first sample while the batch is being captured; null: a parameter has it.
     const std::uint32_t* cursor() const { return is_capturing_ ? next_sample_ : nullptr; }
     bool is_capturing() const { return is_capturing_; }
     std::uint32_t samples_in_flight() const { return samples_in_flight_; }
-    // The work that the rounds of graph loops have counted so far. Waits for the device.
+    // The work in the rounds of graph loops so far, by the device's count of rounds. Waits for the device.
     WorkCounters loop_work() const;
 
 private:
     void launch_graph(std::uint32_t sample);
 
     Job& job_;
-    std::uint32_t samples_in_flight_;  // samples of a pixel in a full batch
+    std::uint32_t samples_in_flight_;  // samples of each pixel in a full batch
     LaunchTraits launch_;
     std::unique_ptr<Graph> graph_;
-    WorkCounters work_per_graph_;  // what the host counts for one captured batch
-    WorkCounters work_per_round_;  // work of one round of the loop
+    WorkCounters work_per_graph_;  // work that the host counts for one captured batch
+    WorkCounters work_per_round_;  // work of one round of the graph's loop
     bool is_capturing_ = false;
-    bool is_in_loop_ = false;               // the body of the graph's loop is being captured
-    std::uint32_t* next_sample_ = nullptr;  // device address of the graph's first sample
-    std::uint32_t graph_sample_ = 0;        // value at next_sample_ once all that was enqueued has run
-    std::uint32_t* offset_ = nullptr;  // device: segments that earlier rounds of this batch took; 0 outside the loop
-    std::uint64_t* rounds_ = nullptr;  // in device memory: rounds of the loop run since the render began
+    bool is_in_loop_ = false;               // the body of the graph's loop is now being captured
+    std::uint32_t* next_sample_ = nullptr;  // device address of the first sample of the graph's next launch
+    std::uint32_t graph_sample_ = 0;        // value of *next_sample_ after all enqueued work has run
+    std::uint32_t* offset_ = nullptr;       // device: segments that earlier rounds of this batch took; 0 outside a loop
+    std::uint64_t* rounds_ = nullptr;       // in device memory: rounds that graph loops have run since the render began
 };
 
 }  // namespace pt::cuda

@@ -1,5 +1,5 @@
-// Parts shared by the CUB compactions. The count of paths stays on the device: CUB writes the new one beside the old
-// one, which the selection reads, and no host waits. Every call is over the bound of the count, which does not change.
+// Parts shared by the CUB compactions. The count of paths stays on the device: CUB writes the new count beside the old,
+// which the selection reads, and no host waits. CUB's calls are over the queue's bound, which does not change.
 #pragma once
 
 #include "variants/cuda/cub_storage.h"
@@ -14,7 +14,7 @@ namespace pt::cuda {
 template <class Paths>
 struct PathAt {
     Paths paths;
-    const std::uint32_t* count;  // number of paths in play, in device memory
+    const std::uint32_t* count;  // number of paths in play in the queue, in device memory
 
     PT_HD Path<float> operator()(std::uint32_t slot) const {
         if (slot < *count) {
@@ -61,7 +61,7 @@ private:
 
 // CUB compaction of the paths themselves, where the tunable `payload` asks for it. Algorithm::paths<Paths>(memory,
 // bytes, from, to, slot_at, is_alive, count, items, stream) calls CUB to bring the live paths in slots 0 to items - 1
-// of one store to the front of another. An order is dropped: it permutes the slots 0 to count - 1.
+// of one store to the front of another. An index order, which permutes the slots, is dropped.
 template <class Algorithm>
 class CubPayloadCompaction final : public Compaction {
 public:

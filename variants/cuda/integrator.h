@@ -14,8 +14,8 @@ namespace pt::cuda {
 
 // Bytes of device memory that one path in a queue takes.
 struct PathBytes {
-    std::size_t state = 0;       // bytes of one copy of the path itself
-    std::size_t everything = 0;  // bytes of the path with its share of all memory of the queue
+    std::size_t state = 0;       // bytes of one copy of a path itself
+    std::size_t everything = 0;  // bytes of a path with its share of all memory of the queue
 };
 
 class Integrator {
@@ -33,27 +33,27 @@ public:
     virtual void prepare() {}
     // Enqueues the job's samples on its stream.
     virtual void render() = 0;
-    // Work counters that only the device knows; waits for the device.
+    // Returns work counters that only the device knows; waits for the device.
     virtual WorkCounters device_work() const { return {}; }
     virtual PathBytes path_bytes() const { return {}; }
 };
 
-// What an integrator is made from, beside the job: the variant, its choices on the queue, and facts of the scene.
+// What an integrator on CUDA is made from, with the job: the variant, its choices on the queue, facts of the scene.
 struct IntegratorNeeds {
     Variant variant;
     VariantTraits traits;
-    FeatureSet features = no_features;  // features that the kernels have
-    KeyBounds key_bounds;               // bounds of the scene's positions
+    FeatureSet features = no_features;  // features that the integrator's kernels have
+    KeyBounds key_bounds;               // bounds of the scene's positions, for sort keys
     // The queue's memory layout and the choices that work on the queue; only integrators with a queue use them.
     Layout layout = {};
-    std::vector<unsigned char> object_class = {};      // class of each object, as in Queue
-    std::unique_ptr<Compaction> compaction = nullptr;  // compaction of the queue; null: none
-    std::unique_ptr<Sorting> sorting = nullptr;        // sorting of the queue; null: none
+    std::vector<unsigned char> object_class = {};      // class of each object, as in Queue::object_class
+    std::unique_ptr<Compaction> compaction = nullptr;  // compaction stage; null: the queue is not compacted
+    std::unique_ptr<Sorting> sorting = nullptr;        // sorting stage; null: the queue is not sorted
 
     std::uint32_t tunable(std::string_view name) const { return pt::tunable(variant, name, Backend::cuda); }
 };
 
-// The part of programs whose kernel has Parameters<Real> and stands in `source`.
+// Describes to program compilation the kernel that has Parameters<Real> and whose text is in `source`.
 template <template <class Real> class Parameters>
 constexpr KernelPart kernel_part(const char* source) {
     return {source, kernel_of<Parameters<float>>(), kernel_of<Parameters<double>>()};

@@ -14,29 +14,29 @@ namespace pt::cuda {
 
 struct Job {
     const Module* module = nullptr;
-    FilmView film;                    // film in device memory
-    std::uint32_t pixels = 0;         // pixels that this device renders
+    FilmView film;                    // view of the film, in device memory
+    std::uint32_t pixels = 0;         // the pixels of the image that this device renders
     std::uint32_t image_pixels = 0;   // pixels of the whole film and of the first-bounce cache
-    std::uint32_t longest_path = 1;   // most segments of a path
-    std::uint32_t most_branches = 1;  // most branches of a path that splits
+    std::uint32_t longest_path = 1;   // most segments that a path may have
+    std::uint32_t most_branches = 1;  // most branches into which one sample's path may split
     std::uint32_t materials = 0;
     // Samples per pixel to take in this job: the whole render's, or those of one part, from checkpoint to checkpoint.
     std::uint32_t first_sample = 0;
     std::uint32_t samples = 1;
     std::uint32_t all_samples = 1;  // samples per pixel of the whole render
-    std::uint32_t block = 128;      // threads of a block
+    std::uint32_t block = 128;      // threads of a thread block
     std::uint32_t multiprocessors = 1;
     cudaStream_t stream = nullptr;
 
     std::uint32_t kept_rays = 0;    // camera rays of a pixel that the first-bounce cache keeps; 0: there is none
-    std::uint32_t cached_rays = 0;  // kept rays that earlier parts of the render have traced
+    std::uint32_t cached_rays = 0;  // how many of these rays earlier parts of the render have traced
     Totals* totals = nullptr;
-    HealthRequest health;  // audit request, with counters in device memory
+    HealthRequest health;  // audit request of the integrator audited, with counters in device memory
     SegmentCounts segments;
-    StageEvents* stages = nullptr;  // stage timers; null: not instrumented
+    StageEvents* stages = nullptr;  // stage timers; null: the render is not instrumented
     WorkCounters work;
 
-    // Counters of paths by their number of segments, for integrators without a queue; null where nobody asked.
+    // Counts of ended paths by their number of segments, for integrators without a queue; null where nobody asked.
     std::uint64_t* lengths() const { return stages != nullptr ? segments.live : nullptr; }
 
     template <class Parameters>
@@ -58,12 +58,12 @@ struct Job {
 
 template <class Real>
 struct JobOf : Job {
-    SceneView<Real> scene = {};  // scene with pointers to device memory
+    SceneView<Real> scene = {};  // the scene, with pointers to device memory
     HitCache<Real> cache;
 };
 
-// Camera rays of a pixel that the job's samples use and the first-bounce cache lacks; they count as cached after the
-// call. Sample s uses ray s mod rays: a render's first samples need a ray each, and later samples none.
+// Number of camera rays per pixel that the job's samples use and the first-bounce cache lacks; they count as cached
+// after the call. Sample s uses ray s mod rays: a render's first samples need a ray each, later samples none.
 inline std::uint32_t take_missing_rays(Job& job) {
     const std::uint32_t missing = std::min(job.kept_rays - job.cached_rays, job.samples);
     job.cached_rays += missing;

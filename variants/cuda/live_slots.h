@@ -12,9 +12,9 @@ namespace pt::cuda {
 
 inline constexpr std::uint32_t no_slot = 0xffffffffu;
 
-// The slot at a position of a queue; no_slot from the count on, where the order holds leftovers.
+// The slot at a position of a queue; no_slot for positions from the count on, where the index order holds old slots.
 struct SlotAt {
-    const std::uint32_t* order = nullptr;  // slots by position; null: slot i is at position i
+    const std::uint32_t* order = nullptr;  // slots by position in the queue; null: slot i is at position i
     const std::uint32_t* count = nullptr;  // number of paths in play, in device memory
 
     PT_HD std::uint32_t operator()(std::uint32_t position) const {

@@ -66,7 +66,7 @@ inline std::string megakernel_work_missing(const WorkCounters& work, std::uint64
 // Samples of a pixel that one launch may take when this many threads share them, so that a thread's and a block's
 // counters fit in 32 bits.
 inline std::uint32_t samples_per_launch(const Job& job, std::uint32_t threads_per_pixel) {
-    // Every branch of a path traces a segment and at most one connection at each step.
+    // Bound on a sample's rays: each branch of a path traces a segment and at most one connection at each step.
     const std::uint64_t rays_per_sample = 2ull * job.longest_path * job.most_branches;
     const std::uint64_t a_thread = std::max<std::uint64_t>(1, 0xffffffffull / (rays_per_sample * job.block));
     const std::uint64_t threads = std::min(threads_per_pixel, job.samples);
@@ -92,7 +92,7 @@ public:
     }
 
 protected:
-    // Most samples of a pixel that one launch may take.
+    // Most samples of a pixel that one launch of the kernel may take.
     virtual std::uint32_t most_samples() const = 0;
     virtual void launch(std::uint32_t first_sample, std::uint32_t samples) = 0;
 

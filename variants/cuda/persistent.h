@@ -12,8 +12,8 @@ inline std::uint32_t samples_per_persistent_launch(const Job& job) {
     return static_cast<std::uint32_t>(std::clamp<std::uint64_t>(by_pieces, 1, job.samples));
 }
 
-// Samples per pixel in a piece (a strip of pixels): samples_per_piece, or fewer, so that a thread's counters suffice
-// even if it traces the whole piece, and the paths of the piece before that wait or live.
+// Samples per pixel in a piece of work (on a strip of pixels): samples_per_piece, or so few that a thread's counters
+// suffice even if the thread traces the whole piece, besides paths of the previous piece that wait or live.
 inline std::uint32_t samples_per_strip(const Job& job, std::uint32_t samples_per_piece) {
     const std::uint64_t rays_per_sample = std::uint64_t{warp_size} * 2 * job.longest_path * job.most_branches;
     const std::uint64_t countable = (0xffffffffull - few_rays) / rays_per_sample;

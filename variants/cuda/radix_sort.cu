@@ -18,7 +18,7 @@ using Words = cub::DoubleBuffer<std::uint32_t>;
 // each waiting for the one before it to publish 256 counts. Keys of few bits, which most scenes need, want small tiles
 // and 32 counts. (The policy is a template argument of CUB's dispatch layer, whose names are those of CCCL 3.)
 #if defined(CCCL_MAJOR_VERSION) && CCCL_MAJOR_VERSION >= 3
-constexpr int few_bits = 5;  // bits of a digit: a warp ranks at least 32 digits
+constexpr int few_bits = 5;  // bits of a radix digit: a warp ranks at least 32 digits
 
 struct FewBitsHub {
     using Standard = cub::detail::radix::policy_hub<std::uint32_t, std::uint32_t, std::uint32_t>;
@@ -58,7 +58,7 @@ cudaError_t sort_bits(void* memory, std::size_t& bytes, Words& keys, Words& valu
 
 }  // namespace
 
-// Reserves CUB's storage for both numbers of key bits: all bits need the most passes, and mostly the most storage.
+// Reserves CUB's storage for sorts by all bits of a key, which need most passes and storage, and by few bits.
 void RadixSort::reserve(Arena& arena, const Queue& queue) {
     storage_.reserve(arena, [&](void* memory, std::size_t& bytes) {
         Words keys, slots;
@@ -82,7 +82,7 @@ void RadixSort::sort(Queue& queue, std::uint32_t key_count) {
         queue.indirect = true;
     }
     const int bits = key_bits_ == KeyBits::all ? all_bits : std::bit_width(key_count - 1);
-    if (bits == 0) {  // with a single sort key the order stays
+    if (bits == 0) {  // with one sort key alone the order stays
         return;
     }
     Words keys(queue.keys, queue.keys_spare), slots(queue.order, queue.order_spare);

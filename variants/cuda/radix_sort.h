@@ -1,4 +1,4 @@
-// What the CUB radix sorts share: slot numbers are sorted by key, stably, and the payload stays in place.
+// What the CUB radix sorts share: slot numbers are sorted by key, stably, and the paths themselves stay in place.
 #pragma once
 
 #include "variants/cuda/cub_storage.h"
@@ -6,7 +6,7 @@
 
 namespace pt::cuda {
 
-// The bits of a key that a sort looks at.
+// The bits of a sort key that a radix sort looks at: those that the scene's keys need, or all 32.
 enum class KeyBits { needed, all };
 
 // Sorts slot numbers by key. The result is an order for every position up to the bound; the keys are overwritten.

@@ -1,5 +1,5 @@
-// How a choice compiled by nvcc registers itself: the registry's own header pulls in the CPU side's Thrust, which must
-// not meet the CUDA side's in one translation unit.
+// How a choice that nvcc compiles registers itself: the registry's own header includes Thrust for the CPU, which must
+// not meet Thrust for CUDA in one translation unit.
 #pragma once
 
 #include "variants/cuda/stages.h"

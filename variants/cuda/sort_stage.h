@@ -16,7 +16,7 @@ public:
     bool exists() const { return needs_.sorting != nullptr; }
     const SortKeyTraits& key() const { return needs_.traits.sort_key; }
 
-    // Slots in a chunk of the queue, the same as long as the queue has its capacity; 0: sort keys are not by chunk.
+    // Slots in a chunk of the queue, which only the queue's capacity decides; 0: sort keys are not by chunk.
     std::uint32_t chunk(const Queue& queue) const {
         return key().by_chunk ? slots_of_chunk(queue.capacity, job_.materials, asked_chunk_) : 0;
     }
@@ -27,12 +27,12 @@ public:
         }
         return (key().has_material ? job_.materials + 1 : 1) << key().bits;
     }
-    // Sorts the queue by queue.keys.
+    // Sorts the queue's paths by queue.keys.
     void sort(Queue& queue) {
         needs_.sorting->sort(queue, last_key(queue) + 1);
         job_.work.sorts += 1;
     }
-    // How the queue is shaded: as it lies, or, once sorted, by the ranges that the sort has made.
+    // Parts of the queue to shade by one launch each: the whole or, once sorted, the ranges that the sort has made.
     std::vector<ShadeRange> shade_ranges(const Queue& queue, bool is_sorted) const {
         std::vector<ShadeRange> ranges = is_sorted ? needs_.sorting->shade_ranges() : std::vector<ShadeRange>();
         if (ranges.empty()) {
@@ -44,7 +44,7 @@ public:
 private:
     Job& job_;
     const IntegratorNeeds& needs_;
-    std::uint32_t asked_chunk_;  // slots per chunk that the tunable asks for
+    std::uint32_t asked_chunk_;  // slots per chunk that the tunable `chunk` asks for
 };
 
 }  // namespace pt::cuda

@@ -16,24 +16,24 @@ namespace pt::cuda {
 struct Queue {
     PathStore paths;
     PathStore spare;                       // second store as large as `paths`, for choices that move whole paths
-    void* hits = nullptr;                  // StoredHit<Real> by slot, valid between intersect and shade
-    std::uint32_t* order = nullptr;        // slots by position, capacity entries
-    std::uint32_t* order_spare = nullptr;  // second array of slots, capacity entries
-    std::uint32_t* keys = nullptr;        // sort keys by position in play, capacity entries; written before a sort only
-    std::uint32_t* keys_spare = nullptr;  // second array of sort keys, capacity entries
-    std::uint32_t* count = nullptr;       // number of paths in play, in device memory
-    std::uint32_t* count_spare = nullptr;  // second count of paths, in device memory
-    std::uint32_t bound = 0;               // upper bound on the paths in play
+    void* hits = nullptr;                  // StoredHit<Real> by slot of the path, valid between intersect and shade
+    std::uint32_t* order = nullptr;        // slots by position in the queue, with `capacity` entries
+    std::uint32_t* order_spare = nullptr;  // second array of slots with `capacity` entries, for sorts and compactions
+    std::uint32_t* keys = nullptr;         // sort keys by position in play, `capacity` entries; for sorts alone
+    std::uint32_t* keys_spare = nullptr;   // second array of sort keys, with `capacity` entries
+    std::uint32_t* count = nullptr;        // number of paths in play, in device memory
+    std::uint32_t* count_spare = nullptr;  // second counter of paths in play, in device memory
+    std::uint32_t bound = 0;               // upper bound on the number of paths in play
     bool indirect = false;
-    std::uint32_t capacity = 0;                   // number of slots
-    const unsigned char* object_class = nullptr;  // in device memory, by object: 0 diffuse-like, 1 delta-like
+    std::uint32_t capacity = 0;                   // number of path slots
+    const unsigned char* object_class = nullptr;  // in device memory, by object: 0 if diffuse-like, 1 if delta-like
 
     void swap_order() { std::swap(order, order_spare); }
     void swap_paths() { std::swap(paths, spare); }
     void swap_count() { std::swap(count, count_spare); }
 };
 
-// Threads a block in the kernels of compactions and sorts that NVRTC compiles.
+// Threads per block in the kernels of compactions and sorts that NVRTC compiles.
 inline constexpr std::uint32_t stage_block = 256;
 constexpr std::uint32_t blocks_for(std::uint32_t threads) { return (threads + stage_block - 1) / stage_block; }
 
@@ -65,7 +65,7 @@ public:
     // Enqueues the compaction. Afterwards *queue.count paths are in play, and queue.bound is not less.
     virtual void compact(Queue& queue) = 0;
     virtual bool needs_spare_paths() const { return false; }
-    // Whether the compaction copies whole paths, so that a store must have room for every field of a path.
+    // Whether the compaction copies whole paths, in which case a store must have room for every field of a path.
     virtual bool moves_paths() const { return true; }
 };
 
@@ -81,12 +81,12 @@ class Sorting {
 public:
     virtual ~Sorting() = default;
     virtual void reserve(Arena&, const Queue&) {}
-    // Enqueues a sort by queue.keys, which holds a key below key_count for the positions in play, and key_count - 1 for
-    // all others up to queue.bound.
+    // Enqueues a sort by queue.keys, whose keys are below key_count for positions in play, and key_count - 1 for all
+    // other positions below queue.bound.
     virtual void sort(Queue& queue, std::uint32_t key_count) = 0;
-    // The ranges to shade, one launch each; empty: one launch over the queue.
+    // The ranges of the queue to shade, one launch each; empty: one launch over the whole queue.
     virtual std::vector<ShadeRange> shade_ranges() const { return {}; }
-    // Whether the sort copies whole paths, so that a store must have room for every field of a path.
+    // Whether the sort copies whole paths, in which case a store must have room for every field of a path.
     virtual bool moves_paths() const { return true; }
 };
 

@@ -9,7 +9,7 @@
 
 namespace pt::cuda {
 
-// Sets the queue's count and bound, once Thrust has returned the count to the host.
+// Sets the count and the bound of the paths in play, once Thrust has returned the count to the host.
 inline void set_count(Queue& queue, std::uint32_t count, const CellContext& cell) {
     queue.bound = count;
     set_value(queue.count, count, cell.stream);

@@ -88,7 +88,7 @@ public:
 
 private:
     bool keeps_blocks_;
-    std::multimap<std::size_t, char*> free_;  // free blocks by size; empty unless keeps_blocks_
+    std::multimap<std::size_t, char*> free_;  // free blocks of device memory by size; empty unless keeps_blocks_
     std::map<char*, std::size_t> used_;
 };
 
@@ -103,8 +103,8 @@ public:
           nosync_(cell.tunable("par_nosync") != 0),
           memory_(caches_) {}
 
-    // Calls Thrust by call(policy), which returns a count: Thrust waits for it under either policy. The call counts as
-    // one launch.
+    // Calls Thrust by call(policy) where the algorithm returns a count, for which Thrust waits under either policy.
+    // Counts as one launch.
     template <class Call>
     auto for_count(Call&& call) {
         *launches_ += 1;

@@ -13,14 +13,14 @@ namespace pt::cuda {
 inline constexpr Tunable walks_tunable{
     "walks_apart", 1, 0, 1, 1, "subsurface walks: 1: in a kernel of their own; 0: to their end where paths are shaded"};
 
-// The walk kernel of queues whose paths all do a segment before any does the next.
+// The kernel for subsurface walks in queues whose paths all do one segment before any of them does the next.
 inline constexpr KernelPart walk_paths_part = kernel_part<WalkPathsParameters>("variants/cuda/device/walk_paths.cuh");
 
 inline std::vector<KernelConstant> walks_constants(const Variant& variant) {
     return {{"walks_apart", tunable(variant, "walks_apart", Backend::cuda)}};
 }
 
-// Lists of walkers for a queue of at most `paths` paths; none where walks are not left to a kernel of their own.
+// Makes lists of walkers for a queue of at most `paths` paths; none where walks are not left to a kernel of their own.
 template <class Real, int lists>
 class WalkerLists {
 public:
@@ -44,7 +44,7 @@ public:
             lists_[i] = {arena.take_bytes(walker_bytes_ * paths_), arena.take<ListCounts>(1)};
         }
     }
-    // Enqueues the start of a batch: no path is on a walk.
+    // Enqueues the start of a batch, in which no path is on a walk.
     void begin() {
         for (int i = 0; are_apart_ && i < lists; ++i) {
             clear(lists_[i].counts, sizeof(ListCounts), job_.stream);
@@ -66,13 +66,13 @@ private:
 template <class Real>
 class Walks : public WalkerLists<Real, 1> {
 public:
-    // `parts`: number of parts of the queue, each with a counter, where kernels append.
+    // `parts`: number of parts of the queue, each with a counter, where an integrator's kernel appends paths.
     Walks(JobOf<Real>& job, const IntegratorNeeds& needs, std::uint32_t paths, std::uint32_t parts = 1)
         : WalkerLists<Real, 1>(job, needs, paths, WalkPathsParameters<Real>::kernel), job_(job), parts_(parts) {}
 
-    // Enqueues the walks of the list. Paths stay in their slots of `in`.
+    // Enqueues the walks of a list of walkers. Paths stay in their slots of `in`.
     void take_in_place(const PathStore& in) { take(in, {}, nullptr, {}); }
-    // Enqueues the walks of the list, whose paths lie in `in`; each path is appended to `out` after its walk.
+    // Enqueues the walks of a list of walkers, whose paths lie in `in`; each path is then appended to `out`.
     void take_to(const PathStore& in, const PathStore& out, std::uint32_t* out_count, const SegmentNumber& segment) {
         take(in, out, out_count, segment);
     }

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t pinned_words = 64;
 
-// The body of a loop must leave the queue as it found it: what it swaps, it swaps back.
+// Throws std::logic_error unless the body of a graph's loop leaves the queue's buffers as it found them.
 void check_round_trip(const Queue& before, const Queue& after) {
     if (before.paths.base != after.paths.base || before.order != after.order || before.keys != after.keys ||
         before.count != after.count || before.bound != after.bound || before.indirect != after.indirect) {
@@ -23,9 +23,9 @@ void check_round_trip(const Queue& before, const Queue& after) {
 
 }  // namespace
 
-// Asks whether all paths of a batch have ended, by the device's count of the paths that a segment finds alive. Made
-// before the segment is enqueued; the pinned words are those of a read-back, which does not take place where this class
-// asks.
+// Asks whether all paths of a batch have ended, by the device's count of the paths that a segment finds alive. To be
+// made before the segment is enqueued. It has the pinned words of the read-back, which does not take place where this
+// class asks.
 class Wavefront::EndOfPaths {
 public:
     EndOfPaths(Wavefront& wavefront, std::uint32_t segment)
@@ -38,7 +38,7 @@ public:
             read(0);
         }
     }
-    // Whether no path was alive in the segment, which has been enqueued by now.
+    // Whether no path was alive in the segment, once the segment has been enqueued.
     bool is_reached() {
         if (!asks_) {
             return false;
@@ -46,7 +46,7 @@ public:
         read(1);
         PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));
         job_.work.host_waits += 1;
-        return counts_[0] == counts_[1];  // the count includes earlier batches
+        return counts_[0] == counts_[1];  // counts of the batches before are included
     }
 
 private:
@@ -122,7 +122,7 @@ void Wavefront::end_segment(std::uint32_t segment) {
     }
 }
 
-// Compacts the queue; the host learns the count if the compaction reads it back.
+// Compacts the queue. The host learns the count of paths in play if the compaction reads it back.
 void Wavefront::compact() {
     const Stage stage(job_.stages, "compact", job_.stream);
     const std::uint32_t before = queue_.bound;
@@ -160,7 +160,7 @@ std::uint32_t Wavefront::capacity() const {
     if (!appends_) {
         return static_cast<std::uint32_t>(pool);
     }
-    // Each part of the queue has room for its share of the blocks.
+    // Each part of the queue must hold all paths of the thread blocks that append to it.
     const std::uint64_t blocks = (pool + job_.block - 1) / job_.block;
     const std::uint64_t blocks_per_part = (blocks + parts() - 1) / parts();
     return static_cast<std::uint32_t>(blocks_per_part * parts() * job_.block);
@@ -216,7 +216,7 @@ void Wavefront::upload() {
         clear(index, std::size_t{start_.capacity} * sizeof(std::uint32_t), job_.stream);
     }
     if (copies_whole_paths()) {
-        // The whole store of paths is cleared, for fields that the scene's kernels never write are copied too.
+        // The whole store of paths is cleared, since fields that the scene's kernels never write are copied, too.
         clear(start_.paths.base, needs_.layout.bytes(start_.capacity, real_bytes_, every_path_field), job_.stream);
     }
     clear(start_.count, sizeof(std::uint32_t), job_.stream);

@@ -52,12 +52,12 @@ protected:
 
     // Enqueues the start of the first queue_.bound paths of queue_. These paths may have done their first segment.
     virtual void begin(std::uint32_t first_sample) = 0;
-    // Enqueues a segment of the paths in queue_, but for the compaction after it.
+    // Enqueues a segment of the paths in queue_, without the compaction after it.
     virtual void trace(std::uint32_t segment) = 0;
     virtual void fill_first_hits() = 0;
 
-    // Number of parts of the queue, each with a counter, to which an integrator's own kernel appends the paths that
-    // live (appends_).
+    // Number of parts of the queue, each with a counter, to which an integrator's own kernel appends live paths
+    // (appends_).
     virtual std::uint32_t parts() const { return 1; }
     virtual void reserve_counts(Arena&) {}
     // Ends the two segments of a loop's round and returns where the paths that live are counted. Leaves queue_.count as
@@ -73,7 +73,7 @@ protected:
     const IntegratorNeeds& needs() const { return needs_; }
     const Batches& batches() const { return batches_; }
 
-    Queue queue_;  // queue of the batch being enqueued
+    Queue queue_;  // queue with the batch that is being enqueued
     const bool appends_;
 
 private:
@@ -90,9 +90,9 @@ private:
     IntegratorNeeds needs_;
     std::size_t real_bytes_, hit_bytes_;
     Batches batches_;
-    bool reads_back_;  // the host learns the count after each compaction
+    bool reads_back_;  // the host reads the count back after each compaction
     PinnedWords pinned_;
-    Queue start_;  // queue in the state in which a batch starts
+    Queue start_;  // the queue as it is when a batch starts
     PathBytes path_bytes_;
 };
 

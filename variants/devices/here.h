@@ -9,8 +9,8 @@
 namespace pt {
 
 struct DevicesHere {
-    std::uint32_t count = 0;   // number of GPUs, from the first on, that are alike; 0: not known
-    std::string missing = {};  // what several GPUs need and the machine lacks
+    std::uint32_t count = 0;   // number of GPUs like the first one, counted from the first; 0: not known
+    std::string missing = {};  // what this machine lacks to render on several GPUs; empty: nothing
 };
 
 // The function that counts the GPUs, called once their count matters. The CUDA backend sets it; other builds have none.

@@ -1,5 +1,5 @@
 // Rendering on several GPUs of one host (harness/cuda/several_devices.h): each has the whole scene and an integer film
-// of its own, and NCCL adds up the films. What sums in the order of samples or of a queue would have another film.
+// of its own, and NCCL adds up the films. Sums in the order of samples or of a queue would give another film.
 #include <array>
 
 #include "variants/devices/here.h"

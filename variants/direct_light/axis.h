@@ -7,8 +7,8 @@ namespace pt {
 
 struct DirectLightTraits {
     bool connects = true;                // some vertex of a path is connected to a light
-    bool connects_every_vertex = false;  // a path carries its last BSDF pdf, for the MIS weight of light that it hits
-    bool counts_light_met = true;        // light hit after a connected vertex counts, too
+    bool connects_every_vertex = false;  // a path keeps its last BSDF pdf, for the MIS weight of light that it hits
+    bool counts_light_met = true;        // light that a path hits after a connected vertex counts, too
 };
 
 namespace direct_light {

@@ -15,14 +15,14 @@ struct AuditedParameters {
     FilmView film;
     std::uint32_t first_sample;
     std::uint32_t samples;
-    std::uint32_t stride;  // threads per pixel
+    std::uint32_t stride;  // threads that share a pixel's samples
     HealthRequest health;
     Totals* totals;
 };
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device part of this file: kernels, which NVRTC compiles
 
 #include "kernels/health.h"
 #include "variants/cuda/device/device.cuh"
@@ -79,7 +79,7 @@ PT_KERNEL(audited, pt::cuda::AuditedParameters<Real>,
 
 #endif
 
-#if defined(PT_HOST)  // host code: kernel launches and the choice's descriptor
+#if defined(PT_HOST)  // host part of this file: kernel launches, and the integrator's descriptor
 
 #include "variants/cuda/megakernels.h"
 

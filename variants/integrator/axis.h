@@ -7,13 +7,13 @@ namespace pt {
 
 struct IntegratorTraits {
     bool has_queue = false;             // paths lie in memory between stages, where they can be compacted and sorted
-    bool can_loop = false;              // the integrator's bounces can be the loop of a CUDA graph
-    bool appends_in_kernel = false;     // its own kernel appends as a compaction with AppendInKernel does
+    bool can_loop = false;              // the loop over bounces can be the loop of a CUDA graph
+    bool appends_in_kernel = false;     // its own kernel can append paths, as compactions with AppendInKernel do
     bool seeds_by_position = false;     // the sampler is told where in the queue a path lies
-    bool sums_in_order = false;         // a pixel's samples are added in their order
+    bool sums_in_order = false;         // a pixel's samples are added to the film in their order
     bool traces_in_own_kernel = false;  // rays are traced in a kernel of their own, whose warps may fetch rays
-    bool keeps_branches = false;        // a path may split, and its branches wait beside it
-    bool refills_queue = false;         // paths of any number of segments are in the queue together
+    bool keeps_branches = false;        // a path may split, and the branches that wait are kept beside it
+    bool refills_queue = false;         // the queue holds paths of any number of segments together
     bool inspects = false;              // every path's state is inspected between stages: for health, not for times
 };
 
@@ -21,7 +21,7 @@ struct IntegratorTraits {
 // lines of NAME.h (cmake/variants.cmake): each member that is true is on a line of its own.
 struct KernelSets {
     bool in_double = false;        // generic kernels in double precision too, and with the textbook's formulas
-    bool with_path_trees = false;  // kernels for paths that split
+    bool with_path_trees = false;  // also kernels for paths that split
     bool generic_alone = false;    // no kernels for the feature sets of scenes: the integrator is not timed
 };
 

@@ -14,15 +14,15 @@ struct MegakernelParameters {
     FilmView film;
     std::uint32_t first_sample;
     std::uint32_t samples;
-    std::uint32_t stride;  // threads per pixel
+    std::uint32_t stride;  // threads that share a pixel's samples
     HitCache<Real> cache;
     Totals* totals;
-    std::uint64_t* ended;  // paths ended, by their number of segments; null: not counted
+    std::uint64_t* ended;  // counts of paths by their number of segments; null: not counted
 };
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device part of this file: kernels, which NVRTC compiles
 
 #include "variants/cuda/device/branches.cuh"
 
@@ -55,7 +55,7 @@ PT_KERNEL(megakernel, pt::cuda::MegakernelParameters<Real>,
 
 #endif
 
-#if defined(PT_HOST)  // host code: kernel launches and the choice's descriptor
+#if defined(PT_HOST)  // host part of this file: kernel launches, and the integrator's descriptor
 
 #include "variants/cuda/megakernels.h"
 

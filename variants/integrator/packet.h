@@ -165,7 +165,7 @@ private:
         }
     }
 
-    // Ends the paths that shading has ended since `before`; their lanes take the next paths.
+    // Ends the paths of the lanes that were live in `before` and are no more; these lanes take the next paths.
     void end_paths(const lanes::Flags& before, PathCounters& counters) {
         lanes::Flags ended;
         for (std::uint32_t l = 0; l < lanes::width; ++l) {
@@ -204,9 +204,9 @@ private:
     CameraRays<Config> camera_rays_;
     EndedAfter& ended_after_;
     lanes::Paths<Real> paths_;
-    lanes::Hits<Real> hits_{};  // a hit's primitive stays 0 in kernels without meshes
+    lanes::Hits<Real> hits_{};  // hits of the lanes' rays; in kernels without meshes primitives stay 0
     lanes::Connections<Real> connections_{};
-    lanes::Flags live_;  // lanes with a path; what other lanes compute is not used
+    lanes::Flags live_;  // lanes with a path; what the others compute is not used
 };
 
 // Number of pixels that a packet works through: enough paths that the last ones, with lanes idle, weigh little, but

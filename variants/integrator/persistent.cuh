@@ -16,25 +16,25 @@ struct PersistentParameters {
     std::uint32_t samples;
     HitCache<Real> cache;
     Totals* totals;
-    std::uint64_t* ended;  // paths ended, by their number of segments; null: not counted
+    std::uint64_t* ended;  // counts of paths by their number of segments; null: not counted
     std::uint32_t samples_per_piece;
     std::uint64_t* next_piece;
 };
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device part of this file: kernels, which NVRTC compiles
 
 #include "variants/cuda/device/warp_items.cuh"
 
-// Pieces of an image, numbered strip by strip within `samples_per_piece` samples of the whole image: neighbouring warps
-// work on neighbouring strips. A warp takes the next piece while paths of the last one are still alive.
+// Pieces of an image, numbered strip by strip within `samples_per_piece` samples of the whole image, so neighbouring
+// warps work on neighbouring strips. A warp takes the next piece while paths of the last one are still alive.
 struct Pieces {
     std::uint32_t strips, count, width, first_sample, samples, samples_per_piece;
     Totals* totals;
     std::uint64_t* next;
-    Round round = {};        // the warp's next round: a strip of pixels and a sample
-    std::uint32_t left = 0;  // rounds left in the warp's piece of the image
+    Round round = {};        // the round that the warp begins next: a strip of pixels and a sample
+    std::uint32_t left = 0;  // rounds left in the piece that the warp works on
     bool are_done = false;
 
     __device__ bool take(Round& taken, ThreadCounters& counters) {
@@ -84,7 +84,7 @@ PT_KERNEL(persistent, pt::cuda::PersistentParameters<Real>,
 
 #endif
 
-#if defined(PT_HOST)  // host code: kernel launches and the choice's descriptor
+#if defined(PT_HOST)  // host part of this file: kernel launches, and the integrator's descriptor
 
 #include "variants/cuda/persistent.h"
 #include "variants/cuda/runtime/handles.h"

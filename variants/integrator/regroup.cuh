@@ -18,14 +18,14 @@ struct RegroupParameters {
     std::uint32_t samples;
     HitCache<Real> cache;
     Totals* totals;
-    std::uint64_t* ended;  // paths ended, by their number of segments; null: not counted
+    std::uint64_t* ended;  // counts of paths by their number of segments; null: not counted
     std::uint32_t samples_per_piece;
     std::uint64_t* next_piece;
 };
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device part of this file: kernels, which NVRTC compiles
 
 #include "variants/cuda/device/block_items.cuh"
 #include "variants/cuda/device/path_pool.cuh"
@@ -91,9 +91,9 @@ PT_KERNEL(regroup, pt::cuda::RegroupParameters<Real>,
     Path path;
     Hit hit;
     pt::Walk walk;
-    std::uint32_t kind = Kinds::nothing;  // what the lane's path does next
+    std::uint32_t kind = Kinds::nothing;  // kind of stage that the lane's path needs next
     Taken taken = pool.exchange(0, kind);
-    bool is_taken = true;  // the paths taken are yet to be loaded
+    bool is_taken = true;  // the paths just taken have yet to be loaded
     while (!taken.finished) {
         if (is_taken) {
             kind = pt::cuda::lane() < taken.count ? taken.kind : Kinds::nothing;
@@ -126,14 +126,14 @@ PT_KERNEL(regroup, pt::cuda::RegroupParameters<Real>,
         if (alive && Kinds::has_walks && walk.is_on()) {
             kind = Kinds::walking;
         } else if (alive && Kinds::may_walk(taken.kind)) {
-            kind = Kinds::starting;  // traced with others: few paths leave a body at a time
+            kind = Kinds::starting;  // ray to be traced with others' rays: few paths leave a body at a time
         } else if (alive) {
             const bool is_kept = kernel_config.keeps_first_hits && path.segment == 0;
             hit = is_kept ? first_hit(scene, path, cache) : trace(scene, path);
             path.primitive = hit.primitive;
             kind = Kinds::of(scene.shade, path, hit);
         }
-        // A warp that keeps its paths, as most of its lanes do the same again, saves the exchange.
+        // A warp keeps its paths, and saves the exchange, if most of its lanes need the same kind of stage again.
         const unsigned staying = __ballot_sync(pt::cuda::all_lanes, kind == taken.kind);
         is_taken = __popc(staying) < static_cast<int>(tuned::stay_at);
         if (is_taken) {
@@ -148,7 +148,7 @@ PT_KERNEL(regroup, pt::cuda::RegroupParameters<Real>,
 
 #endif
 
-#if defined(PT_HOST)  // host code: kernel launches and the choice's descriptor
+#if defined(PT_HOST)  // host part of this file: kernel launches, and the integrator's descriptor
 
 #include "variants/cuda/persistent.h"
 #include "variants/cuda/runtime/handles.h"

@@ -32,7 +32,7 @@ struct IntersectPathsParameters {
     static constexpr const char* kernel = "intersect_paths";
     SceneView<Real> scene;
     PathStore store;
-    const std::uint32_t* order;  // slots by position; null: slot i at position i
+    const std::uint32_t* order;  // slots by position in the queue; null: slot i at position i
     const std::uint32_t* count;
     std::uint32_t bound;
     StoredHit<Real>* hits;
@@ -41,7 +41,7 @@ struct IntersectPathsParameters {
     SegmentCounts segments;
     std::uint32_t* keys;
     std::uint32_t bits;
-    std::uint32_t chunk;  // slots in a chunk, read for sort keys by chunk only
+    std::uint32_t chunk;  // slots in a chunk of the queue, for sort keys by chunk only
     std::uint32_t last_key;
     KeyBounds bounds;
     MeshQueue meshes;  // gets the paths whose rays traversal=persistent takes through meshes in a kernel of its own
@@ -75,7 +75,7 @@ struct ShadePathsParameters {
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device part of this file: kernels, which NVRTC compiles
 
 #include "variants/cuda/device/advance.cuh"
 #include "variants/cuda/device/device.cuh"
@@ -204,7 +204,7 @@ PT_KERNEL(shade_paths, pt::cuda::ShadePathsParameters<Real>,
 
 #endif
 
-#if defined(PT_HOST)  // host code: kernel launches and the choice's descriptor
+#if defined(PT_HOST)  // host part of this file: kernel launches, and the integrator's descriptor
 
 #include "variants/cuda/sort_stage.h"
 #include "variants/cuda/walks.h"

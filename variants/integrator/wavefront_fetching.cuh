@@ -9,7 +9,7 @@
 
 namespace pt::cuda {
 
-// The parameters of the kernel that takes rays through meshes, as views.
+// What the kernel that takes rays through meshes is handed, as views of the scene, the paths and the hits.
 struct MeshStage {
     const SceneViews& scene;
     const Paths& paths;
@@ -29,7 +29,7 @@ struct MeshStage {
     }
 };
 
-// What triangle tests need of a ray, in few registers: the axes kx and ky follow from kz.
+// What triangle tests need of a ray, in few registers: from the axis kz the axes kx and ky follow.
 class CompactRay {
 public:
     CompactRay() = default;
@@ -87,7 +87,7 @@ public:
     }
 
 private:
-    // Starts on the first mesh from number mesh_ on that has a tree.
+    // Starts on the first mesh, from mesh number mesh_ on, that has a tree.
     __device__ void start_meshes() {
         const ::Scene& scene = stage_.scene.trace;
         while (mesh_ < scene.meshes.size && scene.meshes[mesh_].geometry.tree.node_count == 0) {

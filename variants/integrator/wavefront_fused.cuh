@@ -25,7 +25,7 @@ struct FirstBounceParameters {
     HitCache<Real> cache;
     Totals* totals;
     SegmentCounts segments;
-    PathStore waiting;  // where paths on a subsurface walk lie: slot i for path i
+    PathStore waiting;  // store of paths on a subsurface walk: slot i has path i
     WalkerList walkers;
 };
 
@@ -44,12 +44,12 @@ struct NextBounceParameters {
     SegmentNumber segment;
     Totals* totals;
     SegmentCounts segments;
-    WalkerList walkers;  // list of walks, whose paths lie in `in`
+    WalkerList walkers;  // list of walks that begin; their paths lie in `in`
 };
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device part of this file: kernels, which NVRTC compiles
 
 #include "variants/cuda/device/advance.cuh"
 #include "variants/cuda/device/append.cuh"
@@ -72,8 +72,8 @@ __device__ inline std::uint32_t part_capacity(const PathStore& store) {
 // The part of the queue to which the thread block's paths are appended.
 __device__ inline std::uint32_t own_part() { return blockIdx.x % tuned::append_counters; }
 
-// The number of paths in the queue, and the slot of the path at `position`. Every thread of the block must call
-// locate().
+// The number of paths in a queue, and the slot of the path at `position`, by locate(). Every thread of the block must
+// call locate().
 struct Located {
     std::uint32_t total, slot;
 };
@@ -215,7 +215,7 @@ PT_KERNEL(next_bounce, pt::cuda::NextBounceParameters<Real>,
 
 #endif
 
-#if defined(PT_HOST)  // host code: kernel launches and the choice's descriptor
+#if defined(PT_HOST)  // host part of this file: kernel launches, and the integrator's descriptor
 
 #include "variants/cuda/walks.h"
 #include "variants/cuda/wavefronts.h"
@@ -297,7 +297,7 @@ private:
 
     void trace(std::uint32_t segment) override {
         if (appends_) {
-            queue_.count = counts_after(segment - 1);  // counts after the segment before, even one of a graph's loop
+            queue_.count = counts_after(segment - 1);  // counts that segment - 1 left, also in a graph's loop
         }
         const PathStore out = appends_ ? queue_.spare : queue_.paths;
         std::uint32_t* const out_count = appends_ ? counts_after(segment) : queue_.count;
@@ -332,12 +332,12 @@ private:
     }
 
     std::size_t words_per_segment() const { return std::size_t{counters_} * counter_stride; }
-    // The device's counters of the paths that live after a segment.
+    // The device's counters of the paths that live after a segment (one per part of the queue).
     std::uint32_t* counts_after(std::uint32_t segment) const { return counts_ + segment * words_per_segment(); }
 
     JobOf<Real>& job_;
-    std::uint32_t counters_;           // number of parts of the queue, if the kernel appends
-    std::uint32_t* counts_ = nullptr;  // in device memory: the counters of every segment
+    std::uint32_t counters_;           // number of the queue's parts, if the kernel appends
+    std::uint32_t* counts_ = nullptr;  // in device memory: counters of live paths after every segment
     Walks<Real> walks_;
 };
 

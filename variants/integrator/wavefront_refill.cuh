@@ -16,7 +16,7 @@ namespace pt::cuda {
 
 // The paths of one go (a part of a render) by number: path n is pixel n mod pixels, sample first_sample + n / pixels.
 struct PathSupply {
-    std::uint32_t* next;  // in device memory: the path that is handed out next; total or more: none is left
+    std::uint32_t* next;  // in device memory: number of the next path to hand out; `total` or more: none is left
     std::uint32_t total;
     std::uint32_t first_sample;
 };
@@ -37,7 +37,7 @@ struct FillQueueParameters {
     std::uint32_t* count;
     std::uint32_t slots;
     PathSupply supply;
-    HitCache<Real> cache;  // first_path takes a cache: an empty one
+    HitCache<Real> cache;  // for first_path(), and empty: the integrator has no first-bounce cache
     StoredHit<Real>* hits;
 };
 
@@ -48,12 +48,12 @@ struct IntersectQueueParameters {
     static constexpr const char* kernel = "intersect_queue";
     SceneView<Real> scene;
     PathStore store;
-    const std::uint32_t* order;  // slots by position; null: slot i at position i
+    const std::uint32_t* order;  // slots by position in the queue; null: slot i at position i
     std::uint32_t slots;
     StoredHit<Real>* hits;
     std::uint32_t* keys;
     std::uint32_t bits;
-    std::uint32_t chunk;  // slots in a chunk, read for sort keys by chunk only
+    std::uint32_t chunk;  // slots in a chunk of the queue, for sort keys by chunk only
     std::uint32_t last_key;
     KeyBounds bounds;
     PathSupply supply;
@@ -75,7 +75,7 @@ struct ShadeAndRefillParameters {
     PathSupply supply;
     HitCache<Real> cache;
     Totals* totals;
-    std::uint64_t* ended;  // paths ended, by their number of segments; null: not counted
+    std::uint64_t* ended;  // counts of paths by their number of segments; null: not counted
     WalkerList walkers;
 };
 
@@ -88,8 +88,8 @@ struct WalkOnParameters {
     FilmView film;
     PathStore store;
     StoredHit<Real>* hits;
-    WalkerList list;   // the walks that are taken on
-    WalkerList again;  // gets the walks that go on
+    WalkerList list;   // walks to take some steps on
+    WalkerList again;  // list that gets the walks which are not over
     PathSupply supply;
     HitCache<Real> cache;
     Totals* totals;
@@ -109,7 +109,7 @@ struct RefillQueueParameters {
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device part of this file: kernels, which NVRTC compiles
 
 #include "variants/cuda/device/append.cuh"
 #include "variants/cuda/device/hit_keys.cuh"
@@ -118,7 +118,7 @@ struct RefillQueueParameters {
 
 namespace pt::cuda {
 
-// A slot whose path is on a subsurface walk has a hit at this distance, which no other hit has.
+// Distance in the hit of a slot whose path is on a subsurface walk; no other hit has it.
 inline constexpr ::Real on_a_walk = -1;
 
 // Whether the path in a slot is on a subsurface walk, so that it is neither traced nor shaded.
@@ -254,7 +254,7 @@ PT_KERNEL(refill_queue, pt::cuda::RefillQueueParameters<Real>,
 
 #endif
 
-#if defined(PT_HOST)  // host code: kernel launches and the choice's descriptor
+#if defined(PT_HOST)  // host part of this file: kernel launches, and the integrator's descriptor
 
 #include <algorithm>
 #include <atomic>
@@ -317,7 +317,7 @@ class Progress {
 public:
     Progress() : word_(make_pinned_words(2)) {}
 
-    // Resets the progress before a go, while nothing in flight writes it.
+    // Resets the progress for the next part of a render ("go"), while nothing in flight writes it.
     void start() { value().store(0, std::memory_order_relaxed); }
     std::uint64_t* word() const { return reinterpret_cast<std::uint64_t*>(word_.get()); }
     std::uint32_t rounds() const { return static_cast<std::uint32_t>(read() >> 32); }
@@ -359,17 +359,17 @@ public:
 private:
     static constexpr std::uint32_t most_paths = 1u << 30;
     static constexpr std::uint32_t most_rounds = 1u << 31;
-    // Rounds enqueued beyond the one that the device has begun: enough that the device never waits for the host.
+    // Rounds that are enqueued ahead of the one that the device has begun, so that the device never waits for the host.
     static constexpr std::uint32_t rounds_ahead = 4;
-    // Rounds between two looks at how many paths have ended, once all paths have begun. A look waits for the device.
+    // Rounds between two checks of how many paths have ended, once all have begun. A check waits for the device.
     static constexpr std::uint32_t rounds_between_looks = 64;
-    // Rounds between two looks where walks take rounds of their own: how many rounds are left is not known then.
+    // Rounds between two checks where walks take rounds of their own: how many rounds are left is not known then.
     static constexpr std::uint32_t rounds_between_looks_at_walks = 8;
-    // More rounds than almost any subsurface walk takes between two segments of a path.
+    // Bound on rounds that a subsurface walk takes between two segments of a path, exceeded by hardly any walk.
     static constexpr std::uint32_t rounds_of_long_walks = 1024;
 
-    // Samples that a go may have for its rounds. A path has its slot for at most longest_path rounds, walks aside, and
-    // leaves it empty for fewer than refill_every_. Half of the 32-bit round numbers is left for the last paths.
+    // Samples that a go may have for its rounds to be numbered. A path has its slot for at most longest_path rounds,
+    // walks aside, and leaves it empty for fewer than refill_every_. Half of the numbers is left for the last paths.
     std::uint32_t samples_within(std::uint32_t rounds) const {
         const std::uint64_t longest =
             std::uint64_t{job_.longest_path} * (walkers_.are_apart() ? rounds_of_long_walks : 1);
@@ -389,11 +389,11 @@ private:
         start_queue(std::min(total, job_.pixels * batches().samples_in_flight()));
         supply_ = {next_, total, first_sample};
         paths_before_ += total;
-        // Waits for the kernels of the go before, which write the progress.
+        // Waits until the kernels of the previous go, which write the progress, have run.
         PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));
         progress_.start();
         begin(first_sample);
-        // A path that is handed out in a round has its first segment in the next round.
+        // A path that is begun in one round has its first segment traced in the next.
         std::uint32_t rounds = ~0u;
         for (std::uint32_t round = 0; round < rounds && !is_over(round, rounds); ++round) {
             trace(round);
@@ -456,7 +456,7 @@ private:
 
     StoredHit<Real>* hits() const { return static_cast<StoredHit<Real>*>(queue_.hits); }
 
-    // Waits until the device has begun a round no more than rounds_ahead before this one.
+    // Waits until the device has begun a round that is no more than rounds_ahead before the given one.
     void wait_for(std::uint32_t round) {
         if (progress_.rounds() + rounds_ahead >= round) {
             return;
@@ -466,13 +466,13 @@ private:
             std::this_thread::yield();
             const cudaError_t state = cudaStreamQuery(job_.stream);
             if (state != cudaErrorNotReady) {
-                PT_CUDA_CHECK(state);  // a failed kernel reports no more progress
+                PT_CUDA_CHECK(state);  // after a failed kernel no progress is reported
                 return;
             }
         }
     }
 
-    // Whether all paths of the go have ended, which may be long before the longest possible path would.
+    // Whether all paths of the current part of a render ("go") have ended, which may be long before the longest could.
     bool is_over(std::uint32_t round, std::uint32_t rounds) {
         const std::uint32_t between = walkers_.are_apart() ? rounds_between_looks_at_walks : rounds_between_looks;
         if (rounds == ~0u || (rounds - round) % between != 0) {
@@ -494,11 +494,11 @@ private:
     SortStage sort_stage_;
     Progress progress_;
     std::uint32_t refill_every_;
-    WalkerLists<Real, 2> walkers_;   // walks of this round, and walks that go on in the next
-    PinnedWords ended_;              // copy of the device's Totals
-    std::uint32_t* next_ = nullptr;  // in device memory: PathSupply::next
+    WalkerLists<Real, 2> walkers_;   // walks of the current round, and walks that go on in the next round
+    PinnedWords ended_;              // host's copy of the device's Totals
+    std::uint32_t* next_ = nullptr;  // in device memory: the word of PathSupply::next
     PathSupply supply_ = {};
-    std::uint64_t paths_before_ = 0;  // paths that this cell has begun, the current go's included
+    std::uint64_t paths_before_ = 0;  // paths that this cell has begun in all goes, the current one included
 };
 
 IntegratorHook hook() {

@@ -6,7 +6,7 @@
 
 namespace pt::cuda {
 
-// Puts the next path into a slot, or marks the slot as ended where no path is left or the slot is filled later.
+// Puts the next path to begin into a slot, or marks the slot as ended if no path is left or the slot is filled later.
 __device__ inline void replace_path(const ::Scene& scene, const ::Paths& paths, const PathSupply& supply,
                                     std::uint32_t slot, const ::HitCache& cache) {
     const std::uint32_t number = supply.total != 0 ? atomicAdd(supply.next, 1u) : 0;

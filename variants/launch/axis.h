@@ -6,8 +6,8 @@
 namespace pt {
 
 struct LaunchTraits {
-    bool is_captured = false;  // a batch of samples is a CUDA graph
-    bool loops = false;        // the graph has a loop over segments that ends with the last path
+    bool is_captured = false;  // a batch of samples is launched as a CUDA graph
+    bool loops = false;        // the graph contains a loop over segments that ends with the last path
 };
 
 namespace launch {

@@ -20,7 +20,7 @@ Reason why_not_looped(FeatureSet features, const VariantTraits& variant) {
     return why_not_captured(features, variant);
 }
 
-// What a render's counters lack of a graph's loop; empty: nothing, or paths are too short and the batch is unrolled.
+// Says by a render's counters why no graph with a loop ran; empty: one did, or paths were too short for a loop.
 std::string loop_missing(const WorkCounters& work, std::uint64_t) {
     if (work.graph_nodes == 0) {
         return "launched no graph";

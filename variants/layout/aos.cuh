@@ -1,5 +1,5 @@
-// The layout aos on the device, an array of structures: a path's fields lie together, as in cis565 (whose record has no
-// padding).
+// The layout aos on the device, an array of structures: a path's fields lie together, as in cis565 (whose records have
+// no padding).
 #pragma once
 
 #include "variants/cuda/device/path_store.h"
@@ -43,7 +43,7 @@ struct DevicePaths {
             pieces(slot)[i] = copy.piece[i];
         }
     }
-    // A record is written whole, since its 16-byte pieces mix what a bounce changes and what it does not.
+    // A path's whole record is written, since its 16-byte pieces mix fields that a bounce changes with others.
     template <PathFields carried>
     PT_HD void put(std::uint32_t slot, const Path<Real>& path) const {
         store(slot, path);
@@ -59,7 +59,7 @@ struct DevicePaths {
     PT_HD std::uint32_t& primitive(std::uint32_t slot) const { return at(slot).primitive; }
     PT_HD Ray<Real> ray(std::uint32_t slot) const { return ray_of(load(slot)); }
 
-    // Bytes of a path store. A record is the whole path, whatever the scene, as in cis565.
+    // Bytes of a path store. A slot has the whole record of a path, whatever the scene's kernels carry, as in cis565.
     static constexpr std::size_t bytes(std::uint32_t capacity, const PathFields&) {
         return sizeof(Record<Real>) * std::size_t{capacity};
     }
@@ -80,7 +80,7 @@ private:
 
 }  // namespace pt::layout::aos
 
-#if defined(PT_HOST)  // host code: the choice's descriptor
+#if defined(PT_HOST)  // host part of this file: the layout's descriptor
 
 #include "variants/registry.h"
 

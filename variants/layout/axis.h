@@ -6,7 +6,7 @@
 namespace pt {
 
 struct LayoutTraits {
-    bool keeps_paths_whole = false;  // a path is stored as one record, so integrators without an array can have it
+    bool keeps_paths_whole = false;  // a path lies in memory as one record, which suits integrators without a queue
 };
 
 namespace layout {

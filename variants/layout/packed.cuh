@@ -39,7 +39,7 @@ constexpr Place place_of(PathField field) {
     }
 }
 
-// Bytes per path of the fields with columns of their own that come before this field.
+// Bytes per path of the fields listed before this one that have columns of their own.
 constexpr std::size_t own_bytes_before(std::size_t field) {
     std::size_t bytes = 0;
     for (std::size_t i = 0; i < field; ++i) {
@@ -76,7 +76,7 @@ struct DevicePaths {
         return path;
     }
     PT_HD void store(std::uint32_t slot, const Path<Real>& path) const { put<every_path_field>(slot, path); }
-    // Writes a path that is new in its slot. Its time is written with its origin.
+    // Writes all fields of a path that is new in its slot. The path's time is written together with its origin.
     template <PathFields carried>
     PT_HD void put(std::uint32_t slot, const Path<Real>& path) const {
         update<carried>(slot, path);
@@ -106,8 +106,8 @@ struct DevicePaths {
         return {{a.x, a.y, a.z}, {b.x, b.y, b.z}, bits_to_float(a.w), SurfaceId{b.w}};
     }
 
-    // Bytes of a path store. Radiance and medium, and then the columns of single fields, come last; columns behind the
-    // last one carried are left out.
+    // Bytes of a path store. The column of radiance and medium, and then those of single fields, come last, so what
+    // lies behind the last column that paths carry is left out.
     static constexpr std::size_t bytes(std::uint32_t capacity, const PathFields& fields) {
         std::size_t bytes_per_slot = 3 * sizeof(Column) + sizeof(Key);
         const std::size_t begin_of_own = bytes_per_slot + sizeof(Column);
@@ -157,7 +157,7 @@ private:
 
 }  // namespace pt::layout::packed
 
-#if defined(PT_HOST)  // host code: the choice's descriptor
+#if defined(PT_HOST)  // host part of this file: the layout's descriptor
 
 #include "variants/registry.h"
 

@@ -15,7 +15,7 @@
 
 namespace pt::cuda {
 
-// Stands for the value in a slot where an algorithm expects a reference. Slots have load(slot), store(slot, value).
+// A proxy for the value in a slot where an algorithm expects a reference. Slots has load(slot), store(slot, value).
 template <class Slots>
 class SlotReference {
 public:
@@ -28,7 +28,7 @@ public:
         slots_.store(slot_, value);
         return *this;
     }
-    // Assigns the value that the other slot holds, not the reference to that slot.
+    // Assigns the value in the other reference's slot; the reference itself stays with its slot.
     PT_HD const SlotReference& operator=(const SlotReference& other) const { return *this = static_cast<Value>(other); }
 
 private:
@@ -96,7 +96,7 @@ struct PathHasEnded {
 
 }  // namespace pt::cuda
 
-// Thrust assigns through a proxy reference only where a trait tells of it; its own output iterators register so, too.
+// Thrust assigns through a proxy reference only if this trait is true of it; Thrust's own iterators do so, too.
 THRUST_NAMESPACE_BEGIN
 namespace detail {
 template <class Slots>

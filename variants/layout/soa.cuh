@@ -23,7 +23,7 @@ constexpr bool lies_before(PathField field, PathField other) {
 
 constexpr std::size_t columns_of(PathField field) { return info(field).type == FieldType::vector ? 3 : 1; }
 
-// The number of the first column of a path's field.
+// Number of the first column that holds a path's field.
 constexpr std::size_t first_column(PathField field) {
     std::size_t columns = 0;
     for (std::size_t i = 0; i < path_field_count; ++i) {
@@ -41,7 +41,7 @@ constexpr bool is_word(std::size_t column) {
     return false;
 }
 
-// The first column of the run of columns of one type that a column is in.
+// The first in the run of columns of one type to which a column belongs.
 constexpr std::size_t first_of_type(std::size_t column) {
     while (column > 0 && is_word(column - 1) == is_word(column)) {
         column -= 1;
@@ -68,7 +68,7 @@ struct DevicePaths {
         store_fields<FieldChange::by_bounce, carried>(slot, path);
         store_fields<FieldChange::never, carried>(slot, path);
     }
-    // Writes the fields of a path that a bounce changes.
+    // Writes those fields of a path that a bounce changes.
     template <PathFields carried>
     PT_HD void update(std::uint32_t slot, const Path<Real>& path) const {
         store_fields<FieldChange::by_bounce, carried>(slot, path);
@@ -108,8 +108,8 @@ private:
     template <std::size_t column>
     using Element = std::conditional_t<is_word(column), std::uint32_t, Real>;
 
-    // The address of a column, in steps of whole columns of one type: counted in bytes from the store's begin,
-    // addresses take more registers.
+    // The address of a column, reckoned in whole columns from the first column of its type: reckoned in bytes from the
+    // begin of the store, addresses take more registers.
     template <std::size_t column>
     PT_HD Element<column>* at() const {
         constexpr std::size_t first = first_of_type(column);
@@ -136,8 +136,8 @@ private:
     template <PathField field>
     PT_HD void load_vector(std::uint32_t slot, Vec3<Real>& value) const {
         constexpr std::size_t x = first_column(field);
-        // An optional vector's addresses start from the first of its three columns, and the second one is stored by an
-        // index of 32 bits: other forms of the same addresses change the registers of kernels that carry the vector.
+        // Addresses of an optional vector start from the first of its three columns, and the second column has a 32-bit
+        // index: other forms of these addresses change the registers of kernels that carry the vector.
         if constexpr (info(field).is_optional) {
             const std::size_t step = padded(store_.capacity);
             value = {at<x>()[slot], at<x>()[step + slot], at<x>()[2 * step + slot]};
@@ -188,7 +188,7 @@ private:
 
 }  // namespace pt::layout::soa
 
-#if defined(PT_HOST)  // host code: the choice's descriptor
+#if defined(PT_HOST)  // host part of this file: the layout's descriptor
 
 #include "variants/registry.h"
 

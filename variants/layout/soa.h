@@ -22,8 +22,8 @@ inline constexpr Descriptor descriptor{
     .origin = "pbrt-v4's soac; Laine, Karras and Aila 2013",
 };
 
-// Number of columns of one kind (of Real, or of 32 bits) that lie before those of a path's field: the columns of the
-// fields listed before it.
+// Number of columns of one kind (of Real, or of 32 bits) that lie before those of a path's field: columns of fields
+// that precede this field in the list.
 constexpr std::size_t columns_before(std::size_t field, bool of_words) {
     std::size_t columns = 0;
     for (std::size_t i = 0; i < field; ++i) {
@@ -86,7 +86,7 @@ struct Columns {
     }
 };
 
-// Stands for the path in a slot where Thrust expects a reference to one.
+// A proxy for the path in a slot, where Thrust expects a reference to a path.
 template <class Real>
 class Reference {
 public:
@@ -131,7 +131,7 @@ private:
 
 }  // namespace pt::layout::soa
 
-// Thrust assigns through a proxy reference only where a trait tells of it; its own output iterators register so, too.
+// Thrust assigns through a proxy reference only if this trait is true of it; Thrust's own iterators do so, too.
 namespace thrust::detail {
 template <class Real>
 struct is_proxy_reference<pt::layout::soa::Reference<Real>> : true_type {};

@@ -6,7 +6,7 @@
 namespace pt {
 
 struct LevelsTraits {
-    bool is_flat = false;  // one tree over the triangles of all objects, in the accelerator's format
+    bool is_flat = false;  // one tree holds the triangles of all objects, in the accelerator's format
 };
 
 namespace levels {

@@ -6,7 +6,7 @@
 namespace pt {
 
 struct LightSamplingTraits {
-    bool is_by_solid_angle = true;  // a direction is drawn by the shape's own function
+    bool is_by_solid_angle = true;  // light directions are drawn by solid angle, by the light shape's own function
 };
 
 namespace light_sampling {

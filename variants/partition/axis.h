@@ -6,8 +6,8 @@
 namespace pt {
 
 struct PartitionTraits {
-    bool is_by_rows = false;  // each device renders all samples of its own rows of pixels; else some of every pixel
-    bool is_dynamic = false;  // a device that is done takes more samples
+    bool is_by_rows = false;  // each GPU renders all samples of its rows of pixels; else some of every pixel's samples
+    bool is_dynamic = false;  // a GPU that has done its samples takes more of them
 };
 
 namespace partition {

@@ -1,4 +1,4 @@
-// Why a partition of work between devices does not apply.
+// Why an image cannot be shared out between several GPUs in a variant, for the choices of the axis `partition`.
 #pragma once
 
 #include "variants/registry.h"

@@ -8,7 +8,7 @@
 namespace pt {
 
 struct PrecisionTraits {
-    std::uint32_t real_bytes = 4;  // bytes of each number of a path
+    std::uint32_t real_bytes = 4;  // bytes of each real number of a path
     bool intersects_in_double = false;
 
     constexpr bool is_double() const { return real_bytes == 8; }

@@ -1,5 +1,5 @@
-// What the choices that compute in double precision on the CPU have in common: few integrators are compiled so
-// (cmake/variants.cmake, integrators_in_double).
+// What the choices that compute in double precision on the CPU have in common. They exist only for integrators that are
+// compiled in double (cmake/variants.cmake, integrators_in_double).
 #pragma once
 
 #include "variants/registry.h"

@@ -6,8 +6,8 @@
 namespace pt {
 
 struct SamplerTraits {
-    bool is_in_every_kernel = false;  // every kernel contains the sampler, which has no feature bit
-    bool is_by_position = false;      // a path's random numbers follow from its position in the queue
+    bool is_in_every_kernel = false;  // every kernel contains this sampler, so it has no feature bit
+    bool is_by_position = false;      // a path's random numbers follow from its position in the queue, not its pixel
 };
 
 namespace sampler {

@@ -1,4 +1,4 @@
-// The sampler pcg4d: a cheap hash of pixel, sample, bounce and dimension for every four numbers, good for every test.
+// The sampler pcg4d: a cheap hash of pixel, sample, bounce and dimension for every four numbers, good for all tests.
 #include "variants/registry.h"
 
 namespace pt::sampler::pcg4d {

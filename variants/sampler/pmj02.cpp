@@ -1,4 +1,4 @@
-// The sampler pmj02: samples that fill the unit square evenly, two dimensions at a time (kernels/samplers/pmj02.h).
+// The sampler pmj02: a pixel's samples fill the unit square evenly, two dimensions at a time (samplers/pmj02.h).
 #include "variants/registry.h"
 
 namespace pt::sampler::pmj02 {

@@ -11,8 +11,8 @@ namespace pt {
 // materials of each chunk of the queue's slots, chunk by chunk, and bits is 0.
 struct SortKeyTraits {
     std::uint32_t bits = 0;
-    bool has_material = true;  // the key needs the hit's material; other keys sort paths before they are traced
-    bool by_chunk = false;     // keys number the materials of each chunk of slots (tunable `chunk`)
+    bool has_material = true;  // the key needs the material that was hit; other keys sort paths before these are traced
+    bool by_chunk = false;     // keys number the materials within each chunk of slots (tunable `chunk`)
 
     constexpr bool is_material_alone() const { return has_material && bits == 0 && !by_chunk; }
     // Whether a counting sort can take the keys: there is one a material, or one a material of a chunk, few enough to

@@ -3,7 +3,7 @@
 // Blender D15331, 2022).
 #pragma once
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device part of this file: the sort key, which NVRTC compiles
 
 #include "variants/cuda/device/sort_keys.cuh"
 
@@ -12,14 +12,14 @@ namespace pt::sort_key::chunk_material {
 inline constexpr bool has_material = true;
 inline constexpr bool by_chunk = true;
 
-// The part of a sort key below its material: none in this key.
+// The lower part of a sort key, below its material: nothing in this key.
 __device__ inline std::uint32_t rest(const Ray<Real>&, const pt::Hit<Real>&, const cuda::KeyBounds&) { return 0; }
 
 }  // namespace pt::sort_key::chunk_material
 
 #endif
 
-#if defined(PT_HOST)  // host code: the choice's descriptor
+#if defined(PT_HOST)  // host part of this file: the sort key's descriptor
 
 #include "variants/registry.h"
 

@@ -8,7 +8,7 @@ namespace pt::sort_key::material {
 inline constexpr bool has_material = true;
 inline constexpr bool by_chunk = false;
 
-// The part of a sort key below its material: none in this key.
+// The lower part of a sort key, below its material: nothing in this key.
 __device__ inline std::uint32_t rest(const Ray<Real>&, const pt::Hit<Real>&, const cuda::KeyBounds&) { return 0; }
 
 }  // namespace pt::sort_key::material

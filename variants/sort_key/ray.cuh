@@ -2,7 +2,7 @@
 // before the ray is traced, so paths are sorted in front of the intersection stage, which gains as well.
 #pragma once
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device part of this file: the sort key, which NVRTC compiles
 
 #include "variants/cuda/device/sort_keys.cuh"
 
@@ -21,7 +21,7 @@ __device__ inline std::uint32_t rest(const Ray<Real>& ray, const pt::Hit<Real>&,
 
 #endif
 
-#if defined(PT_HOST)  // host code: the choice's descriptor
+#if defined(PT_HOST)  // host part of this file: the sort key's descriptor
 
 #include "variants/registry.h"
 

@@ -7,8 +7,8 @@ namespace pt {
 
 struct SortingTraits {
     bool sorts = true;
-    bool host_sync = false;          // the host waits for the device within a sort, so no CUDA graph can hold it
-    bool reproducible_order = true;  // a path has the same position in the queue in every run
+    bool host_sync = false;          // the host waits for the device within a sort, which no CUDA graph can hold
+    bool reproducible_order = true;  // a path has the same queue position in every run
 };
 
 namespace sorting {

@@ -41,7 +41,7 @@ public:
     }
 
 private:
-    std::vector<std::uint32_t> offsets_;  // place of each block's next slot of a key: [block][key]
+    std::vector<std::uint32_t> offsets_;  // where each block's next slot of a key goes, by [block][key]
 };
 
 const Registration registration(
@@ -50,8 +50,8 @@ const Registration registration(
         .name = "bucket",
         .summary = "counting sort of slot numbers by material; the payload stays in place",
         .origin = "Cycles' sorted index array",
-        // This sort counts as one of no reproducible order, though it is stable on the CPU, for it is not on CUDA: what
-        // goes together is to be the same on both backends.
+        // The bucket sort is stable on the CPU, but not on CUDA. Both backends declare that its order is not
+        // reproducible, so that the same choices go together on both.
         .traits = SortingTraits{.reproducible_order = false},
         .check_counters = sorted_every_bounce,
     },

@@ -26,7 +26,7 @@ struct ScanKeysParameters {
 struct ScatterParameters {
     static constexpr const char* kernel = "scatter";
     const std::uint32_t* keys;
-    const std::uint32_t* order;  // slots by position; null: slot i at position i
+    const std::uint32_t* order;  // slots by position in the queue; null: slot i at position i
     std::uint32_t bound;
     std::uint32_t key_count;
     std::uint32_t* next;
@@ -35,7 +35,7 @@ struct ScatterParameters {
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device part of this file: kernels, which NVRTC compiles
 
 #include "variants/cuda/device/device.cuh"
 
@@ -81,7 +81,7 @@ PT_KERNEL(scan_keys, pt::cuda::ScanKeysParameters, (std::uint32_t * totals, std:
     }
 }
 
-// Scatters slot numbers to their buckets. Positions beyond the count keep any slot, which nobody reads.
+// Scatters slot numbers to the buckets of their keys. Positions beyond the count get any slot, which nobody reads.
 PT_KERNEL(scatter, pt::cuda::ScatterParameters,
           (const std::uint32_t* keys, const std::uint32_t* order, std::uint32_t bound, std::uint32_t key_count,
            std::uint32_t* next, std::uint32_t* sorted)) {
@@ -104,7 +104,7 @@ PT_KERNEL(scatter, pt::cuda::ScatterParameters,
 
 #endif
 
-#if defined(PT_HOST)  // host code: kernel launches and the choice's descriptor
+#if defined(PT_HOST)  // host part of this file: kernel launches, and the choice's descriptor
 
 #include <stdexcept>
 #include "variants/cuda/stages.h"

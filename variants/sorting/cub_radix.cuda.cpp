@@ -1,4 +1,4 @@
-// The sort cub_radix: cub::DeviceRadixSort of slot numbers by the bits that the scene's keys need (one material: none).
+// The sort cub_radix: cub::DeviceRadixSort of slot numbers by the bits that the scene's keys take (one material: none).
 #include "variants/cuda/radix_sort.h"
 #include "variants/registry.h"
 #include "variants/work_checks.h"

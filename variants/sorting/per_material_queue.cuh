@@ -11,7 +11,7 @@ namespace pt::cuda {
 struct AppendToQueuesParameters {
     static constexpr const char* kernel = "append_to_queues";
     const std::uint32_t* keys;
-    const std::uint32_t* order;  // slots by position; null: slot i at position i
+    const std::uint32_t* order;  // slots by position in the queue; null: slot i at position i
     const std::uint32_t* count;
     std::uint32_t queue_count;
     std::uint32_t capacity;
@@ -21,7 +21,7 @@ struct AppendToQueuesParameters {
 
 }  // namespace pt::cuda
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device part of this file: kernels, which NVRTC compiles
 
 #include "variants/cuda/device/device.cuh"
 
@@ -47,7 +47,7 @@ PT_KERNEL(append_to_queues, pt::cuda::AppendToQueuesParameters,
 
 #endif
 
-#if defined(PT_HOST)  // host code: kernel launches and the choice's descriptor
+#if defined(PT_HOST)  // host part of this file: kernel launches, and the choice's descriptor
 
 #include "variants/cuda/stages.h"
 #include "variants/registry.h"

@@ -6,8 +6,8 @@
 namespace pt {
 
 struct SpecialisationTraits {
-    bool is_generic = false;  // one kernel for every scene
-    bool by_matrix = false;   // every object is intersected through its matrix, by other code than in kernels/
+    bool is_generic = false;  // one kernel serves every scene
+    bool by_matrix = false;   // kernels intersect every object through its matrix (kernels/transform.h), by other code
 };
 
 namespace specialisation {

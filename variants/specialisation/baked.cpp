@@ -1,5 +1,5 @@
 // The choice specialisation=baked: as `features`, with the scene's numbers as constants of the kernel, which is the
-// most that leaving out can bring. A kernel a scene, so only where one can be compiled at run time.
+// most that leaving out can bring. Every scene has its own kernel, so a kernel must be compiled at run time.
 #include "variants/registry.h"
 #include "variants/specialisation/smallest_superset.h"
 

@@ -6,7 +6,7 @@
 namespace pt {
 
 struct TraversalTraits {
-    bool is_accelerators_own = false;  // with traversal_stack=local, programs have the accelerator's own loop
+    bool is_accelerators_own = false;  // with traversal_stack=local the accelerator's own loop is compiled
     bool needs_own_kernel = false;
 };
 

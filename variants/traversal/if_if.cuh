@@ -3,7 +3,7 @@
 // end of another lane's inner loop.
 #pragma once
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device part of this file: traversal loop, which NVRTC compiles
 
 #include "variants/traversal/by_steps.cuh"
 
@@ -41,7 +41,7 @@ using Traversal = BySteps<Order, Accelerator, Stack>;
 
 #endif
 
-#if defined(PT_HOST)  // host code: the choice's descriptor
+#if defined(PT_HOST)  // host part of this file: the traversal's descriptor
 
 #include "variants/mesh_reasons.h"
 #include "variants/registry.h"

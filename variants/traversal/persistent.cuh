@@ -3,7 +3,7 @@
 // shadow rays and the first-bounce cache, which are traced in other kernels, take the accelerator's own loop.
 #pragma once
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device part of this file: traversal loop, which NVRTC compiles
 
 #include "variants/traversal/warp_queue.cuh"
 
@@ -21,7 +21,7 @@ struct Traversal : Accelerator {
 
 #endif
 
-#if defined(PT_HOST)  // host code: the choice's descriptor
+#if defined(PT_HOST)  // host part of this file: the traversal's descriptor
 
 #include "variants/mesh_reasons.h"
 #include "variants/registry.h"

@@ -3,14 +3,14 @@
 // Traversal on GPUs", HPG 2009. Nodes that a postponed hit would have ruled out are visited in vain.
 #pragma once
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device part of this file: traversal loop, which NVRTC compiles
 
 #include "variants/traversal/by_steps.cuh"
 
 namespace pt::traversal::speculative {
 
-// Whether any of the lanes that vote together votes yes. The compiler may let lanes vote in groups: that changes when
-// leaves are tested, not which.
+// Whether any lane of the warp votes yes. The compiler may have lanes vote in several groups: that changes when leaves
+// are tested, not which.
 PT_HD inline bool any_lane([[maybe_unused]] bool vote) {
 #if defined(__CUDA_ARCH__)
     return __any_sync(__activemask(), vote ? 1 : 0) != 0;
@@ -53,7 +53,7 @@ using Traversal = BySteps<Order, Accelerator, Stack>;
 
 #endif
 
-#if defined(PT_HOST)  // host code: the choice's descriptor
+#if defined(PT_HOST)  // host part of this file: the traversal's descriptor
 
 #include "variants/mesh_reasons.h"
 #include "variants/registry.h"

@@ -41,7 +41,7 @@ __device__ inline bool fetch(State& state, std::uint32_t* next, std::uint32_t co
     return !exhausted || __any_sync(every_lane, state.active());
 }
 
-// Takes one step of the warp, through nodes or over triangles, for the lanes that want it.
+// Takes one step of a warp of persistent threads, through nodes or over triangles, for the lanes that want it.
 template <class Policy, class State>
 __device__ inline void step(State& state) {
     if constexpr (Policy::vote == 0) {

@@ -1,6 +1,6 @@
-// The traversal while_while: nodes until there is a leaf, then its triangles, "while-while" of Aila and Laine,
-// "Understanding the Efficiency of Ray Traversal on GPUs", HPG 2009. This loop over steps is for stacks other than
-// `local`; with `local`, programs have the accelerator's own loop, which visits in the same order.
+// The traversal while_while: a lane visits nodes until it finds a leaf, then tests the leaf's triangles, "while-while"
+// of Aila and Laine, "Understanding the Efficiency of Ray Traversal on GPUs", HPG 2009. The loop over steps here is for
+// stacks other than `local`; with `local`, programs have the accelerator's own loop, which visits in the same order.
 #pragma once
 
 #include "variants/traversal/by_steps.cuh"

@@ -6,7 +6,7 @@
 namespace pt {
 
 struct TraversalStackTraits {
-    bool is_in_thread = false;  // all entries lie in the thread's local memory
+    bool is_in_thread = false;  // all entries of the stack lie in the thread's local memory
 };
 
 namespace traversal_stack {

@@ -2,7 +2,7 @@
 // in its way, the rest in local memory. Ylitie, Karras, Laine, HPG 2017, section 4.
 #pragma once
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device part of this file: the traversal stack, which NVRTC compiles
 
 #include "variants/bvh/stacks.h"
 #include "variants/traversal_stack/shared_column.cuh"
@@ -33,7 +33,7 @@ using Stack = FullStack<Open, Memory<Open, most>>;
 
 #endif
 
-#if defined(PT_HOST)  // host code: the choice's descriptor
+#if defined(PT_HOST)  // host part of this file: the traversal stack's descriptor
 
 #include "variants/mesh_reasons.h"
 #include "variants/registry.h"

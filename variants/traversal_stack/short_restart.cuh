@@ -3,7 +3,7 @@
 // wide trees after Vaidyanathan, Woop, Benthin, "Wide BVH Traversal with a Short Stack", HPG 2019.
 #pragma once
 
-#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device code, compiled by NVRTC
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device part of this file: the traversal stack, which NVRTC compiles
 
 #include "variants/bvh/stacks.h"
 #include "variants/traversal_stack/shared_column.cuh"
@@ -20,7 +20,7 @@ using Stack = typename ShortStackFor<Open, SharedColumn<Open, entries<Open>>, en
 
 #endif
 
-#if defined(PT_HOST)  // host code: the choice's descriptor
+#if defined(PT_HOST)  // host part of this file: the traversal stack's descriptor
 
 #include "variants/mesh_reasons.h"
 #include "variants/registry.h"

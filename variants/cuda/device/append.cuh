@@ -49,11 +49,11 @@ __device__ inline std::uint32_t append_by_block(std::uint32_t* count, bool keep)
     }
     __syncthreads();
     const std::uint32_t position = before[warp] + static_cast<std::uint32_t>(__popc(kept & ((1u << lane()) - 1u)));
-    __syncthreads();  // after this barrier `before` may be written again
+    __syncthreads();  // from here on `before` may be written again
     return position;
 }
 
-// Resets a list's counts once all blocks have called it. Every thread of a block must call it, as the last thing.
+// Resets a list's counts once all thread blocks have called it. Every thread of a block must call it, and last of all.
 __device__ inline void finish_list(ListCounts* counts) {
     __syncthreads();
     if (threadIdx.x == 0) {
@@ -64,19 +64,19 @@ __device__ inline void finish_list(ListCounts* counts) {
     }
 }
 
-// Elements gathered by a block: element i below `count` has position first + i among those of all blocks.
+// Elements gathered by a block: element i below `count` gets position first + i among the elements of all blocks.
 struct Gathered {
-    std::uint32_t first, count;   // `first` is undefined where nothing was gathered
-    const std::uint32_t* values;  // gathered values in shared memory, valid until the block gathers again
+    std::uint32_t first, count;   // place of the first element; undefined if there is none
+    const std::uint32_t* values;  // gathered values in shared memory, until the block gathers again
 };
 
-// append_by_block, with the kept values of the block side by side in shared memory, in the order of their threads.
+// append_by_block, which here also puts the block's kept values side by side into shared memory, in thread order.
 __device__ inline Gathered gather_by_block(std::uint32_t* count, bool keep, std::uint32_t value) {
     __shared__ std::uint32_t values[kernel_config.block];
     __shared__ std::uint32_t first;
     const std::uint32_t position = append_by_block(count, keep);
     if (threadIdx.x == 0) {
-        first = position;  // position of the block's first kept element
+        first = position;  // position of the first element that the block keeps
     }
     const std::uint32_t kept = static_cast<std::uint32_t>(__syncthreads_count(keep ? 1 : 0));
     if (keep) {

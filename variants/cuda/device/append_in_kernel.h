@@ -1,4 +1,4 @@
-// How an integrator's own kernel appends live paths in place of a compaction kernel. Shared by host and NVRTC.
+// How an integrator's own kernel appends live paths, where no compaction kernel does. Shared by host and NVRTC.
 #pragma once
 
 namespace pt {

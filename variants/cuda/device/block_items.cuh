@@ -23,11 +23,11 @@ struct Pieces {
     }
 };
 
-// Items given to a warp: first to first + count - 1 of `items`; fewer than it asked for at a piece's end.
+// Items given to a warp: numbers first to first + count - 1 of `items`; fewer than the warp asks for at a piece's end.
 struct GivenItems {
     Items items;
     std::uint32_t first, count;
-    bool is_exhausted;  // no items are left, for any later call either
+    bool is_exhausted;  // no items are left, and later calls get none either
 };
 
 class BlockItems {

@@ -7,7 +7,7 @@
 
 template <bool splits>
 struct Branches {
-    // Takes one step of the path, or of a branch of it. Returns whether the path lives.
+    // Takes one step of a path or, where paths split, of a branch of the path. Returns whether the path lives.
     __device__ bool take_step(const SceneViews& scene, Path& path, pt::WalkOf<Configuration>& walk,
                               const HitCache& cache, ThreadCounters& counters) {
         return ::take_step(scene, path, walk, cache, counters);
@@ -24,7 +24,7 @@ struct Branches {
             }
         }
     }
-    // Rays traced for a path that has ended, and segments of its longest branch; without splitting the same number.
+    // Rays traced for a path that has ended, and segments of its longest branch; both are equal without path splitting.
     __device__ std::uint32_t rays(const Path& path) const { return path.segment; }
     __device__ std::uint32_t longest(const Path& path) const { return path.segment; }
     __device__ void start_again() {}

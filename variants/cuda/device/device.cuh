@@ -10,8 +10,8 @@
 #include "variants/cuda/device/warp_reduce.cuh"
 
 // Declares a kernel, with its parameters in brackets: it compiles only if they match the host's launch in number, type
-// and size. The parameters are one struct on the host alone: as one parameter of the kernel they are loaded elsewhere,
-// and kernels have other registers. host_bytes is in the program's text.
+// and size. Only the host has them as one struct: a kernel loads a struct's members from elsewhere than parameters, and
+// has other registers. host_bytes is in the program's text.
 #define PT_KERNEL_WITH(bounds, name, Parameters, ...)                                                      \
     extern "C" __global__ void bounds name __VA_ARGS__;                                                    \
     static_assert(pt::cuda::is_kernel_of<Parameters, decltype(name)>(#name), "not the host's parameters"); \
@@ -28,8 +28,8 @@ using Scene = pt::SceneView<Real>;
 using Path = pt::Path<Real>;
 using Hit = pt::Hit<Real>;
 using StoredHit = pt::StoredHit<Real>;
-// What a thread counts in one kernel fits in 32 bits: the host splits longer renders into several launches, or the
-// kernel adds up in between.
+// Counters of one thread, in 32 bits: the host splits longer renders into several launches, or the kernel adds the
+// counters up in between.
 using ThreadCounters = pt::PathCountersOf<std::uint32_t>;
 using HitCache = pt::cuda::HitCache<Real>;
 using pt::FilmView;
@@ -77,7 +77,7 @@ __device__ inline void add_over_block(const std::uint32_t (&values)[count], std:
     }
 }
 
-// The block's own copy of the totals: blocks that added to one address would wait for each other.
+// The copy of the totals that the thread block adds to: blocks that added to one address would wait for each other.
 __device__ inline Totals* own_copy(Totals* totals) { return totals + blockIdx.x % counter_copies; }
 
 // Adds to a total in global memory how many threads of the block say yes. Every thread must call it.
@@ -101,8 +101,8 @@ __device__ inline void add_shade_counters(Totals* totals, const ThreadCounters& 
     }
 }
 
-// Counts the paths alive, and those in play, of a kernel that traces one segment a thread. Every thread of the block
-// must call it.
+// Counts how many paths of a kernel that traces one segment a thread are alive, and how many are in play. Every thread
+// of the block must call it.
 __device__ inline void add_segment_counts(const SegmentCounts& segments, std::uint32_t segment, bool live,
                                           std::uint32_t in_play) {
     const std::size_t copy = static_cast<std::size_t>(segment) * segments.copies + blockIdx.x % segments.copies;
@@ -139,8 +139,7 @@ __device__ inline void add_counters(Totals* totals, const ThreadCounters& counte
 }  // namespace pt::cuda
 
 // A scene as kernels read it: `shade` for the surface that each lane has hit, `trace` for all objects in turn. A kernel
-// for one scene has copies, of which little is left: where the variant fixes the numbers of objects, they are
-// constants.
+// has copies of both, of which little remains: where the variant fixes the numbers of objects, they are constants.
 struct OwnSceneViews {
     Scene shade, trace;
 
@@ -258,7 +257,7 @@ __device__ inline Hit first_hit(const SceneViews& scene, const Path& path, const
     return trace(scene, path);
 }
 
-// The hit of the path's current segment: the first from the first-bounce cache if there is one, else traced.
+// The hit of the path's current segment: traced or, for the first segment, from the first-bounce cache if there is one.
 __device__ inline Hit next_hit(const SceneViews& scene, const Path& path, const HitCache& cache) {
     return kernel_config.keeps_first_hits && path.segment == 0 ? first_hit(scene, path, cache) : trace(scene, path);
 }
@@ -289,7 +288,7 @@ __device__ inline bool shade(const SceneViews& scene, Path& path, const Hit& hit
     return pt::shade<Configuration>(scene.shade, scene.trace, path, hit, counters);
 }
 
-// Shades the hit; a subsurface walk that begins there is left to the caller, or taken to its end.
+// Shades the hit of a path; a subsurface walk that begins there is left to the caller, or taken to its end.
 template <bool leaves_walks>
 __device__ inline bool shade(const SceneViews& scene, Path& path, const Hit& hit, ThreadCounters& counters,
                              pt::WalkOf<Configuration>& walk) {
@@ -301,8 +300,8 @@ __device__ inline bool shade(const SceneViews& scene, Path& path, const Hit& hit
     }
 }
 
-// One step of a path: of its walk, if it is on one, else its segment traced and shaded. A warp whose lanes take their
-// walks step by step does not wait for the longest of them. Returns whether the path lives.
+// One step of a path: of its subsurface walk, if it is on one, else its segment is traced and shaded. A warp whose
+// lanes take their walks step by step does not wait for the longest of them. Returns whether the path lives.
 __device__ inline bool take_step(const SceneViews& scene, Path& path, pt::WalkOf<Configuration>& walk,
                                  const HitCache& cache, ThreadCounters& counters) {
     if constexpr (pt::has<Configuration>(pt::Feature::subsurface)) {

@@ -1,4 +1,4 @@
-// Sort keys of paths whose rays have been traced. Device code, included after the program's sort_key.
+// Sort keys of paths whose rays have been traced. Device code, which a program includes after the choice's sort_key.
 #pragma once
 
 #include "variants/cuda/device/device.cuh"

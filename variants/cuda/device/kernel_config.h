@@ -18,7 +18,7 @@ struct FixedCounts {
 #undef PT_COUNT
     std::uint32_t walls = 0, lamps = 0, open_sides = 0;
     std::uint32_t low_sides[3] = {0, 0, 0}, high_sides[3] = {0, 0, 0};
-    std::uint32_t one_light = none;  // object of the only light; none: no light or several
+    std::uint32_t one_light = none;  // object that is the only light; none: no light, or several
 
     PT_HD constexpr std::uint32_t objects() const {
         std::uint32_t sum = 0;
@@ -31,11 +31,11 @@ struct FixedCounts {
 
 struct KernelConfig {
     FeatureSet features = no_features;
-    std::uint32_t block = 256;                // threads of a block
-    std::uint32_t min_blocks = 0;             // blocks that a multiprocessor must hold at once; 0: no bound
+    std::uint32_t block = 256;                // threads of a thread block
+    std::uint32_t min_blocks = 0;             // blocks that a multiprocessor must hold at once; 0: no launch bound
     bool keeps_first_hits = false;            // there is a first-bounce cache
-    std::uint32_t shading_fmas = 0;           // multiply-adds injected as cost of a material
-    std::uint32_t constant_scene_bytes = 16;  // bytes of the scene's arrays in constant memory, if they lie there
+    std::uint32_t shading_fmas = 0;           // dependent multiply-adds injected as the cost of each material
+    std::uint32_t constant_scene_bytes = 16;  // bytes of the scene's arrays in constant memory, if they are there
     bool has_fixed_counts = false;
     FixedCounts counts = {};
 };

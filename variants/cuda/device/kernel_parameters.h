@@ -112,12 +112,12 @@ constexpr bool is_kernel_of(const char* name) {
     return *name == *expected && std::is_same_v<MemberList<Parameters>, typename ParameterList<Kernel>::type>;
 }
 
-// A kernel that the host launches: its name, the size of its parameters, and whether results report it.
+// A kernel that the host launches: its name, the size of its parameters, and whether results report its registers.
 struct KernelSignature {
     const char* name = nullptr;
     std::size_t parameter_bytes = 0;
-    bool is_reported = true;           // whether results have the kernel's register count
-    std::uint32_t most_threads = ~0u;  // most threads of a block, if fewer than the program's
+    bool is_reported = true;           // whether results report the kernel's register count
+    std::uint32_t most_threads = ~0u;  // most threads of the kernel's block, if fewer than the program's
 };
 
 template <class Parameters>

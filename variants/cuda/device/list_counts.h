@@ -6,11 +6,11 @@
 
 namespace pt::cuda {
 
-// Counts of a list, all 0 when a kernel begins to fill it.
+// Counts of a list in device memory, all 0 when a kernel begins to fill the list.
 struct ListCounts {
-    std::uint32_t waiting;   // number of entries in the list
-    std::uint32_t taken;     // number of entries that were handed out
-    std::uint32_t finished;  // blocks that are done with the list
+    std::uint32_t waiting;   // number of entries that were put into the list
+    std::uint32_t taken;     // number of list entries that were handed out
+    std::uint32_t finished;  // thread blocks that are done with the list
 };
 
 }  // namespace pt::cuda

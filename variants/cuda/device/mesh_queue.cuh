@@ -12,7 +12,7 @@ inline constexpr bool fetches_paths = requires {
     Traversal::fetches_paths;
 };
 
-// The kernel's configuration without meshes.
+// The kernel's configuration (Config) without meshes.
 using WithoutMeshes = Config<Real, ::Configuration::features & ~static_cast<FeatureSet>(Feature::mesh), Accelerator>;
 
 // A ray in a mesh's space, and its traversal at the root of the mesh's tree.
@@ -74,7 +74,7 @@ __device__ inline bool enters_mesh(const ::Scene& scene, const Ray<Real>& ray, c
     return false;
 }
 
-// Appends the positions of the threads whose path `waits` to the mesh queue. Every thread of the block must call it.
+// Appends to the mesh queue the positions of threads whose path `waits`. Every thread of the block must call it.
 __device__ inline void put_position(const MeshQueue& queue, bool waits, std::uint32_t position) {
     const std::uint32_t place = append_by_block(&queue.counts->waiting, waits);
     if (waits) {

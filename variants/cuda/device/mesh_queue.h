@@ -11,7 +11,7 @@
 namespace pt::cuda {
 
 // Block size of the kernel that works off the mesh queue, in programs of `block` threads per block. Seven blocks of 128
-// leave a thread 72 registers, which hold a ray's state without spills (H200: 0.97 of the time with 64).
+// leave a thread 72 registers, which hold a ray's state without spills (H200: 0.97 of the time with 64 registers).
 inline constexpr std::uint32_t most_fetching_threads = 128;
 PT_HD constexpr std::uint32_t fetching_block(std::uint32_t block) {
     return block < most_fetching_threads ? block : most_fetching_threads;
@@ -34,12 +34,12 @@ struct IntersectMeshesParameters {
     static constexpr std::uint32_t most_threads = most_fetching_threads;
     SceneView<Real> scene;
     PathStore store;
-    const std::uint32_t* order;  // slots by position; null: slot i at position i
+    const std::uint32_t* order;  // slots by position in the queue; null: slot i at position i
     MeshQueue queue;
     StoredHit<Real>* hits;
     std::uint32_t* keys;
     std::uint32_t bits;
-    std::uint32_t chunk;  // slots in a chunk; only for sort keys by chunk
+    std::uint32_t chunk;  // slots in a chunk of the queue, for sort keys by chunk only
     KeyBounds bounds;
 };
 

@@ -1,4 +1,4 @@
-// The kind of a path's next stage as a number, and the path packed in words of 32 bits, four to a column, as it lies in
+// The kind of a path's next stage as a number; and a path packed in words of 32 bits, four to a column, as paths lie in
 // shared memory between two stages (path_pool.cuh).
 #pragma once
 
@@ -27,20 +27,20 @@ struct SurfaceKinds {
 
 struct Kinds {
     static constexpr bool has_walks = pt::has<Configuration>(pt::Feature::subsurface);
-    // Kind of a path that shading ends, or of a slot without a path: a new path begins.
+    // kind of a path that shading ends, or of a slot without a path: a new path begins there
     static constexpr std::uint32_t over = 0;
     static constexpr SurfaceKinds surfaces = SurfaceKinds::after(over + 1);
-    static constexpr std::uint32_t walking = over + 1 + surfaces.count;       // path on a walk in a body
-    static constexpr std::uint32_t starting = walking + (has_walks ? 1 : 0);  // path whose next ray is yet to be traced
-    static constexpr std::uint32_t lists = starting + (has_walks ? 1 : 0);    // number of kinds with a ring of paths
-    static constexpr std::uint32_t retired = lists;                           // slot that gets no path any more
-    static constexpr std::uint32_t nothing = lists + 1;                       // lane without a slot
+    static constexpr std::uint32_t walking = over + 1 + surfaces.count;       // kind of a path on a walk in a body
+    static constexpr std::uint32_t starting = walking + (has_walks ? 1 : 0);  // kind of a path with a next ray to trace
+    static constexpr std::uint32_t lists = starting + (has_walks ? 1 : 0);    // number of kinds with rings of paths
+    static constexpr std::uint32_t retired = lists;                           // kind of a slot without further paths
+    static constexpr std::uint32_t nothing = lists + 1;                       // kind of a lane without a slot
     static_assert(nothing < 16);
 
     __device__ static std::uint32_t of(pt::MaterialType type) {
         return static_cast<std::uint32_t>(surfaces.table >> (4 * static_cast<std::uint32_t>(type))) & 15u;
     }
-    // The kind of a path whose segment was traced.
+    // The kind of a path's next stage, once the path's segment was traced.
     __device__ static std::uint32_t of(const Scene& scene, const Path& path, const Hit& hit) {
         if (!hit.side.exists() || path.segment + 1 >= scene.longest_path()) {
             return over;
@@ -71,7 +71,7 @@ public:
     static constexpr std::uint32_t columns = (words + 3) / 4;
     uint4 column[columns];
 
-    // Packs a path with its hit and walk. The triangle of a mesh that was met lies with the path, in path.primitive.
+    // Packs a path with its hit and its walk. The triangle of a mesh that the path has met goes into path.primitive.
     __device__ void pack(const Path& path, const Hit& hit, const pt::Walk& walk) {
         at_ = 0;
 #define PT_PACK(name, type, change) put(path.name);

@@ -9,10 +9,10 @@
 #include "variants/cuda/device/packed_path.cuh"
 #include "variants/cuda/device/warp_lock.cuh"
 
-// The paths that a warp takes: lanes below `count` have a slot each, all of one kind.
+// The paths that a warp takes from the pool: lanes below `count` have a slot each, all of one kind.
 struct Taken {
     std::uint32_t kind, count, slot;
-    bool finished;  // all slots of the block are retired
+    bool finished;  // all slots of the block are retired: no path is left to work on
 };
 
 struct PoolSize {
@@ -95,7 +95,7 @@ private:
             first = atomicAdd(&tails_[kind], static_cast<std::uint32_t>(__popc(peers)));
         }
         first = __shfl_sync(pt::cuda::all_lanes, first, __ffs(static_cast<int>(peers)) - 1);
-        // Positions a ring's length apart share an entry, which the last reader may not have emptied yet.
+        // Positions a ring's length apart share an entry, which the reader of the earlier one may not have emptied yet.
         bool has_entry = kind < Kinds::lists;
         while (__any_sync(pt::cuda::all_lanes, has_entry)) {
             if (has_entry) {
@@ -134,7 +134,7 @@ private:
             }
         } while (!has_taken && !taken.finished);
         taken.count = has_taken ? taken.count : 0;
-        // A ring entry that was taken but is not yet written will be written in a moment: wait for it.
+        // A ring entry that was taken before it was written will be written in a moment, so wait for it.
         taken.slot = 0;
         bool waits = lane < taken.count;
         while (__any_sync(pt::cuda::all_lanes, waits)) {
@@ -152,7 +152,7 @@ private:
     }
 
     uint4 columns_[PackedPath::columns][slots];
-    // Head and tail positions of each ring; for kinds without a ring the tail counts what was handed back.
+    // Head and tail positions of each kind's ring; for kinds without a ring the tail counts the slots handed back.
     std::uint32_t heads_[Kinds::nothing + 1], tails_[Kinds::nothing + 1];
     std::uint16_t rings_[Kinds::lists][ring];
 };

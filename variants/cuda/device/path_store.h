@@ -11,13 +11,13 @@ namespace pt::cuda {
 // The paths of a queue in device memory: one block whose inner order is the layout's.
 struct PathStore {
     unsigned char* base = nullptr;
-    std::uint32_t capacity = 0;  // number of slots
+    std::uint32_t capacity = 0;  // number of path slots in the store
 };
 
 // One 32-bit field of the paths of a store, whatever the layout: slot i is at base + i * stride.
 struct FieldView {
     const unsigned char* base = nullptr;
-    std::uint32_t stride = 0;  // bytes from one slot to the next
+    std::uint32_t stride = 0;  // bytes from the field of one slot to that of the next
 };
 
 PT_HD inline std::uint32_t value_at(const FieldView& field, std::uint32_t slot) {

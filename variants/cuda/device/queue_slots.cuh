@@ -5,7 +5,7 @@
 
 namespace pt::cuda {
 
-// The slot of the path at a position of the queue; without an order slot i is at position i.
+// The slot of the path at a position of the queue; without an index order slot i is at position i.
 __device__ inline std::uint32_t slot_at(const std::uint32_t* order, std::uint32_t position) {
     return order != nullptr ? order[position] : position;
 }

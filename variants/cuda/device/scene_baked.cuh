@@ -6,7 +6,7 @@ namespace pt::cuda {
 
 inline constexpr bool bakes_scene = true;
 
-// Points an array's view at words baked into the program. Meshes are not baked, since their arrays have addresses.
+// Points the view of a scene's array at words baked into the program. Meshes, whose arrays have addresses, do not.
 template <class T>
 __device__ inline void bake_array(View<T>& view, const unsigned* words) {
     view.data = reinterpret_cast<const T*>(words);

@@ -13,7 +13,7 @@ inline constexpr bool bakes_scene = false;
 template <class Scene>
 __device__ inline void bake(Scene&) {}
 
-// Places an array where the host laid it out (constant_scene): each array starts on a border of 16 bytes.
+// Places an array where the host put it in constant memory (constant_scene): arrays begin at multiples of 16 bytes.
 template <class T>
 __device__ inline void place_array(View<T>& view, std::uint32_t& offset) {
     view.data = reinterpret_cast<const T*>(pt_scene + offset);
@@ -23,7 +23,7 @@ __device__ inline void place_array(View<T>& view, std::uint32_t& offset) {
 template <class Scene>
 __device__ inline void place_traced_arrays(Scene& scene) {
     std::uint32_t offset = 0;
-// The list of arrays expands to statements: with a visitor NVRTC gives some kernels other registers.
+// The list of the scene's arrays expands to statements: with a visitor NVRTC gives some kernels other registers.
 #define PT_PLACE(name, kind, word)                                                        \
     if constexpr (SceneArray{#name, ArrayKind::kind}.is_traced(kernel_config.features)) { \
         place_array(scene.name, offset);                                                  \

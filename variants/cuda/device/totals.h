@@ -22,21 +22,21 @@ struct Totals {
 // Rays and paths that each of the 1024 threads of the largest block can count so that their sum fits in 32 bits.
 inline constexpr std::uint32_t few_rays = 1u << 22;
 
-// Renders whose paths have no more segments than this count by segment in several copies.
+// Most segments of a path at which a render still keeps its counts by segment in several copies (counter_copies).
 inline constexpr std::uint32_t few_segments = 4096;
 
 // Counts by segment (0: the camera ray's), over all batches of a render; copy c of a segment's count is at
 // segment * copies + c.
 struct SegmentCounts {
-    std::uint64_t* live = nullptr;     // paths that were alive when the segment was traced
-    std::uint64_t* in_play = nullptr;  // paths in play when the segment was traced, alive or ended
+    std::uint64_t* live = nullptr;     // paths that were alive as the segment was traced
+    std::uint64_t* in_play = nullptr;  // paths in play as the segment was traced, alive or ended
     std::uint32_t copies = 1;
 };
 
 // Segment that a kernel traces: known at launch or, in the loop of a CUDA graph, `number` plus the loop's count.
 struct SegmentNumber {
     std::uint32_t number = 0;
-    const std::uint32_t* offset = nullptr;  // the loop's count in device memory; null: no loop
+    const std::uint32_t* offset = nullptr;  // count of the graph loop's segments, in device memory; null: no loop
 
     PT_HD std::uint32_t passed() const { return offset != nullptr ? *offset : 0; }
     PT_HD operator std::uint32_t() const { return number + passed(); }  // NOLINT: it is that number
@@ -47,7 +47,7 @@ struct SegmentNumber {
 template <class Real>
 struct HitCache {
     StoredHit<Real>* hits = nullptr;
-    std::uint32_t* primitives = nullptr;  // triangles of the hits; null: kernels without meshes
+    std::uint32_t* primitives = nullptr;  // triangles of the cached hits; null in kernels without meshes
     std::uint32_t rays = 0;
 
     PT_HD std::size_t index(std::uint32_t pixel, std::uint32_t sample) const {

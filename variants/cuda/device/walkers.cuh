@@ -1,4 +1,4 @@
-// How kernels put paths into a list of walkers and take them from it.
+// How kernels put paths on a subsurface walk into a list of walkers, and take them out again.
 #pragma once
 
 #include "variants/cuda/device/append.cuh"
@@ -20,15 +20,15 @@ __device__ inline void put_walkers(const WalkerList& list, const OwnWalk& walk, 
     }
 }
 
-// Hands out the walkers of a list to lanes.
+// Hands out to lanes the walkers that are in a list.
 class WalkersToTake {
 public:
     __device__ explicit WalkersToTake(const WalkerList& list) : list_(list), waiting_(list.counts->waiting) {}
 
-    // Whether walkers may be left in the list; the same in all lanes of a warp.
+    // Whether the list may have walkers left; all lanes of a warp get the same answer.
     __device__ bool some_left() const { return some_left_; }
-    // Takes a walker for every lane that `wants` one, as far as there are some; says whether the lane has got one.
-    // Every lane of the warp must call it.
+    // Takes a walker for every lane that `wants` one, while the list lasts; returns whether the lane has got one. Every
+    // lane of the warp must call it.
     __device__ bool take(bool wants, ::Walker& walker) {
         const std::uint32_t position = append_by_warp(&list_.counts->taken, wants);
         const bool has_one = wants && position < waiting_;

@@ -15,7 +15,7 @@ namespace pt::cuda {
 template <class Walk>
 struct Walker {
     std::uint32_t slot;
-    std::uint32_t place;  // position in the queue if samplers are seeded by it; part of the queue where kernels append
+    std::uint32_t place;  // queue position, if samplers are seeded by it; queue part, where kernels append
     Walk walk;
 };
 
@@ -26,20 +26,20 @@ constexpr std::size_t walker_bytes(bool may_be_guided) {
 
 // A list of walkers with room for every path of the queue. Null: kernels take walks where they shade.
 struct WalkerList {
-    void* walkers = nullptr;  // elements of type Walker<WalkOf<..>>
+    void* walkers = nullptr;  // the walkers, of type Walker<WalkOf<..>>
     ListCounts* counts = nullptr;
 };
 
-// Parameters of the kernel that takes the walks of a list.
+// Parameters of the kernel that takes the subsurface walks of a list.
 template <class Real>
 struct WalkPathsParameters {
     static constexpr const char* kernel = "walk_paths";
     SceneView<Real> scene;
     FilmView film;
     WalkerList list;
-    PathStore in;              // store in which the walkers' paths lie
-    PathStore out;             // with out_count: store for paths that have left their body
-    std::uint32_t* out_count;  // a counter for each part of the queue; null: paths stay in their slots
+    PathStore in;              // store of the walkers' paths
+    PathStore out;             // with out_count: store that gets paths that have left their body
+    std::uint32_t* out_count;  // a counter for each part of the queue `out`; null: paths stay in their slots
     std::uint32_t parts;
     SegmentNumber segment;
     Totals* totals;

@@ -7,10 +7,10 @@
 #include "variants/cuda/device/branches.cuh"
 #include "variants/cuda/device/waiting_paths.cuh"
 
-// What a warp begins together: a sample of each of 32 pixels. A strip may reach beyond the last pixel; such pixels have
-// no path.
+// What a warp begins together: one sample of each of 32 pixels in a row. Pixels beyond the image's last one have no
+// path.
 struct Round {
-    pt::PixelPlace first;  // first pixel of the strip, among the device's own
+    pt::PixelPlace first;  // first pixel of the warp's strip, among the device's own
     std::uint32_t sample;
 
     // The pixel of the calling lane. The division by the width is made once a strip instead of once a path.
@@ -46,8 +46,8 @@ __device__ inline void trace_items(const SceneViews& scene, const FilmView& film
         !pt::has<Configuration>(pt::Feature::splitting) && warps * sizeof(WaitingPaths) <= most_waiting_bytes;
     __shared__ WaitingPaths waiting_of_warp[may_wait ? warps : 1];
     WaitingPaths& waiting = waiting_of_warp[may_wait ? threadIdx.x / warp_size : 0];
-    std::uint32_t waiting_count = 0;  // number of waiting paths; the same in all lanes, as `held` is
-    unsigned held = 0;                // the lanes that hold a path, alive or ended
+    std::uint32_t waiting_count = 0;  // number of paths waiting in shared memory; the same in all lanes, as `held` is
+    unsigned held = 0;                // the lanes of the warp that hold a path, alive or ended
     bool alive = false;
     pt::WalkOf<Configuration> walk;
     Path path;
@@ -67,7 +67,7 @@ __device__ inline void trace_items(const SceneViews& scene, const FilmView& film
             const std::uint32_t wanted = __popc(~living);
             Round round;
             if (wanted > waiting_count && rounds.take(round, counters)) {
-                // Shared memory has room: fewer than 32 paths of the warp wait or live.
+                // WaitingPaths has room, since fewer than 32 paths of the warp wait or live.
                 if (may_wait && alive) {
                     waiting.put(waiting_count + __popc(living & before), path, walk);
                 }

@@ -6,7 +6,7 @@ namespace pt::cuda {
 
 namespace {
 
-constexpr std::size_t alignment = 256;  // alignment of cudaMalloc's results
+constexpr std::size_t alignment = 256;  // bytes to which cudaMalloc aligns its results
 
 std::size_t aligned(std::size_t bytes) { return (bytes + alignment - 1) / alignment * alignment; }
 

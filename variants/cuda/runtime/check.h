@@ -23,7 +23,7 @@ public:
 
 inline void check(cudaError_t code, const char* expression, const char* file, int line) {
     if (code != cudaSuccess) {
-        (void)cudaGetLastError();  // clears the error, which the next call would report otherwise
+        (void)cudaGetLastError();  // clears CUDA's last error, which the next check would report
         throw Error(std::string(file) + ":" + std::to_string(line) + ": " + expression + ": " +
                     cudaGetErrorString(code));
     }
@@ -35,10 +35,10 @@ inline void check(cudaError_t code, const char* expression, const char* file, in
 
 namespace pt::cuda {
 
-// Whether the work is done, by the result of cudaStreamQuery or cudaEventQuery.
+// Whether a stream's or an event's work is done, by the result of cudaStreamQuery or cudaEventQuery.
 inline bool is_ready(cudaError_t found) {
     if (found == cudaErrorNotReady) {
-        (void)cudaGetLastError();  // not ready is no error, but CUDA keeps it as one
+        (void)cudaGetLastError();  // CUDA keeps "not ready" as its last error
         return false;
     }
     PT_CUDA_CHECK(found);

@@ -12,7 +12,7 @@ std::vector<KernelReport> parse_ptxas_log(const std::string& log) {
     static const std::regex registers(R"(Used (\d+) registers)");
     static const std::regex shared(R"((\d+) bytes smem)");
     std::vector<KernelReport> kernels;
-    std::string function;  // the function whose properties follow: the kernel, or one that it calls
+    std::string function;  // name of the function that the log's next lines describe: the kernel, or one that it calls
     std::istringstream lines(log);
     std::smatch found;
     for (std::string line; std::getline(lines, line);) {

@@ -11,9 +11,9 @@ namespace pt::cuda {
 
 struct KernelReport {
     std::string name;
-    int registers = 0;                                                 // registers per thread
-    int stack_bytes = 0, spill_store_bytes = 0, spill_load_bytes = 0;  // stack and spills per thread
-    int shared_bytes = 0;                                              // shared memory per block
+    int registers = 0;                                                 // registers of the kernel per thread
+    int stack_bytes = 0, spill_store_bytes = 0, spill_load_bytes = 0;  // stack and spills of the kernel per thread
+    int shared_bytes = 0;                                              // shared memory of the kernel per block
 };
 
 struct CompilerReport {
@@ -26,7 +26,7 @@ struct CompilerReport {
 // Compiles a module without the cache and reports on its kernels. Throws as compile_module does.
 CompilerReport compiler_report(const ModuleRequest& request);
 
-// Parses the log of ptxas (--ptxas-options=-v).
+// Parses what ptxas logs with --ptxas-options=-v.
 std::vector<KernelReport> parse_ptxas_log(const std::string& log);
 
 }  // namespace pt::cuda

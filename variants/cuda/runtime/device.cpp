@@ -35,7 +35,7 @@ int attribute(cudaDeviceAttr which) {
     return value;
 }
 
-// A driver that does not know the attribute of the multi-process service answers with an error, which means no.
+// A driver that does not know the attribute of the multi-process service returns an error, which counts as no.
 bool has_multi_process_service() {
 #if CUDART_VERSION >= 12080
     int value = 0;

@@ -13,7 +13,7 @@ std::size_t node_count(cudaGraph_t graph) {
     return count;
 }
 
-// Adds a node to a CUDA graph. CUDA 13 gave the call's name to its version with edge data.
+// Adds a node to a CUDA graph by cudaGraphAddNode, a name that CUDA 13 gave to the function with edge data.
 cudaError_t add_node(cudaGraphNode_t* node, cudaGraph_t graph, const std::vector<cudaGraphNode_t>& after,
                      cudaGraphNodeParams* parameters) {
 #if CUDART_VERSION >= 13000
@@ -23,7 +23,7 @@ cudaError_t add_node(cudaGraphNode_t* node, cudaGraph_t graph, const std::vector
 #endif
 }
 
-// The graph nodes that the next work put on a stream under capture will wait for.
+// The graph nodes on which the next work put on a stream under capture will depend.
 std::vector<cudaGraphNode_t> last_nodes(cudaStream_t stream) {
     cudaStreamCaptureStatus status = cudaStreamCaptureStatusNone;
     const cudaGraphNode_t* nodes = nullptr;

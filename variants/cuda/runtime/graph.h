@@ -9,7 +9,7 @@
 
 namespace pt::cuda {
 
-// Segments that a round of a loop takes: an even number, so that buffers that a segment swaps are back in place.
+// Segments of a path that one round of a loop takes: an even number, so that buffers that segments swap are back.
 inline constexpr std::uint32_t segments_per_round = 2;
 
 // Counters of live paths in device memory: `parts` of them, `stride` words apart; those of the next segment lie
@@ -30,18 +30,18 @@ public:
     Graph(const Graph&) = delete;
     Graph& operator=(const Graph&) = delete;
 
-    // Records what `enqueue` puts on the stream, and makes it ready to be launched.
+    // Captures the work that `enqueue` puts on the stream into a graph, and makes the graph ready to be launched.
     void capture(const std::function<void()>& enqueue);
     // Records, within capture, what `enqueue_body` puts on the stream as the body of a loop. The loop runs once, and
     // again until the body's last kernel, which `enqueue_body` is to put there, sets the condition to 0.
     void capture_loop(const std::function<void(cudaGraphConditionalHandle condition)>& enqueue_body);
     void launch() const;
-    // Number of nodes of the graph; nodes in the body of a loop count once.
+    // Number of nodes of the graph; nodes in a loop's body count once.
     std::size_t nodes() const { return nodes_; }
 
 private:
     void begin(cudaGraph_t target, const cudaGraphNode_t* after);
-    // Ends the capture into `target`.
+    // Ends the stream's capture into the graph `target`.
     void end(cudaGraph_t target);
 
     cudaStream_t stream_;

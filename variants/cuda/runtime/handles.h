@@ -10,7 +10,7 @@
 namespace pt::cuda {
 
 struct DestroyStream {
-    // The stream is waited for: work that is still in flight after a failure must not outlive its memory.
+    // The stream is waited for before it is destroyed: work in flight after a failure must not outlive its memory.
     void operator()(cudaStream_t stream) const {
         (void)cudaStreamSynchronize(stream);
         (void)cudaStreamDestroy(stream);

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Standard headers that kernels and GLM include, replaced by headers that NVRTC can compile.
+// Standard headers that kernels and GLM include, replaced by texts that NVRTC can compile.
 constexpr std::pair<const char*, const char*> shims[] = {
     {"cmath", "#include <cuda/std/cmath>\n"},
     {"cstdint", "#include <cuda/std/cstdint>\n"},
@@ -37,7 +37,7 @@ constexpr std::pair<const char*, const char*> shims[] = {
     {"climits", "#include <cuda/std/climits>\n"},
 };
 
-// Hashes a text and, behind it, a byte that no text contains, so that the borders between texts count.
+// Extends a hash by a text and by a byte that no text contains, so that the borders between texts count.
 std::uint64_t hash_text(std::string_view text, std::uint64_t start = fnv1a_start) {
     return fnv1a_step(fnv1a(text, start), 0xff);
 }
@@ -71,7 +71,7 @@ std::string read_whole(const fs::path& path) {
     return stream ? text.str() : std::string();
 }
 
-// Writes a file under a name of this process and renames it then, so that two processes cannot meet in one file.
+// Writes a file under a name of this process's own and then renames it, so that no two processes write to one file.
 bool write_whole(const fs::path& path, std::string_view text) {
     std::error_code error;
     fs::create_directories(path.parent_path(), error);
@@ -93,7 +93,7 @@ bool write_whole(const fs::path& path, std::string_view text) {
 // trusted only if it has the right text: it may be incomplete, or edited. Throws std::runtime_error.
 fs::path unpacked_sources() {
     const fs::path folder = cache_folder() / fmt::format("include-{:016x}", sources_hash());
-    static fs::path unpacked;  // the folder depends on XDG_CACHE_HOME
+    static fs::path unpacked;  // not the current folder where XDG_CACHE_HOME has changed
     if (unpacked == folder) {
         return folder;
     }
@@ -125,7 +125,7 @@ std::string from_cache(const fs::path& file) {
     return entry.substr(0, entry.size() - 16);
 }
 
-// The lines of a program that state, as constants, what the host has chosen.
+// The lines of a program's text that state, as constants, what the host has chosen.
 std::vector<std::string> chosen(const ModuleRequest& request) {
     std::vector<std::string> lines{
         fmt::format("using Real = {};", request.real),
@@ -243,7 +243,7 @@ std::vector<std::string> precompiled_options() {
     if (precompiled_folder.empty()) {
         return {};
     }
-    // Diagnostic 629, which is suppressed, says that options differ from those of a header that lies there as well.
+    // Diagnostic 629 is suppressed: it tells that the folder has a precompiled header made with other options, too.
     return {"-pch", "-pch-dir=" + precompiled_folder.string(), "-pch-messages=false", "-diag-suppress=629"};
 }
 
@@ -305,15 +305,14 @@ ModuleImage image_of(const ModuleRequest& request, Compilation compilation) {
 ModuleImage compile_module(const ModuleRequest& request) { return image_of(request, compiled(request, {})); }
 
 ModuleImage compile_quickly(const ModuleRequest& request) {
-    // NVRTC before version 13 does not always know the option -Ofc.
+    // NVRTC before version 13 may not know the option -Ofc.
     const bool knows = std::atoi(nvrtc_version().c_str()) >= 13;
     return image_of(request,
                     compiled(request, knows ? std::vector<std::string>{"-Ofc=max"} : std::vector<std::string>{}));
 }
 
 CompilerReport compiler_report(const ModuleRequest& request) {
-    // NVRTC's own cache is bypassed, since what comes from it comes without the report; versions before 13 do not know
-    // the option.
+    // NVRTC's own cache is bypassed, since a result from it has no report; versions before 13 do not know the option.
     std::vector<std::string> reporting{"--ptxas-options=-v"};
     if (std::atoi(nvrtc_version().c_str()) >= 13) {
         reporting.emplace_back("-no-cache");

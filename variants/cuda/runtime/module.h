@@ -13,30 +13,30 @@ namespace pt::cuda {
 
 // What a module is compiled for. Everything that can change the code is in here, and so in the cache's key.
 struct ModuleRequest {
-    std::string name;                   // what the module is, for messages
+    std::string name;                   // name of the module for messages
     std::vector<std::string> includes;  // embedded sources, in order, e.g. "variants/integrator/megakernel.cuh"
     std::string real = "float";
     std::string layout = "aos";
     std::string sort_key = "material";
     std::string accelerator = "brute_force";
-    // Choices of the axes `traversal` and `traversal_stack` that take the accelerator's steps; empty: its own loop and
-    // stack.
+    // Choices of the axes `traversal` and `traversal_stack` that run an accelerator's steps; empty: the accelerator's
+    // own loop and stack.
     std::string traversal = "";
     std::string traversal_stack = "";
     std::string scene = "in_global";  // where the scene's arrays lie: variants/cuda/device/scene_*.cuh
     std::string pixels = "all";       // which pixels are rendered: variants/cuda/device/pixels_*.cuh
     KernelConfig config = {};
-    std::vector<KernelConstant> constants = {};  // constants of the integrator: tuned::NAME
+    std::vector<KernelConstant> constants = {};  // constants of the integrator that its kernels read as tuned::NAME
     std::vector<KernelSignature> kernels = {};   // kernels that the host launches
-    std::vector<std::string> options = {};       // compiler options of the arithmetic
+    std::vector<std::string> options = {};       // compiler options that the choice of arithmetic needs
     std::string prelude = "";                    // source text in front of everything else
     std::string architecture;                    // "sm_90"
 };
 
 struct ModuleImage {
     std::string cubin;
-    std::string key;                   // hash of sources, options, architecture
-    std::vector<std::string> options;  // compiler options, then the config and constants of the program's text
+    std::string key;                   // hash of sources, options and architecture, which names the cached module
+    std::vector<std::string> options;  // NVRTC's options, then the config and constants of the program's text
     double compile_seconds = 0;
     bool from_cache = false;
 };
@@ -63,10 +63,10 @@ ModuleImage compile_module(const ModuleRequest& request);
 ModuleImage compile_quickly(const ModuleRequest& request);
 
 std::string module_key(const ModuleRequest& request);
-// Whether a sound image of the program is in the cache on disk.
+// Whether the cache on disk has an undamaged image of the program.
 bool is_cached(const ModuleRequest& request);
 
-// `config` as a C++ expression for a program's text.
+// The KernelConfig `config` as a C++ expression for a program's text.
 std::string text_of(const KernelConfig& config);
 
 class CompileError : public std::runtime_error {
@@ -81,10 +81,10 @@ std::string kernel_cache_folder();
 
 // Resources that the compiler gave a kernel, per thread or per block.
 struct KernelFacts {
-    int registers = 0;             // registers per thread
-    std::size_t local_bytes = 0;   // local memory per thread: spills and arrays
-    std::size_t shared_bytes = 0;  // shared memory per block
-    int max_threads = 0;           // most threads of a block
+    int registers = 0;             // registers of the kernel per thread
+    std::size_t local_bytes = 0;   // local memory of the kernel per thread: spills and arrays
+    std::size_t shared_bytes = 0;  // shared memory of the kernel per block
+    int max_threads = 0;           // most threads of a block of the kernel
 };
 
 class Module {

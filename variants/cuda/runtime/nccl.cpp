@@ -94,7 +94,7 @@ std::map<std::size_t, std::vector<NcclCommunicator*>>& connections() {
     return made;
 }
 
-// Adds one device's values to the sum on the first device; nobody reads what the others receive.
+// Adds one device's values to the sum on the first device; what the other devices receive is not read.
 NcclResult enqueue(const Addend& addend, std::int64_t* sum, std::size_t count) {
     const OnDevice on(static_cast<int>(addend.device));
     NcclCommunicator* const own = connections().at(addend.devices).at(addend.device);
@@ -143,7 +143,7 @@ void add_to_first(const Addend& addend, std::int64_t* sum, std::size_t count) {
 void disconnect_devices() {
     for (const auto& [devices, all] : connections()) {
         for (NcclCommunicator* const one : all) {
-            (void)nccl().abort(one);  // errors are ignored: the call that failed has reported its own
+            (void)nccl().abort(one);  // errors of the abort are ignored: the call that failed has been reported
         }
     }
     connections().clear();

@@ -19,7 +19,7 @@ std::string nvrtc_missing();
 // NVRTC's version, as "13.0"; empty if NVRTC is missing.
 std::string nvrtc_version();
 
-// The include options of the toolkit's headers; empty if these are missing.
+// The include options for the CUDA toolkit's headers; empty if these are missing.
 std::vector<std::string> toolkit_include_options();
 
 // Compiles one translation unit for one architecture ("sm_90"). Throws std::runtime_error if NVRTC is missing.

@@ -1,4 +1,4 @@
-// The sources that NVRTC compiles, embedded in the binary: kernels/, the device side of integrators, and the few GLM
+// The sources that NVRTC compiles, embedded in the binary: kernels/, the device's part of integrators, and the few GLM
 // headers that kernels include.
 #pragma once
 

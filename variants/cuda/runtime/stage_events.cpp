@@ -24,7 +24,7 @@ void StageEvents::begin(std::string_view stage, cudaStream_t stream) {
 }
 
 void StageEvents::end(cudaStream_t stream) {
-    // An event that cannot be recorded leaves the stage without a time: this is called while exceptions unwind, too.
+    // A stage is left without a time if CUDA cannot record its end: end() runs while exceptions unwind, too.
     cudaEvent_t event = nullptr;
     if (cudaEventCreate(&event) == cudaSuccess) {
         (void)cudaEventRecord(event, stream);
