@@ -126,7 +126,7 @@ std::vector<FailedCell> FilmLedger::note_twin(const Cell& cell, const Imprint& f
 std::vector<FailedCell> FilmLedger::note_prepared(const Cell& rendered, const Variant& reference, const Cell& blamed,
                                                   const Imprint& found) {
     const std::uint32_t spp = rendered.samples_to_prepare();
-    // Checkpoints may change the film (stops_matter), so a preparation without them forms an entry of its own.
+    // Checkpoints may change the film (stops_matter): films without them are compared only with each other.
     const std::string part = spp != rendered.spp || stops_matter(rendered) ? fmt::format("/first:{}", spp) : "";
     Entry& entry = entries_[{bitwise_group(rendered) + part, 0}];
     if (!entry.right) {

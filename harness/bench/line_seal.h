@@ -20,7 +20,7 @@ public:
     std::string fault(std::string_view line);
 
 private:
-    std::uint64_t before_ = fnv1a_start;  // checksum of the previous line
+    std::uint64_t before_ = fnv1a_start;  // checksum of the line before the next one
 };
 
 }  // namespace pt
