@@ -34,7 +34,7 @@ struct RaysArguments {
     int repetitions = 9, threads = 0;
     std::uint64_t first_ray = 0, seed = 1;
     bool leaks = false, overwrite = false;
-    bool counters = false, counted = false;  // counted: this is the process that --counters runs under ncu
+    bool counters = false, counted = false;  // counted: whether --counters started this process under ncu
     std::string command_line;
 };
 
@@ -64,7 +64,7 @@ std::vector<std::string> accelerators_on(Backend backend) {
     return names;
 }
 
-// The accelerators whose trees are made by the axis `builder`.
+// Names of the backend's accelerators with a tree, which the axis `builder` builds.
 std::vector<std::string> trees_on(Backend backend) {
     std::vector<std::string> names = accelerators_on(backend);
     names.erase(std::remove_if(names.begin(), names.end(),
@@ -175,7 +175,7 @@ nlohmann::ordered_json context_of(const RaysArguments& arguments, const rays::Ra
     return context;
 }
 
-// Options about timing are refused with --leaks, and options about leaks without it.
+// Refuses options about timing beside --leaks, and options about leaks without it.
 void check_leak_arguments(const RaysArguments& arguments) {
     if (!arguments.leaks) {
         if (arguments.log2_rays > 26) {
