@@ -31,7 +31,7 @@ struct RatioInterval {
 struct RatioEstimate {
     double value = 1;
     std::optional<RatioInterval> interval = {};  // 95 % confidence interval of the ratio; none if a side has one sample
-    std::size_t samples = 0;                     // number of samples of the side with fewer
+    std::size_t samples = 0;                     // number of samples of the ratio's side with fewer
 };
 
 // The median of some values. Precondition: there is at least one.

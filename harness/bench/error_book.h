@@ -39,7 +39,7 @@ public:
 
     // The mse_dual to expect of a cell at its full spp, extrapolated as 1/spp from a film with fewer samples.
     double expected_mse(const Cell& cell, const Film& film) const;
-    // Says why a cell's reference image is too noisy for an error of `expected_mse`, and which spp would do, or "".
+    // Says why a cell's reference image is too noisy for an error of `expected_mse` and which spp would do; else "".
     std::string refusal(const Cell& cell, double expected_mse) const;
 
     // What a result file says about a cell's reference and metrics; `expected_mse` is not set.

@@ -175,7 +175,7 @@ std::vector<std::uint32_t> candidates(const Tunable& tunable) {
             offer(tunable.lowest + std::uint64_t{range} * step / std::max(1u, steps));
         }
     } else {
-        // A tunable with a long range is tried at powers of two times its standard (if 0: of two below its limit).
+        // A long range is tried at the tunable's standard x 1/16 .. 16 or, if that is 0, at its limit x 1/16 .. 1.
         for (std::uint64_t factor = 1; factor <= 16; factor *= 2) {
             if (tunable.default_value == 0) {
                 offer(tunable.highest / factor);

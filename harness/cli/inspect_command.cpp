@@ -149,7 +149,7 @@ std::vector<Variant> asked_variants(const InspectArguments& arguments, const Sce
 
 std::vector<std::string> asked_architectures(const InspectArguments& arguments) {
     if (arguments.architectures.empty()) {
-        return {""};  // the architecture of this machine's GPU
+        return {""};  // stands for the architecture of this machine's GPU
     }
     const std::vector<std::string> names = split_names(arguments.architectures, "--arch");
     for (const std::string& name : names) {

@@ -128,7 +128,7 @@ std::vector<std::string> names_or_none(const std::string& text, const std::strin
     return text.empty() ? std::vector<std::string>() : split_names(text, flag);
 }
 
-// Checks all arguments before any work is done.
+// Checks all arguments of `ptbench rays` before any work is done.
 void check_arguments(const RaysArguments& arguments, std::size_t meshes) {
     if (meshes == 0) {
         throw InputError("rays", "--mesh", "none", "--mesh NAME:SIZE|FILE,.. or --scene S,..");
@@ -229,7 +229,7 @@ int find_leaks(const RaysArguments& arguments) {
     return leaks == 0 ? exit_good : exit_check_failed;
 }
 
-// Calls each(mesh) for every mesh and scene of the call.
+// Calls each(mesh) for every mesh and scene that the command line names.
 template <class Each>
 void for_each_mesh(const RaysArguments& arguments, const Each& each) {
     for (const std::string& name : names_or_none(arguments.meshes, "--mesh")) {

@@ -118,7 +118,7 @@ std::string baked_text(const SceneView<Real>& scene) {
     });
     text.add("environment", &scene.environment, 1);
     text.add("enclosure", &scene.enclosure, 1);
-    Camera<Real> camera = scene.camera;  // without image and pixel size: they may vary
+    Camera<Real> camera = scene.camera;  // the camera without image and pixel size, which may vary
     camera.width = camera.height = 0;
     camera.pixel_size = 0;
     text.add("camera", &camera, 1);

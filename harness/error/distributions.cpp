@@ -68,13 +68,13 @@ double upper_gamma(double a, double x) {
     return gamma_front(a, x) / fraction.value();
 }
 
-// The factor x^a (1-x)^b / (a B(a, b)), by which the continued fraction of I_x(a, b) is multiplied.
+// The factor x^a (1-x)^b / (a B(a, b)), which multiplies the continued fraction of the beta function I_x(a, b).
 double beta_front(double a, double b, double x, double complement) {
     const double log_beta = std::lgamma(a) + std::lgamma(b) - std::lgamma(a + b);
     return std::exp(a * std::log(x) + b * std::log(complement) - log_beta) / a;
 }
 
-// I_x(a, b) by its continued fraction (Abramowitz and Stegun 26.5.8), for x < (a + 1) / (a + b + 2).
+// The beta function I_x(a, b) by its continued fraction (Abramowitz and Stegun 26.5.8), for x < (a + 1) / (a + b + 2).
 double beta_by_fraction(double a, double b, double x, double complement) {
     Lentz fraction(1);
     for (int m = 0; m < most_terms; ++m) {
