@@ -14,7 +14,7 @@ namespace pt {
 
 namespace {
 
-// The half width that a confidence interval shall reach, with some room inside the range of SAME for its centre.
+// The half width that a confidence interval shall reach: below that of the range of SAME, so that it fits uncentred.
 constexpr double wanted_half_width = 0.8 * limits::least_difference;
 
 bool is_good(const ComparedCell& cell, const Journal& journal) {

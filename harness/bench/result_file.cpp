@@ -260,7 +260,7 @@ Disturbance disturbance_of(const Plan& plan, const Journal& journal) {
     }
     Disturbance found;
     for (const auto& [sample, backend] : samples) {
-        const bool contended = is_disturbed(*sample, backend);  // a falsified time: by other processes or a quota
+        const bool contended = is_disturbed(*sample, backend);  // whether processes or a quota falsified the time
         const bool low_clock = has_low_clock(*sample, highest);
         found.samples += 1;
         found.disturbed += contended || low_clock ? 1u : 0u;

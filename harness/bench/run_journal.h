@@ -46,7 +46,7 @@ private:
     Journal journal_;
     std::string host_name_;
     std::string go_on_;
-    std::mutex mutex_;  // held while the journal changes
+    std::mutex mutex_;  // a lock held while the journal changes
     bool has_session_ = false;
 };
 

@@ -28,7 +28,7 @@ public:
     Verifier(const Scene& scene, const RenderSettings& settings, std::uint32_t spp, Backend backend = Backend::cpu)
         : scene_(scene), settings_(settings), spp_(spp), backend_(backend) {}
 
-    // Checks the film for faults, that every choice did its work, and the variant's claim. On CUDA the reference's film
+    // Checks a variant's film for faults, that every choice did its work, and its claim. On CUDA the reference's film
     // is also compared with the CPU's. If a variant rounds freely, its exact twin must match the reference bit for bit,
     // and the variant's mean the twin's mean. Precondition: the variant applies to the scene.
     Verdict check(const Variant& variant);

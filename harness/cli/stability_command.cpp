@@ -227,7 +227,7 @@ private:
     stability::Report report_;
     std::vector<Task> tasks_;
     std::vector<std::size_t> missing_;
-    std::mutex mutex_;  // held while the report changes
+    std::mutex mutex_;  // a lock held while the report changes
     Interrupt interrupt_;
 };
 

@@ -44,7 +44,7 @@ public:
         std::vector<std::jthread> threads;
         for (std::uint32_t device = 1; device < devices; ++device) {
             threads.emplace_back([&, device] {
-                (void)cudaSetDevice(static_cast<int>(device));  // slow, so done before the clock starts
+                (void)cudaSetDevice(static_cast<int>(device));  // slow, so called before the render's clock starts
                 ready += 1;
                 while (!is_started) {
                     std::this_thread::yield();

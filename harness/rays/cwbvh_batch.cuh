@@ -22,8 +22,8 @@ struct BatchPolicy : traversal::WarpPolicy<Refill, Vote> {
     static constexpr bool any = Any;  // whether rays are occlusion tests
 };
 
-// A ray for the watertight triangle test (kernels/triangle.h), specialised for the rows of a leaf slot: same operations
-// in the same order, but which row is read does the permutation of the axes.
+// A ray for the watertight triangle test (kernels/triangle.h), specialised for the rows of a leaf slot: with the same
+// operations in the same order, but axes are permuted by the choice of the rows to read.
 struct PermutedRay {
     float x, y, z;  // ray origin, permuted to the axes kx, ky, kz
     ShearedDirection<float> shear;
@@ -72,7 +72,7 @@ struct BatchView {
     std::uint32_t* next;  // next ray of the batch that no lane has fetched
 };
 
-// The values of by_octant for every byte and octant, as a look-up table in shared memory.
+// A look-up table in shared memory of the function cwbvh::by_octant, for every byte and octant.
 struct OctantOrders {
     std::uint8_t order[8][256];
 

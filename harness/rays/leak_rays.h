@@ -38,7 +38,7 @@ public:
     PT_HD std::uint32_t below(std::uint32_t count) {
         return static_cast<std::uint32_t>((std::uint64_t{word()} * count) >> 32);
     }
-    PT_HD float unit() { return static_cast<float>(word() >> 8) * 0x1p-24f; }  // uniform in [0, 1)
+    PT_HD float unit() { return static_cast<float>(word() >> 8) * 0x1p-24f; }  // a uniform random number in [0, 1)
 
 private:
     PT_HD static std::uint64_t mixed(std::uint64_t z) {

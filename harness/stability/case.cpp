@@ -115,7 +115,7 @@ std::function<double(const RenderResult&)> farthest_from(double exact) {
         for (std::uint32_t i = 0; i < result.film.width() * result.film.height(); ++i) {
             const Vec3d pixel = result.film.pixel(i);
             for (int k = 0; k < 3; ++k) {
-                // Written with <= so that a NaN, of which every comparison is false, counts as the farthest value.
+                // The test is <= instead of > so that a channel of NaN, for which both are false, counts as farthest.
                 farthest = std::abs(pixel[k] - exact) <= std::abs(farthest - exact) ? farthest : pixel[k];
             }
         }

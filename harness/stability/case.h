@@ -84,7 +84,7 @@ struct Rendering {
 
 // Two renders whose films must be equal bit for bit.
 struct Twins {
-    std::string change;  // what differs, e.g. "scene x 2^20"
+    std::string change;  // what differs between the two, e.g. "scene x 2^20"
     Json reference, changed;
     std::vector<std::uint32_t> parts = {};  // samples of the consecutive runs that render `changed`; empty: one run
     std::map<std::string, std::uint32_t> tuning = {};  // tunables for rendering `changed`; n/a if the variant lacks one
