@@ -76,7 +76,7 @@ std::string read_whole(const std::string& path, std::uint64_t largest, struct st
     if (::stat(path.c_str(), &status) != 0) {
         cannot_read(path, in_words(errno), largest);
     }
-    check_kind(status, path, largest);  // checked before opening, since that may affect a device
+    check_kind(status, path, largest);  // before opening, since opening may affect a device
     const OpenFile file(path);
     if (file.descriptor() < 0 || ::fstat(file.descriptor(), &status) != 0) {
         cannot_read(path, in_words(errno), largest);

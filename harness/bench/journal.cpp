@@ -203,7 +203,8 @@ void Journal::append(const Json& line) {
     const ssize_t written = ::write(locked_.descriptor(), text.data(), text.size());
     if (written != static_cast<ssize_t>(text.size())) {
         std::string why = written < 0 ? std::strerror(errno) : "disk full";
-        if (written > 0 && ::ftruncate(locked_.descriptor(), end) != 0) {  // no line may follow an incomplete one
+        if (written > 0 &&
+            ::ftruncate(locked_.descriptor(), end) != 0) {  // cuts off an incomplete line, which no other may follow
             why += fmt::format("; {}", std::strerror(errno));
         }
         throw MachineError(
