@@ -27,7 +27,7 @@ namespace pt {
 
 namespace {
 
-// The output stream can seek, since OpenEXR goes back to fill in the table of line offsets.
+// A stream that writes to a string. OpenEXR seeks back in it to fill in the table of line offsets.
 class ExrText : public Imf::OStream {
 public:
     explicit ExrText(std::string& text) : Imf::OStream("the image"), text_(text) {}

@@ -17,7 +17,7 @@ struct ExrLayer {
     std::vector<float> values;  // pixel values, row-major from the top, a pixel's channels adjacent
 };
 
-// Whether this program was built with the OpenEXR library.
+// Whether this build has the OpenEXR library.
 bool has_openexr();
 
 // Encodes the layers as the content of an EXR file. `texts`: attributes of its header, by name. The bytes depend on the

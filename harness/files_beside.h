@@ -11,14 +11,14 @@
 
 namespace pt {
 
-// Throws InputError if `file`, which the option `flag` names, must not be replaced by `content`: this call has read it,
-// or the file holds other content and `overwrite` is false.
+// Throws InputError if `content` must not replace `file`, which the option `flag` names: if this process has read
+// `file` as input, or if it has other content and `overwrite` is false.
 void check_replacement(const std::string& file, const std::string& content, bool overwrite,
                        const std::string& flag = "--out");
 
 class FilesBeside {
 public:
-    FilesBeside() = default;  // a set that writes nothing, so that every file name is free
+    FilesBeside() = default;  // a set that writes no file, so every name is free
     explicit FilesBeside(std::filesystem::path out) : out_(std::move(out)) {}
 
     // A function that gives the N-th name to try for a file, without its folder.

@@ -71,12 +71,12 @@ private:
     int descriptor_;
 };
 
-// Reads a whole file and fills in its `status`.
+// Reads a whole regular file and sets `status` to what fstat tells of it. Throws InputError.
 std::string read_whole(const std::string& path, std::uint64_t largest, struct stat& status) {
     if (::stat(path.c_str(), &status) != 0) {
         cannot_read(path, in_words(errno), largest);
     }
-    check_kind(status, path, largest);  // before opening, since opening a device may have effects
+    check_kind(status, path, largest);  // before opening, since opening may affect a device
     const OpenFile file(path);
     if (file.descriptor() < 0 || ::fstat(file.descriptor(), &status) != 0) {
         cannot_read(path, in_words(errno), largest);
@@ -225,7 +225,7 @@ Json parse_loosely(const std::string& file) {
 
 const Json& array_in(const Json& value, const std::string& key) {
     static const Json none = Json::array();
-    const auto found = value.find(key);  // the end iterator if `value` is no object
+    const auto found = value.find(key);  // end() also for a value that is no object
     return found != value.end() && found->is_array() ? *found : none;
 }
 

@@ -86,7 +86,7 @@ public:
     JsonObject(const JsonValue& value, std::vector<std::string> keys);
 
     bool has(const std::string& key) const { return json_->contains(key); }
-    // The member at a required key. Throws InputError if the key is missing.
+    // Returns the member with this key. Throws InputError if the object has no such key.
     JsonValue required(const std::string& key) const;
     // The member of a JSON object at a key for which has(key) is true.
     JsonValue at(const std::string& key) const;

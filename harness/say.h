@@ -18,7 +18,7 @@ template <class... Values>
 void say(fmt::format_string<Values...> format, Values&&... values) noexcept {
     try {
         write_to_stderr(fmt::format(format, std::forward<Values>(values)...));
-    } catch (const std::exception&) {  // no memory is left to format the message
+    } catch (const std::exception&) {  // memory for the formatted message has run out
         write_to_stderr("ptbench: out of memory for a line\n");
     }
 }

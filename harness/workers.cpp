@@ -101,7 +101,7 @@ std::string ending(int status) {
 
 Workers::Workers(std::size_t count, const Answer& answer, const std::function<void()>& prepare) : workers_(count) {
     const pid_t parent = ::getpid();
-    const int threads = share_of_threads(count);  // set before the fork, since some OpenMP runtimes lose it in a child
+    const int threads = share_of_threads(count);  // before the fork: some OpenMP runtimes forget it in a child
     for (Worker& worker : workers_) {
         int ends[2];
         if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
@@ -112,7 +112,7 @@ Workers::Workers(std::size_t count, const Answer& answer, const std::function<vo
             throw MachineError(std::string("no process: ") + std::strerror(errno));
         }
         if (worker.process == 0) {
-            // A parent's socket held open in a child would keep other workers from noticing that the parent is gone.
+            // Copies of the parent's sockets would keep other workers from noticing that the parent is gone.
             for (const Worker& other : workers_) {
                 if (other.socket >= 0) {
                     ::close(other.socket);
@@ -143,11 +143,11 @@ Workers::~Workers() {
 void Workers::ask(const std::vector<std::string>& questions,
                   const std::function<void(std::size_t, const std::string&)>& answered) {
     std::size_t next = 0, handed_on = 0;
-    std::map<std::size_t, std::string> waiting;  // answers that must wait for those to earlier questions
+    std::map<std::size_t, std::string> waiting;  // answers that came before those to earlier questions
     const auto give = [&](Worker& worker) {
         worker.question = next < questions.size() ? next++ : none;
         if (worker.question != none) {
-            (void)send_line(worker.socket, questions[worker.question]);  // a dead worker is noticed on reading
+            (void)send_line(worker.socket, questions[worker.question]);  // a dead worker shows when its answer is read
         }
     };
     for (Worker& worker : workers_) {

@@ -33,7 +33,7 @@ private:
     struct Worker {
         pid_t process = -1;
         int socket = -1;
-        std::string received;  // the part of the answer received so far
+        std::string received;  // beginning of an answer that has not arrived in full
         std::size_t question = ~std::size_t{0};
     };
     std::vector<Worker> workers_;

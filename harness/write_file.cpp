@@ -58,7 +58,7 @@ std::string obstacle(const std::string& file) {
     if (file.empty()) {
         return "no name";
     }
-    // The limits leave room for the suffixes of journals and temporary files.
+    // Limits in bytes on names and paths, with room for the suffixes of journals and temporary files.
     constexpr std::size_t longest_name = 200, longest_path = 3800;
     if (std::filesystem::path(file).filename().string().size() > longest_name || file.size() > longest_path) {
         return "a name of more than 200 bytes, or a path of more than 3800";

@@ -15,8 +15,8 @@ namespace {
 
 struct BenchmarkFlag {
     std::string_view name;
-    std::string_view values;   // regular expression for values; empty: ptbench refuses the flag
-    std::string_view allowed;  // allowed values in words, for error messages
+    std::string_view values;   // regular expression for the flag's values; empty: ptbench refuses the flag
+    std::string_view allowed;  // the flag's allowed values in words, for messages
     bool may_be_bare = false;  // whether the flag may be given without a value
 };
 

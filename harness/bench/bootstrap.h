@@ -30,8 +30,8 @@ struct RatioInterval {
 
 struct RatioEstimate {
     double value = 1;
-    std::optional<RatioInterval> interval = {};  // 95 % confidence interval; none where one side has a single sample
-    std::size_t samples = 0;                     // number of samples on the side of the ratio that has fewer
+    std::optional<RatioInterval> interval = {};  // 95 % confidence interval of the ratio; none if a side has one sample
+    std::size_t samples = 0;                     // number of samples of the ratio's side with fewer
 };
 
 // The median of some values. Precondition: there is at least one.
@@ -50,7 +50,7 @@ enum class WordReason {
     contended,              // other processes took CPU time during too many samples
     throttled,              // a CPU quota, perhaps with other processes, took CPU time
     clocks_differed,        // ratios of times and of cycles have different verdicts
-    no_baseline,            // no cell has the baseline's choice and all else equal
+    no_baseline,            // the study has no baseline cell that fits the cell
     baseline_not_measured,  // the baseline cell has no times
 };
 // The code of a verdict's reason in a result file, "few_samples" for instance; "" for `none`.
@@ -59,8 +59,8 @@ std::string to_code(WordReason reason);
 struct TimeVerdict {
     Word word = Word::unsure;
     WordReason reason = WordReason::none;
-    Word in_time = Word::unsure;         // verdict on times alone, whatever the clocks did
-    std::optional<Word> in_cycles = {};  // verdict on cycles alone, where clocks are known
+    Word in_time = Word::unsure;         // verdict on the ratio of times alone
+    std::optional<Word> in_cycles = {};  // verdict on the ratio of clock cycles alone; none if a clock is unknown
 };
 // The reason of an UNSURE verdict in words. `samples` is the number of samples behind the ratio.
 std::string in_words(const TimeVerdict& verdict, std::size_t samples);
@@ -75,7 +75,7 @@ struct Times {
 
 // The verdict on the confidence interval of a ratio, whatever the number of samples.
 Word word_of(const RatioInterval& interval);
-// The interval as "[0.9938, 1.0102]", with as many digits as show on which side of the verdict's limits each end lies.
+// A confidence interval, "[0.9938, 1.0102]", with the digits that show on which side of a verdict's limit an end lies.
 std::string interval_text(const RatioInterval& interval);
 // The verdict on a ratio of times. It is UNSURE where the ratio in clock cycles says otherwise, or where other
 // processes disturbed too many samples.

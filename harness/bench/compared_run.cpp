@@ -20,7 +20,7 @@ bool is_axis(const std::string& name) {
 
 using Choices = std::map<std::string, std::string>;
 
-// The choice on an axis; empty for an axis that the older program behind a result file did not have.
+// A cell's choice on an axis; empty if the cell's result file is of an older program that did not have the axis.
 std::string choice_on(const std::string& axis, const Choices& choices) {
     const auto choice = choices.find(axis);
     return choice == choices.end() ? "" : choice->second;
@@ -76,9 +76,9 @@ bool is_same_setting(const ComparedCell& cell, const ComparedCell& other, const 
 
 // How the tuning of two cells differs, in tunables that both have and that the study does not compare.
 struct TuningDifference {
-    bool is_comparable = true;  // whether the values are equal or both cells have standard values
+    bool is_comparable = true;  // whether the differing tunables are at their standards in both cells
     int differences = 0;
-    int others_alone = 0;  // tuned values of the other cell that this cell does not have
+    int others_alone = 0;  // number of the other cell's tuned values for tunables that this cell lacks
 };
 
 TuningDifference compare_tuning(const ComparedCell& cell, const ComparedCell& other, const Question& question) {
@@ -196,7 +196,7 @@ ComparedRun compared_run(const Plan& plan, const Journal& journal) {
 }
 
 ComparedRun compared_run(const OrderedJson& rows, const OrderedJson& cells, const OrderedJson& baselines) {
-    std::map<std::size_t, std::vector<Sample>> samples;  // samples by the cell's number (family_index)
+    std::map<std::size_t, std::vector<Sample>> samples;  // samples by number of their cell (a row's family_index)
     for (const OrderedJson& row : rows) {
         if (is_row_of_sample(row)) {
             samples[row.at("family_index").get<std::size_t>()].push_back(sample_of_row(row));

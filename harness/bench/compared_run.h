@@ -32,7 +32,7 @@ struct ComparedCell {
     std::set<std::string> tuned;                    // names of tunables with a value other than the standard
     std::uint32_t width = 0, height = 0, depth = 0, spp = 1;
     bool has_failed = false;
-    std::optional<Times> times = {};  // none for a cell that failed or has no samples
+    std::optional<Times> times = {};  // times of the cell's samples; none if the cell failed or has no samples
 };
 
 using ComparedCells = std::vector<const ComparedCell*>;

@@ -45,7 +45,7 @@ public:
             ends_[1] = -1;
         }
     }
-    // Reads the next number from the pipe; false once all writers have closed it.
+    // Reads the next number from a pipe; returns false once all writers have closed the pipe.
     bool read(std::uint32_t& value) const { return ::read(ends_[0], &value, sizeof value) == sizeof value; }
 
 private:
@@ -82,7 +82,7 @@ private:
     std::atomic<std::uint32_t>* next_ = nullptr;
 };
 
-constexpr std::uint32_t is_refused = 1u << 31;  // flag in a child's report, beside the program's index
+constexpr std::uint32_t is_refused = 1u << 31;  // bit of a child's report: the program did not compile
 
 // Compiles a share of the programs in a child process, because NVRTC compiles only one program at a time per process,
 // whatever the number of threads (CUDA 13.0). The child calls nothing of CUDA but the compiler, and exits without
@@ -101,7 +101,7 @@ constexpr std::uint32_t is_refused = 1u << 31;  // flag in a child's report, bes
             std::uint32_t report = i;
             try {
                 programs[i].second.compile();
-            } catch (const std::exception&) {  // the error is reported by whoever needs the program
+            } catch (const std::exception&) {  // the error is reported later, by the command that needs the program
                 report |= is_refused;
             }
             (void)!::write(done, &report, sizeof report);

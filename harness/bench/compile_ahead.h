@@ -13,11 +13,11 @@ struct CompileTask {
     const Scene* scene = nullptr;
     Variant variant;
     std::string architecture = {};  // "sm_90" for instance; empty: that of the installed GPU
-    // Whether the exact twin and the reference variant, against which the variant is verified, are not compiled too.
+    // Whether to compile the variant's own programs only, not those of its exact twin and of its reference variant.
     bool is_alone = false;
 };
 
-// How many CUDA programs were compiled, and what it took.
+// The numbers of compiled and of refused CUDA programs, and the CPU time that all the compilations took.
 struct CompiledPrograms {
     std::size_t compiled = 0;
     std::size_t refused = 0;  // programs that did not compile or could not be written to the cache

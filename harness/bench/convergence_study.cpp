@@ -18,7 +18,7 @@ std::uint64_t read_most(const JsonValue& value) {
     return static_cast<std::uint64_t>(value.whole(1, largest_spp, "a whole number from 1 to 2147483648"));
 }
 
-// Reads `variance`: a number, or an object with a number for each backend, since a GPU renders more samples.
+// Reads a study's `variance`: a number, or an object with one for each backend, since a GPU renders more samples.
 void read_variance(const JsonValue& value, ConvergenceSettings& settings) {
     const auto variance = [](const JsonValue& v) { return v.number(1e-300, 1e300, "a number above 0"); };
     if (!value.json().is_object()) {

@@ -30,7 +30,7 @@ public:
     bool have_met(const NumberedChoice& one, const NumberedChoice& other) const {
         return met_[place(one)][place(other)];
     }
-    // The number of pairs in a variant that no earlier variant has.
+    // The number of pairs of choices in a variant that occur in no earlier variant.
     std::size_t new_in(const Variant& variant) const {
         const std::vector<std::size_t> places = places_of(variant);
         std::size_t count = 0;
@@ -69,7 +69,7 @@ private:
 }  // namespace
 
 std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet features, Backend backend) {
-    constexpr int completions = 60;  // variants tried for each pair, the first from the baseline
+    constexpr int completions = 60;  // variants tried to cover a pair of choices; the first is near the baseline
     std::mt19937 random(1);          // fixed seed, so that the set of variants is always the same
     const Variant baseline = expand({}, backend).front();
     std::vector<Variant> variants;
@@ -90,7 +90,7 @@ std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet featu
             for (const NumberedChoice& wanted : {one, other}) {
                 variant.set(axis_names[wanted.axis], pairs.names(wanted.axis)[wanted.choice]);
             }
-            // The cheap test comes first, because most candidates for a late pair have no new pairs.
+            // New pairs are counted first, since that is cheap and most candidates have none.
             if (const std::size_t gain = pairs.new_in(variant);
                 gain > best_gain && why_not_applicable(variant, features, backend).empty()) {
                 best = variant;
@@ -100,8 +100,8 @@ std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet featu
         for (int completion = 0; completion < completions; ++completion) {
             Variant variant = plainest;
             for (std::size_t axis = 0; axis < std::size(axis_names); ++axis) {
-                // Each axis stays at its baseline with probability 1/2, because random choices exclude each other too
-                // often.
+                // In a random candidate each axis stays at its baseline with probability 1/2, since random choices on
+                // all axes would mostly exclude each other.
                 if (completion > 0 && random() % 2 == 0) {
                     const std::vector<std::string>& of_axis = pairs.names(axis);
                     variant.set(axis_names[axis], of_axis[random() % of_axis.size()]);
@@ -109,8 +109,8 @@ std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet featu
             }
             consider(variant);
         }
-        // A choice that needs several others is rarely hit at random, so one more choice is added to the baseline, or
-        // the pair to a variant found before.
+        // A choice that needs several others is rarely found at random. Therefore the pair is also tried with one more
+        // choice added to the baseline, and put into each variant found before.
         for (std::size_t axis = 0; axis < std::size(axis_names) && best_gain == 0; ++axis) {
             for (const std::string& name : pairs.names(axis)) {
                 Variant variant = plainest;

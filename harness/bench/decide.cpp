@@ -14,15 +14,15 @@ namespace pt {
 
 namespace {
 
-// The half width that a confidence interval should reach: below half the range of SAME, so that it need not be centred.
+// The half width that a confidence interval shall reach: below that of the range of SAME, so that it fits uncentred.
 constexpr double wanted_half_width = 0.8 * limits::least_difference;
 
 bool is_good(const ComparedCell& cell, const Journal& journal) {
     return journal.is_ok(cell.name) && cell.times.has_value();
 }
 
-// The number of samples per cell that would make the interval narrow enough; 0 if the verdict is not open or is open
-// for another reason.
+// The number of samples per cell that would narrow the confidence interval of a ratio of times to wanted_half_width; 0
+// if the ratio has a verdict already, or lacks one for another reason than the width.
 std::size_t samples_for(const Times& times, const Times& baseline) {
     const RatioEstimate ratio = ratio_estimate(times.ms_per_spp, baseline.ms_per_spp);
     if (times.is_contended || baseline.is_contended || ratio.samples < limits::fewest_samples || !ratio.interval ||
@@ -42,7 +42,7 @@ double seconds_of_a_sample(const Cell& cell, const Journal& journal) {
     return 1e-3 * median_of(ms);
 }
 
-using Wanted = std::map<std::string, std::size_t>;  // wanted number of samples by cell name
+using Wanted = std::map<std::string, std::size_t>;  // number of samples to reach, by cell name
 
 void add_open_verdicts(Wanted& wanted, const Study& study, const ComparedRun& run, const Journal& journal) {
     const ComparedCells cells = run.of_study(study.name);

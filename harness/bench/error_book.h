@@ -37,9 +37,9 @@ public:
     // The reference image of a cell. Throws std::runtime_error that says why there is none.
     const Reference& reference(const Cell& cell) const;
 
-    // The mse_dual that the cell is expected to have at its spp, extrapolated as 1/spp from a film with fewer samples.
+    // The mse_dual to expect of a cell at its full spp, extrapolated as 1/spp from a film with fewer samples.
     double expected_mse(const Cell& cell, const Film& film) const;
-    // Says why a cell's reference image is too noisy for this expected mse, and which spp would do; empty if it is not.
+    // Says why a cell's reference image is too noisy for an error of `expected_mse` and which spp would do; else "".
     std::string refusal(const Cell& cell, double expected_mse) const;
 
     // What a result file says about a cell's reference and metrics; `expected_mse` is not set.
@@ -56,7 +56,7 @@ private:
     std::optional<Errors> errors_at(const Cell& cell, const Hashed& whole, const Hashed& half);
 
     ReferenceMaker maker_;
-    std::map<std::string, ReferenceTask> tasks_;  // tasks by name of the reference
+    std::map<std::string, ReferenceTask> tasks_;  // tasks by name of the reference image
     std::map<std::string, Reference> references_;
     std::map<std::string, std::string> failures_;
     std::map<std::string, std::optional<Errors>> known_;  // errors by reference, sample count and film hash

@@ -34,7 +34,7 @@ RatioInterval expanded_interval(std::vector<double> drawn, std::size_t count) {
             drawn[static_cast<std::size_t>(std::ceil((1 - tail) * last))]};
 }
 
-// Mean error times median time of the seeds drawn by the bootstrap.
+// The product of mean error and median time, over the seeds that one resample of a bootstrap has drawn.
 double work_of(const std::vector<double>& errors, const std::vector<double>& ms,
                const std::vector<std::uint32_t>& drawn) {
     double error = 0;
@@ -78,7 +78,7 @@ std::vector<std::string> settings_in_which_differ(const Cell& cell, const Cell& 
             names.emplace_back(axis);
         }
     }
-    // Scene names are compared by what follows the reference scene's name, so that variants of several scenes match.
+    // A scene's name is compared without the prefix of the reference scene's name: "box_fog" is like "hall_fog".
     const auto scene_of = [](const Cell& c) {
         const std::string& name = c.scene->name;
         const std::string head = c.convergence->reference.scene->name + "_";

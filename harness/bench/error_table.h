@@ -15,7 +15,7 @@ namespace pt {
 // The efficiency of a cell relative to its baseline: the baseline's error x time over the cell's.
 struct ErrorEfficiency {
     double value = 1;
-    std::optional<RatioInterval> interval = {};  // 95 % confidence interval, bootstrap over seeds
+    std::optional<RatioInterval> interval = {};  // 95 % confidence interval of `value`, by a bootstrap over seeds
 };
 
 // The errors of a cell's samples at the last checkpoint, one value for each seed.
@@ -23,7 +23,7 @@ struct LastErrors {
     const Cell* cell = nullptr;
     std::vector<double> mse = {}, rel_mse = {};  // mse_dual and rel_mse_dual of each seed; may be below 0
     std::vector<double> ms_per_spp = {};         // times of renders without checkpoints, if measured
-    bool is_contended = false;                   // whether other processes disturbed too many of the times
+    bool is_contended = false;                   // whether other processes disturbed too many renders
 
     // The efficiency relative to a baseline. None where the mean error of either side is not above 0, or where the two
     // have different numbers of seeds.
@@ -34,7 +34,7 @@ struct LastErrors {
 // The last errors of a study's cells, for cells with errors from at least two seeds. Times are those of the plan's
 // cells without checkpoints if all of these cells have such a companion.
 std::vector<LastErrors> last_errors(const Plan& plan, const Cells& cells, const Journal& journal);
-// Picks the baseline of a group: the plainest estimator, among equals the cell most like the others; null if empty.
+// Picks a group's baseline cell: the plainest estimator, then the cell most like the others; null if there is none.
 const LastErrors* baseline_of(const std::vector<LastErrors>& group, const Journal& journal);
 // Groups cells that render the same image (scene and depth of the reference, resolution, backend), in cell order.
 std::vector<Cells> by_image(const Cells& cells);

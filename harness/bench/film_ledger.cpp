@@ -21,15 +21,15 @@ std::string bitwise_group(const Cell& cell) {
     if (cell.convergence && !stops_matter(cell)) {
         name.erase(name.rfind('/'));
     }
-    // The reference variant is in the name because kernels that round freely need not agree: each is its own reference
-    // and so forms a group of its own.
+    // The name contains the reference variant because kernels that round freely need not agree with others: such a
+    // variant is its own reference, so its cells form a group of their own.
     return bitwise_reference(cell).spelled_out() + name;
 }
 
 bool is_its_own_reference(const Cell& cell) { return bitwise_reference(cell) == cell.variant; }
 
-// The reference that is rendered for every seed. On meshes it uses an acceleration tree, because testing every triangle
-// would take hours.
+// The reference variant to render for each seed of a cell. On meshes it uses an acceleration tree, because testing
+// every triangle would take hours.
 Variant quick_reference(const Cell& cell) {
     return is_its_own_reference(cell) ? cell.variant : fast_reference_on(*cell.scene, cell.variant, cell.backend);
 }
@@ -126,7 +126,7 @@ std::vector<FailedCell> FilmLedger::note_twin(const Cell& cell, const Imprint& f
 std::vector<FailedCell> FilmLedger::note_prepared(const Cell& rendered, const Variant& reference, const Cell& blamed,
                                                   const Imprint& found) {
     const std::uint32_t spp = rendered.samples_to_prepare();
-    // Checkpoints may change the film (stops_matter), so a preparation without them forms an entry of its own.
+    // Checkpoints may change the film (stops_matter): films without them are compared only with each other.
     const std::string part = spp != rendered.spp || stops_matter(rendered) ? fmt::format("/first:{}", spp) : "";
     Entry& entry = entries_[{bitwise_group(rendered) + part, 0}];
     if (!entry.right) {

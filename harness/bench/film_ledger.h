@@ -59,7 +59,7 @@ private:
     };
     struct Entry {
         std::optional<Imprint> right = {};
-        Variant reference = {};  // reference variant that rendered the right imprint
+        Variant reference = {};  // reference variant whose render gave `right`
         std::string of = {};     // name of the reference variant
         std::vector<Seen> seen = {};
     };

@@ -6,7 +6,7 @@
 
 namespace pt {
 
-// Adds the results of the instrumented pass to the facts of a cell.
+// Adds what the instrumented pass of a cell found to the cell's facts.
 void add_facts(CellFacts& facts, const Cell& cell, const RenderResult& result);
 
 }  // namespace pt

@@ -199,12 +199,12 @@ void Journal::append(const Json& line) {
     LineSeal seal = seal_;
     const std::string text = seal.seal(line.dump()) + "\n";
     const off_t end = ::lseek(locked_.descriptor(), 0, SEEK_END);
-    // A line is written by a single call, so that only the last line of the file can be incomplete.
+    // A single write call for each journal line ensures that only the file's last line can be incomplete.
     const ssize_t written = ::write(locked_.descriptor(), text.data(), text.size());
     if (written != static_cast<ssize_t>(text.size())) {
         std::string why = written < 0 ? std::strerror(errno) : "disk full";
         if (written > 0 &&
-            ::ftruncate(locked_.descriptor(), end) != 0) {  // an incomplete line must not precede the next one
+            ::ftruncate(locked_.descriptor(), end) != 0) {  // cuts off an incomplete line, which no other may follow
             why += fmt::format("; {}", std::strerror(errno));
         }
         throw MachineError(

@@ -27,7 +27,7 @@ public:
     // Replaces the cell's sample with the same seed; retaken() then returns the replaced one. Precondition: the journal
     // has such a sample.
     void retake_sample(const std::string& cell, const Sample& sample);
-    // Sets the facts about a cell other than its samples; a later call replaces an earlier one.
+    // Sets the facts about a cell other than its samples, in place of any that were set before.
     void set_cell(const std::string& cell, const CellFacts& facts);
     // Begins a session: the process that takes all samples that follow.
     void add_session(const SessionFacts& facts);
@@ -46,8 +46,8 @@ public:
     // The size in bytes of an incomplete last line that was dropped on opening; 0 if there was none.
     std::size_t dropped_bytes() const { return dropped_bytes_; }
 
-    // The file descriptor of the journal, and the text that these lines would have if they were appended next. A crash
-    // handler needs both, because it can only write a text that exists already.
+    // The journal's file descriptor, and the text that JSON lines would have as the next ones of the journal. A crash
+    // handler needs both beforehand, since it can make no text itself.
     int descriptor() const { return locked_.descriptor(); }
     std::string next_lines(const std::vector<Json>& lines) const;
     static Json session_line(const SessionFacts& facts);
@@ -71,7 +71,7 @@ private:
 
     std::string file_;
     LockedFile locked_;
-    LineSeal seal_;  // checksum state after the last line of the file
+    LineSeal seal_;  // checksum of the journal's last line, for sealing the next one
     std::size_t dropped_bytes_ = 0;
     std::map<std::string, std::vector<Sample>> samples_, retaken_;
     std::map<std::string, CellFacts> cells_;

@@ -32,7 +32,7 @@ void add_images(std::vector<std::string>& names, const Json& cell) {
     if (!cell.is_object() || !cell.contains(place)) {
         return;
     }
-    const Json flat = cell.at(place).flatten();  // a named variable, because it must outlive the loop
+    const Json flat = cell.at(place).flatten();  // a named object, since items() refers to it during the loop
     for (const auto& [key, name] : flat.items()) {
         if (name.is_string()) {
             names.push_back(name.get<std::string>());

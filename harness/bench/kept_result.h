@@ -31,8 +31,8 @@ struct EarlierResult {
     // does not stay.
     bool is_kept() const { return is_there && !(is_of_this_run && !is_complete); }
 };
-// Throws MachineError if another command has written `file` since it had this stamp. `where` says where the run's own
-// samples are kept.
+// Throws MachineError if another command has written `file` since `stamp` was taken. `where` says, for the message,
+// where the run's own samples are kept.
 void check_untouched(const std::string& file, const FileStamp& stamp, const std::string& where);
 EarlierResult earlier_result(const std::string& file, const RunRecord& run);
 

@@ -16,11 +16,11 @@ public:
     // Returns the text of a JSON object as the next line, with its checksum and without a newline. Precondition: the
     // object has a member, and the text ends with "}".
     std::string seal(std::string_view object);
-    // Says what is wrong with `line` as the next line; empty if seal() made it.
+    // Says why `line` cannot be the next sealed line of a file; empty if it can.
     std::string fault(std::string_view line);
 
 private:
-    std::uint64_t before_ = fnv1a_start;  // checksum of the previous line
+    std::uint64_t before_ = fnv1a_start;  // checksum of the file's last line so far
 };
 
 }  // namespace pt

@@ -195,10 +195,10 @@ OrderedJson merged_context(const std::vector<ShardResult>& shards, const std::st
         }
         date = std::max(date, shard.result.at("context").at(CallContext::date_key).get<std::string>());
     }
-    context[CallContext::date_key] = date;  // date at which the last shard ended
+    context[CallContext::date_key] = date;  // the latest date of a shard's end
     context[BenchmarkContext::host_name_key] = fmt::format("{}", fmt::join(hosts, ", "));
     context[CallContext::command_line_key] = command_line;
-    context.erase(CallContext::rank_hosts_key);  // host names of ranks are listed for each shard instead
+    context.erase(CallContext::rank_hosts_key);  // listed for each shard in ptbench.shards
     return context;
 }
 
@@ -290,10 +290,10 @@ Merged merge_parsed(const std::vector<ShardResult>& shards, const std::string& o
     OrderedJson own = shards.front().result.at("ptbench");
     own["run"] = merged_run(shards);
     own["cells"] = std::move(cells);
-    if (own.contains("retakes")) {  // shards of one program all have retakes, or none has
+    if (own.contains("retakes")) {  // either all shards have retakes, or none
         own["retakes"] = merged_retakes(shards);
     }
-    if (own.contains("comparisons")) {  // results of older programs have no comparisons
+    if (own.contains("comparisons")) {  // absent from results of older programs
         own["comparisons"] = merged_comparisons(rows, own);
     }
     own["shards"] = std::move(parts);

@@ -22,7 +22,7 @@ std::vector<ShardResult> read_shards(const std::vector<std::string>& files);
 
 struct Merged {
     nlohmann::ordered_json result;
-    // Image files to copy, as pairs of source and target: cells name them relative to their result file, old and new.
+    // Image files to copy, as pairs of source (beside a shard's result) and target (beside the merged result).
     std::vector<std::pair<std::string, std::string>> copies;
 };
 

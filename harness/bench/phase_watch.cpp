@@ -55,14 +55,14 @@ std::string PhaseLines::due(double now) {
         return "";
     }
     const double elapsed = now - begun_;
-    // The pause until the next progress line is the same as in the class Progress.
+    // The class Progress pauses as long between its lines.
     next_ = now + (is_terminal_ ? 0.2 : std::clamp(elapsed / 50, 10.0, 600.0));
     return fmt::format("{}: {}: {}", command_, what_, times(elapsed));
 }
 
 PhaseWatch::PhaseWatch(const std::string& command)
     : is_terminal_(::isatty(STDERR_FILENO) != 0), lines_(command, is_terminal_, patience_of_environment()) {
-    // The thread blocks all signals, so that the main thread receives them.
+    // The display's thread blocks all signals, so that the kernel delivers them to the main thread.
     sigset_t all, kept;
     ::sigfillset(&all);
     ::pthread_sigmask(SIG_SETMASK, &all, &kept);
@@ -103,7 +103,7 @@ void PhaseWatch::end() {
     clear();
 }
 
-// Prints the line that is due. Precondition: mutex_ is locked.
+// Prints the progress line if one is due. Precondition: mutex_ is locked.
 void PhaseWatch::tell() {
     const std::string line = lines_.due(steady_seconds());
     if (!line.empty()) {

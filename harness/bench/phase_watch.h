@@ -23,7 +23,7 @@ public:
     void reached(double share, double now);
     void end() { is_over_ = true; }
 
-    // The progress line that is due at the time `now`; empty if none is.
+    // The progress line to show at the time `now`; empty if it is too early for the next one.
     std::string due(double now);
 
 private:

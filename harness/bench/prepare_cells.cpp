@@ -25,10 +25,10 @@ RenderSettings verification_settings(RenderSettings settings) {
 
 constexpr std::uint32_t verification_spp = 2;
 
-// The words by which an error message names a failed preparation.
+// What an error message calls a preparatory render in which a cell has failed.
 constexpr const char* the_preparation = "a render before the timed ones";
 
-// The relative cost of a cell's preparation, for the estimate of the remaining time.
+// The expected duration of a cell's preparation relative to other cells', for the estimate of the remaining time.
 double size_of(const Cell& cell) {
     return static_cast<double>(cell.settings.width) * cell.settings.height * cell.samples_to_prepare();
 }
@@ -97,7 +97,7 @@ private:
         }
     }
 
-    // Compares film and work at full size with the reference, for a variant that rounds freely those of its exact twin.
+    // Compares a cell's film and work at full size with the reference's, also those of the exact twin if it has one.
     bool has_the_bits(const Cell& cell, const RenderResult& result, Prepared& prepared) {
         std::vector<FailedCell> failed = films_.note_preparation(cell, imprint_of(result));
         if (fp_relaxed(cell.variant, cell.backend)) {

@@ -59,7 +59,7 @@ void TimeLeft::drop(const std::string& name) {
 }
 
 std::optional<double> TimeLeft::seconds() const {
-    double sizes = 0, means = 0;  // sums over the names that have measured steps
+    double sizes = 0, means = 0;  // sums over names of which a step has been measured
     for (const auto& [name, entry] : names_) {
         if (entry.measured > 0) {
             sizes += entry.size;
@@ -86,7 +86,7 @@ Progress::Progress(std::string what, std::size_t total, Lines lines, double pati
       start_(steady_seconds()),
       is_terminal_(::isatty(STDERR_FILENO) != 0) {}
 
-// Seconds between lines of a log. They grow with the elapsed time, so that a run of days still has a short log.
+// Seconds between two progress lines of a log, in proportion to the elapsed time: a run of days still has a short log.
 double Progress::pause(double elapsed) const { return is_terminal_ ? 0.2 : std::clamp(elapsed / 50, 10.0, 600.0); }
 
 void Progress::begin(const std::string& name) {
@@ -123,7 +123,7 @@ void Progress::draw(const std::string& name) {
                                           left_ ? "about " + clock_text(*left_) : "unknown time", name);
     if (is_terminal_) {
         const std::string line = fmt::format("{} [{}] {}/{}  {}", what_, bar_of(done_, total_), done_, total_, times);
-        // The line is cut to the terminal's width, because a wrapped line could not be overwritten.
+        // The progress bar is cut to the terminal's width, because a wrapped line could not be overwritten.
         say("{}{}", erase_line, line.substr(0, terminal_width() - 1));
     } else {
         say("[{}/{}] {}: {}\n", done_, total_, what_, times);

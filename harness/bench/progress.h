@@ -10,16 +10,16 @@
 
 namespace pt {
 
-// Seconds of a monotonic clock with an arbitrary start.
+// The time in seconds on a monotonic clock, since an arbitrary start.
 double steady_seconds();
 
-// Estimates the remaining time of a list of named steps. A step is expected to take the mean of the measured steps with
-// its name; where none was measured, a time in proportion to its size, at the rate of the other names.
+// Estimates the remaining time of named steps. A step is expected to take as long as the measured steps of its name on
+// average or, if there are none yet, a time in proportion to its size, at the rate of the other names.
 class TimeLeft {
 public:
     // Adds `steps` expected steps with this name. `size`, above 0, is the size of a step relative to other names.
     void expect(const std::string& name, std::size_t steps, double size);
-    // Records a measured step. `was_expected` is false for a step of an earlier session, not counted by `expect`.
+    // Records a step's duration. `was_expected`: false for a step that `expect` did not count (an earlier session).
     void took(const std::string& name, double seconds, bool was_expected = true);
     // Removes an expected step from the estimate, because it will not be done.
     void drop(const std::string& name);
@@ -45,7 +45,7 @@ public:
     Progress(std::string what, std::size_t total, Lines lines = Lines::shown, double patience = 0);
     // Shows on a terminal that a step with this name begins; a log gets no line.
     void begin(const std::string& name);
-    // Counts a step as done. The remaining time is estimated from the mean of the steps so far.
+    // Counts a step as done; the remaining time follows from the mean duration of all steps so far.
     void step(const std::string& name);
     // Counts a step as done. `seconds_left` estimates the remaining time, and is called only if a line is shown.
     void step(const std::string& name, const std::function<std::optional<double>()>& seconds_left);
@@ -60,7 +60,7 @@ private:
     double patience_;
     std::size_t done_ = 0;
     double start_;
-    double last_shown_ = -1e9;    // time of the last shown line in seconds; initially long ago
+    double last_shown_ = -1e9;    // time at which a line was last shown, in seconds; none yet: -1e9
     std::optional<double> left_;  // the last estimate of the remaining time in seconds
     bool is_terminal_;
 };

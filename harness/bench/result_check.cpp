@@ -60,7 +60,7 @@ private:
             fail(cell, fmt::format("sample {} with {}", index, fault), "what a render can leave");
         }
         counted_[{cells_.at(cell).at("cell").get<std::string>(), index}] = seed_and_film(sample);
-        if (cells_.at(cell).at("status") != "failed") {  // a failed cell may have failed because of a wrong film
+        if (cells_.at(cell).at("status") != "failed") {  // a failed cell's film may be wrong
             check_film(sample, cell, index);
         }
     }
@@ -123,9 +123,9 @@ private:
     const std::string& file_;
     const OrderedJson& result_;
     const OrderedJson& cells_;
-    std::vector<std::set<std::size_t>> indices_;                        // indices of the samples found, by cell
-    std::map<std::pair<std::string, std::size_t>, Json> counted_;       // seed and film hash by cell and sample index
-    std::map<std::string, std::pair<std::string, std::size_t>> films_;  // first film of a bitwise group, and its cell
+    std::vector<std::set<std::size_t>> indices_;                        // indices of the samples met, by cell number
+    std::map<std::pair<std::string, std::size_t>, Json> counted_;       // seed and film hash by cell name and index
+    std::map<std::string, std::pair<std::string, std::size_t>> films_;  // a bitwise group's first film and its cell
 };
 
 }  // namespace

@@ -180,7 +180,7 @@ public:
         }
     }
 
-    // Returns the sample with `shared` set at each of its checkpoints.
+    // Returns a copy of `sample` whose checkpoints say (`shared`) whether another cell owns the films and their errors.
     Sample marked(const Journal& journal, const Cell& cell, Sample sample) const {
         const bool shared = owner(journal, cell, sample) != cell.name;
         for (CheckpointFacts& checkpoint : sample.checkpoints.value()) {
@@ -260,7 +260,7 @@ Disturbance disturbance_of(const Plan& plan, const Journal& journal) {
     }
     Disturbance found;
     for (const auto& [sample, backend] : samples) {
-        const bool contended = is_disturbed(*sample, backend);  // other processes may have falsified the time
+        const bool contended = is_disturbed(*sample, backend);  // whether processes or a quota falsified the time
         const bool low_clock = has_low_clock(*sample, highest);
         found.samples += 1;
         found.disturbed += contended || low_clock ? 1u : 0u;

@@ -17,14 +17,14 @@ struct RunFacts {
     bool completed = true;
     int repetitions = 1;
     int most_retakes = 0;  // largest number of retakes per cell
-    RunRecord run = {};    // identity of the run, without sessions
+    RunRecord run = {};    // identity of the run; the journal has the sessions
     std::vector<ComparisonFacts> comparisons = {};
 };
 
 struct Aggregates {
-    double mean, median, stddev, cv;  // standard deviation and cv are 0 for a single value
+    double mean, median, stddev, cv;  // stddev and cv (stddev / mean) of a single value: 0
 };
-// Mean, median and spread of some values. Precondition: there is at least one.
+// Mean, median, standard deviation and coefficient of variation of some values. Precondition: there is at least one.
 Aggregates aggregate(std::vector<double> values);
 
 // Formats a JSON document of rows: every member of an object and every array element begins a line, and an array
@@ -35,7 +35,7 @@ std::string rows_on_lines(const nlohmann::ordered_json& value);
 // used up, or the clock was low.
 struct Disturbance {
     std::size_t samples = 0;
-    std::size_t disturbed = 0;  // samples that were disturbed or had a low clock
+    std::size_t disturbed = 0;  // samples with a falsified time or a low clock
     std::size_t contended = 0;  // samples disturbed by other processes only
     std::size_t throttled = 0;  // samples disturbed by a used-up CPU quota
     std::size_t low_clock = 0;

@@ -23,7 +23,7 @@ namespace {
 
 struct Outcome {
     std::size_t failed = 0;
-    std::size_t unfinished = 0;  // cells that have not failed but lack samples
+    std::size_t unfinished = 0;  // number of cells that have not failed but lack samples
 };
 
 Outcome outcome_of(const RunEnding& ending, const Journal& journal) {
@@ -106,7 +106,7 @@ int end_run(const RunEnding& ending, RunJournal& journal) {
     const Outcome outcome = outcome_of(ending, known);
     const bool completed = outcome.unfinished == 0;
     if (!completed && ::isatty(STDERR_FILENO) != 0) {
-        say("\n");  // moves the cursor below the progress line
+        say("\n");  // the next output begins below the progress bar
     }
     if (!completed && (known.sample_count() == 0 || ending.earlier.is_kept())) {
         return end_without_result(ending, known);

@@ -11,11 +11,11 @@
 namespace pt {
 
 struct RunEnding {
-    const Plan& plan;  // the cells that the run was to measure
+    const Plan& plan;  // cells that the run measures
     const Suite& suite;
     EarlierResult earlier;
     std::string out;   // name of the result file to write
-    RunFacts facts;    // facts about the run; the end sets `date` and `completed`
+    RunFacts facts;    // facts about the run; `date` and `completed` are set at its end
     bool was_resumed;  // whether the command line has --resume already
 };
 

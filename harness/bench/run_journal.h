@@ -18,7 +18,7 @@ public:
                const std::vector<std::string>& that_may_differ, std::string go_on);
 
     const Journal& known() const { return journal_; }
-    // Whether a cell is prepared and may be timed.
+    // Whether the journal says that a cell is prepared and has not failed, so that it may be timed.
     bool is_ok(const Cell& cell) const;
     // The reason why a cell failed; empty if it did not. Precondition: the journal knows the cell.
     std::string failure(const Cell& cell) const;
@@ -46,7 +46,7 @@ private:
     Journal journal_;
     std::string host_name_;
     std::string go_on_;
-    std::mutex mutex_;  // locked while the journal changes
+    std::mutex mutex_;  // a lock held while the journal changes
     bool has_session_ = false;
 };
 

@@ -260,7 +260,7 @@ std::string describe_plan(const Plan& plan, int repetitions) {
 }
 
 Plan plan_run(const Suite& suite, const RunOptions& options) {
-    // Without the backend this machine cannot have been tuned; a plan may be listed on any machine.
+    // Tuned values exist only for a machine that has the backend; without it, a plan can still be listed.
     const bool is_there = options.backend == Backend::cpu || cuda::not_available().empty();
     const Tuning tuning =
         options.untuned || !is_there ? Tuning() : Tuning::load(tuning_file(options.backend), options.backend);

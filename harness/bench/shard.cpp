@@ -23,7 +23,7 @@ public:
         }
         return cell;
     }
-    // Adds a cell to the group of all cells with the same key.
+    // Merges the group of `cell` with that of the cell in `known` with the same key, if there is one.
     void join(std::map<std::string, std::size_t>& known, const std::string& key, std::size_t cell) {
         const std::size_t a = first_of(known.try_emplace(key, cell).first->second);
         const std::size_t b = first_of(cell);
@@ -34,7 +34,7 @@ private:
     std::vector<std::size_t> parents_;
 };
 
-// The part of a cell's name after the variant, without the suffix for checkpoints, so that companions have the same.
+// The part of a cell's name after the variant, without "/checkpoints:..": equal with and without checkpoints.
 std::string setting_of(const Cell& cell) {
     const std::string setting = setting_in(cell.name);
     return setting.substr(0, setting.find("/checkpoints:"));

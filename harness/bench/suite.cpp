@@ -37,7 +37,7 @@ std::vector<std::string> names_on_any_backend(std::string_view axis) {
     return {names.begin(), names.end()};
 }
 
-// The tunables of all choices on all backends; a name occurs once for each choice that has it.
+// The tunables of all choices on all backends; a tunable that several choices have occurs several times.
 std::vector<Tunable> tunables_on_any_backend() {
     std::vector<Tunable> all;
     for (const Backend backend : all_backends) {
@@ -159,7 +159,7 @@ void check_choices(const AxisChoices& axes, const std::string& file, const std::
 
 namespace {
 
-// Adds choices to an axis. `list` holds choices separated by commas, or "all".
+// Adds choices to an axis in `axes`. `list` holds names of choices separated by commas, or is "all".
 void add_choices(AxisChoices& axes, const std::string& axis, const std::string& list, const char* option,
                  Backend backend) {
     std::vector<std::string> names;
@@ -204,8 +204,8 @@ AxisChoices parse_axis_arguments(const std::vector<std::string>& arguments, cons
     return axes;
 }
 
-// Choices may allow different values of a tunable with the same name. A value that only some of them allow passes; it
-// does not apply to the others.
+// A tunable's value passes if any choice with a tunable of that name allows it; to choices that do not allow the value
+// it does not apply.
 void check_tunable(const std::string& name, std::uint32_t value, const std::string& file, const std::string& place) {
     std::set<std::string> known, ranges;
     for (const Tunable& tunable : tunables_on_any_backend()) {

@@ -27,7 +27,7 @@ struct VariantSet {
 
 // The settings of a study of error against run time (harness/bench/convergence_study.h).
 struct ConvergenceSettings {
-    std::string reference_scene = {};                        // scene of the reference image; empty: the cell's own
+    std::string reference_scene = {};                        // scene of the reference image; empty: that of the cell
     std::map<std::string, std::string> reference_axes = {};  // choices of the reference's variant
     double variance = 1e-6;                                  // largest variance of the reference image per channel
     std::map<Backend, double> variance_on = {};              // variance limits for single backends
@@ -56,8 +56,8 @@ struct Study {
     // Whether a command line describes the study. Axes that it leaves open get the best known choice (fastest.h), those
     // that a suite leaves open their baseline.
     bool is_of_a_call = false;
-    std::vector<VariantSet> variants = {};                // variant sets, each combined with `axes` and `tunables`
-    std::optional<ConvergenceSettings> convergence = {};  // only for studies of error against time
+    std::vector<VariantSet> variants = {};                // sets to combine with `axes` and `tunables`
+    std::optional<ConvergenceSettings> convergence = {};  // settings, for a study of error against time only
     std::uint32_t width = 0, height = 0;                  // resolution in pixels; 0: the scene's own
     std::vector<std::pair<std::uint32_t, std::uint32_t>> more_sizes;  // resolutions besides width x height
     std::map<Backend, std::vector<std::pair<std::uint32_t, std::uint32_t>>> sizes_on =
@@ -74,7 +74,7 @@ struct Suite {
     std::string name;
     std::string description;
     int repetitions = 9;
-    int decide_seconds = 0;  // time limit for samples that settle open verdicts; 0: no such samples
+    int decide_seconds = 0;  // time limit for further samples of cells whose verdict is open; 0: none
     std::vector<Study> studies;
 };
 
@@ -114,7 +114,7 @@ struct NotApplicable {
 std::string setting_in(const std::string& cell_name);
 
 struct Plan {
-    std::vector<Cell> cells;  // the planned cells, with unique names
+    std::vector<Cell> cells;  // cells in the order of the studies, with unique names
     std::vector<NotApplicable> not_applicable;
     std::vector<std::string> chosen = {};  // choices made automatically, "SCENE: accelerator=bvh8 ..."
 };
@@ -140,8 +140,8 @@ std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet featu
 // Selects few variants from the coverings of several scenes, shared evenly among the scenes, so that every choice that
 // occurs in any covering occurs at least once.
 std::vector<std::vector<Variant>> each_choice_once(std::vector<std::vector<Variant>> coverings);
-// Parses "NAME=c1,c2" or "NAME=all" (all choices of the backend) and adds it to `axes`. Throws InputError for an
-// unknown name, with the allowed names, and for an axis that `axes` already has.
+// Parses the argument "AXIS=c1,c2" or "AXIS=all" (all choices of the backend) and adds the choices to `axes`. Throws
+// InputError for an unknown name, with the allowed names, and for an axis that `axes` already has.
 void add_axis_argument(AxisChoices& axes, const std::string& argument, Backend backend = Backend::cpu);
 AxisChoices parse_axis_arguments(const std::vector<std::string>& arguments, Backend backend = Backend::cpu);
 // Parses axis arguments, and the value of --devices as choices of the axis `devices`, unless it is empty.

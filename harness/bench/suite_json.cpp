@@ -172,7 +172,7 @@ Compared read_compared(const JsonObject& object, bool is_convergence) {
         if (object.has(older_figure_key)) {
             (void)object.at(older_figure_key).one_of({"convergence"});
         }
-        return {};  // a convergence study compares errors and has no `compares`
+        return {};  // a study of errors has no key `compares`
     }
     if (object.has(older_figure_key)) {
         return compared_by_figure(object.at(older_figure_key), tunables_in(object));

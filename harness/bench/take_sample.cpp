@@ -151,15 +151,15 @@ void SampleTaker::warm_up(const Cell& cell, RenderRequest request) {
     }
 }
 
-// Says what is wrong with a sample's film or counters; empty if nothing is.
+// Says what is wrong with the film or the work counters of a timed render; empty if nothing is.
 std::string SampleTaker::fault(const Cell& cell, std::size_t index, const RenderResult& result,
                                std::vector<FailedCell>& others) {
-    // With several ranks, each has checked its own counters.
+    // A sample on several MPI ranks is not checked here, since each rank has checked its own counters.
     if (const std::string missing = check_counters(cell.variant, result.work, cell.spp, cell.backend);
         ranks().count == 1 && !missing.empty()) {
         return fmt::format("{}: {}", place_of(index), missing);
     }
-    // The number of paths is checked for every variant, also for one that rounds freely, whose rays have no reference.
+    // The number of paths is known for every variant, even for one that rounds freely and so has no reference's rays.
     const std::uint64_t paths = std::uint64_t{cell.settings.width} * cell.settings.height * cell.spp;
     if (result.work.paths != paths) {
         return fmt::format("{}: {} paths, not {}", place_of(index), result.work.paths, paths);

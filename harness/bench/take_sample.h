@@ -36,7 +36,7 @@ private:
     std::uint64_t first_seed_;
     FilmLedger& films_;
     ErrorBook& errors_;
-    std::set<std::string> warm_;  // names of the cells that had a warm-up render
+    std::set<std::string> warm_;  // names of the cells that this process has warmed up
     std::uint64_t order_ = 0;     // position of the next sample among those of all cells
 };
 

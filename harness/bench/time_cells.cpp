@@ -66,8 +66,8 @@ public:
           errors_(errors),
           interrupt_(interrupt) {}
 
-    // The loop must be entered even after an error, and an error must stay for all later repetitions, because Google
-    // Benchmark 1.7.1 aborts the process otherwise (google/benchmark#2206).
+    // The loop over `state` must begin even after an error, and all later repetitions must report the error too,
+    // because Google Benchmark 1.7.1 aborts the process otherwise (google/benchmark#2206).
     void benchmark_cell(benchmark::State& state, const Cell& cell, std::size_t index) {
         for (auto iteration : state) {
             (void)iteration;
@@ -191,7 +191,7 @@ private:
 };
 
 void register_cell(const Cell& cell, CellTimer& timer) {
-    // Google Benchmark calls the function once per repetition, so a counter gives the sample's index.
+    // Google Benchmark calls this function once per repetition; `next` counts the calls: the sample's index.
     benchmark::RegisterBenchmark(cell.name.c_str(),
                                  [&timer, &cell, next = std::make_shared<std::size_t>(0)](benchmark::State& state) {
                                      timer.benchmark_cell(state, cell, (*next)++);

@@ -30,8 +30,8 @@ std::string id_of_spelled_out(const JsonValue& name, Backend backend) {
             variant.set(axis_names[count], choice);
         }
     }
-    // A name from a program with fewer axes would silently match no variant. A name with the first 14 axes gets on each
-    // later axis the choice that changes nothing (`as_before`); files of programs with more axes have identities.
+    // A name of a variant from a program with fewer axes would silently match none. One with the first 14 axes gets on
+    // later axes the choice that changes nothing (`as_before`); later programs write identities.
     constexpr std::size_t spelled_axes = 14;
     for (std::size_t i = count; count == spelled_axes && i < axis_count; ++i) {
         variant.set(axis_names[i], std::string(axis_table[i].as_before));
@@ -169,13 +169,13 @@ std::vector<std::uint32_t> candidates(const Tunable& tunable) {
     };
     const std::uint32_t range = tunable.highest - tunable.lowest;
     if (tunable.highest <= 64) {
-        // Short ranges are tried in even steps.
+        // A tunable with a short range is tried in at most eight even steps.
         const std::uint32_t steps = std::min<std::uint32_t>(8, range);
         for (std::uint32_t step = 0; step <= steps; ++step) {
             offer(tunable.lowest + std::uint64_t{range} * step / std::max(1u, steps));
         }
     } else {
-        // Long ranges are tried in factors of two around the standard or, if that is 0, from the upper end down.
+        // A long range is tried at the tunable's standard x 1/16 .. 16 or, if that is 0, at its limit x 1/16 .. 1.
         for (std::uint64_t factor = 1; factor <= 16; factor *= 2) {
             if (tunable.default_value == 0) {
                 offer(tunable.highest / factor);

@@ -32,7 +32,7 @@ public:
 
     // The entry of a variant identity; null if that variant was never tuned.
     const TunedVariant* find(const std::string& id) const;
-    // The variant with its tuned values, except for tunables in `named` and those that already have a value.
+    // The variant with the tuned values of its entry, but none for tunables in `named` or with a value already.
     Variant applied(const Variant& variant, const std::set<std::string>& named) const;
     const std::vector<TunedVariant>& entries() const { return entries_; }
 

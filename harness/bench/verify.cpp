@@ -48,7 +48,7 @@ bool same_pixel(const Film& a, const Film& b, std::size_t pixel) {
     return true;
 }
 
-// The channel means of each 16x16 block, followed by the channel means of the whole image.
+// A film's channel means over each block of 16x16 pixels, then over the whole image.
 std::vector<double> block_means(const Film& film) {
     const std::uint32_t columns = (film.width() + 15) / 16;
     const std::uint32_t rows = (film.height() + 15) / 16;
@@ -86,8 +86,8 @@ std::vector<std::vector<double>> batch_means(const Scene& scene, RenderSettings 
 
 struct PairedDifference {
     double mean_a = 0, mean_b = 0;
-    double difference = 0;  // mean of the paired differences a - b
-    double error = 0;       // standard error of the mean difference
+    double difference = 0;  // mean over batches of (a - b)
+    double error = 0;       // standard error of `difference`
 };
 
 PairedDifference paired_difference(const std::vector<std::vector<double>>& a, const std::vector<std::vector<double>>& b,
@@ -96,7 +96,7 @@ PairedDifference paired_difference(const std::vector<std::vector<double>>& a, co
     double squares = 0;
     for (std::size_t batch = 0; batch < a.size(); ++batch) {
         const double difference = a[batch][entry] - b[batch][entry];
-        const double delta = difference - result.difference;  // Welford's online algorithm for mean and variance
+        const double delta = difference - result.difference;  // Welford's online mean and variance
         const auto count = static_cast<double>(batch + 1);
         result.difference += delta / count;
         squares += delta * (difference - result.difference);
@@ -157,8 +157,8 @@ RenderResult Verifier::render_part(const Variant& variant, std::uint32_t first, 
     return render_samples(scene_, settings_, variant, backend_, first, count, spp_);
 }
 
-// The CPU's reference variant computes the same in the same rounding, so films should be equal bit for bit. One sample
-// in 1e5 may take another path (docs/numerics.md 4): every pixel that differs counts as one sample.
+// The CPU's reference variant rounds as CUDA's does, so films should be equal bit for bit. One sample in 1e5 may take
+// another path (docs/numerics.md 4): every pixel that differs counts as one sample.
 const Verifier::CpuCheck& Verifier::against_cpu(const Variant& reference_variant) {
     const auto known = against_cpu_.find(reference_variant);
     if (known != against_cpu_.end()) {
@@ -176,7 +176,7 @@ const Verifier::CpuCheck& Verifier::against_cpu(const Variant& reference_variant
     }
     plain = fast_reference_on(scene_, plain, Backend::cpu);
     if (!why_not_applicable(plain, features_of(scene_), Backend::cpu).empty()) {
-        return check;  // does not apply on the CPU: matrices in double precision
+        return check;  // the CPU has no counterpart: matrices in double precision
     }
     check.is_made = true;
     const RenderResult expected = render_samples(scene_, settings_, plain, Backend::cpu, 0, spp_, spp_);
@@ -212,7 +212,7 @@ Verifier::MeanCheck Verifier::check_statistical(const Variant& variant) {
     const std::uint32_t spp = std::max(4u, spp_);
     const auto claimed = batch_means(scene_, settings_, variant, backend_, spp);
     const auto expected = batch_means(scene_, deeper, plain, backend_, spp);
-    // Without extra depth, the image without the choice is the expected image itself.
+    // `plain` at the variant's own depth shows how much the choice changes; without extra depth it is `expected`.
     const auto without =
         deeper.depth != settings_.depth ? batch_means(scene_, settings_, plain, backend_, spp) : expected;
     MeanCheck check;

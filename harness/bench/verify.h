@@ -11,7 +11,7 @@ namespace pt {
 // The first pixel, sample and bounce at which two variants differ whose films should be equal.
 struct Difference {
     std::uint32_t x = 0, y = 0;
-    std::optional<std::uint32_t> sample;  // none if only the sum over samples differs
+    std::optional<std::uint32_t> sample;  // first sample that differs; none if only the sums over samples do
     std::optional<std::uint32_t> bounce;  // smallest depth at which the sample differs between the variants
     std::string text() const;
 };
@@ -19,7 +19,7 @@ struct Difference {
 struct Verdict {
     bool holds = true;
     std::string film_hash;
-    std::string message;  // what the film was compared with, or what failed
+    std::string message;  // what the film was compared with, or why the variant failed
 };
 
 // Verifies variants on one scene at one size, and keeps the films of reference variants.
@@ -28,12 +28,12 @@ public:
     Verifier(const Scene& scene, const RenderSettings& settings, std::uint32_t spp, Backend backend = Backend::cpu)
         : scene_(scene), settings_(settings), spp_(spp), backend_(backend) {}
 
-    // Verifies the faults of the film, that every choice did its work, and the variant's claim. On CUDA the reference
-    // film is also compared with the CPU's. For a variant that rounds freely, the twin in exact arithmetic must match
-    // the reference's bits, and the variant's mean its twin's mean. Precondition: the variant applies to the scene.
+    // Checks a variant's film for faults, that every choice did its work, and its claim. On CUDA the reference's film
+    // is also compared with the CPU's. If a variant rounds freely, its exact twin must match the reference bit for bit,
+    // and the variant's mean the twin's mean. Precondition: the variant applies to the scene.
     Verdict check(const Variant& variant);
-    // Verifies a variant at a large size, where only faults, bits and work counts are compared (those of the twin, for
-    // a variant that rounds freely), and neither means nor the CPU's film.
+    // Checks a variant at a large size for faults, bits and work counts only, without means and without the CPU's film.
+    // If the variant rounds freely, the bits and counts are those of its exact twin.
     Verdict check_film(const Variant& variant);
 
 private:
@@ -42,16 +42,16 @@ private:
     const RenderResult& reference(const Variant& reference_variant);
     struct CpuCheck {
         bool is_made = false;      // whether the CPU backend has the variant
-        std::string failure = {};  // how the films differ; empty if they are equal
+        std::string failure = {};  // how the CPU's film differs; empty if it is equal
     };
     // Compares a reference variant's film on CUDA with the film of the CPU's own reference.
     const CpuCheck& against_cpu(const Variant& reference_variant);
     RenderResult render_part(const Variant& variant, std::uint32_t first, std::uint32_t count) const;
 
     struct MeanCheck {
-        std::string failure = {};  // how the means differ; empty if they agree
+        std::string failure = {};  // which mean differs and how; empty if none does
         double detectable = 0;     // smallest relative bias of the image mean that would fail
-        double effect = 0;         // relative change that the choice makes to the image mean
+        double effect = 0;         // largest relative change of a channel's mean by the variant's choices
     };
     MeanCheck check_statistical(const Variant& variant);
     const MeanCheck& mean_check(const Variant& variant);

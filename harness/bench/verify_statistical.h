@@ -15,14 +15,14 @@ namespace pt {
 // The claim that a tested variant converges to the image of a baseline variant.
 struct MeanClaim {
     Variant tested, baseline;
-    std::uint32_t depth = 0, baseline_depth = 0;  // path depths at which both have the same expectation
-    bool same_sampling = true;                    // whether both sample alike (SameMeanOptions)
+    std::uint32_t depth = 0, baseline_depth = 0;  // path depths at which the two have equal expectations
+    bool same_sampling = true;                    // whether both are black equally often (SameMeanOptions)
 };
 
 // The claim that follows from a variant's choices (Descriptor::mean_of). The baseline is the reference variant with
 // each choice that claims another choice's mean replaced by that choice, at the depth with the same expectation.
 MeanClaim claim_of_mean(const Variant& variant, std::uint32_t depth, Backend backend);
-// The claim that `variant` converges to the image of `baseline`, each at the depth with the same expectation.
+// The claim that `variant` has the mean image of a given `baseline`, each at the depth with the same expectation.
 MeanClaim claim_against(const Variant& variant, const Variant& baseline, std::uint32_t depth, Backend backend);
 
 struct MeanVerdict {

@@ -61,7 +61,7 @@ public:
         return median(all);
     }
 
-    // The variant with the tunable at its fastest value.
+    // Returns the variant with the value of `tunable` that renders fastest, and updates `best_ms`, its time.
     Variant improved(const Variant& variant, const Tunable& tunable, double& best_ms) const {
         Variant best = variant;
         for (const std::uint32_t value : candidates(tunable)) {
@@ -154,7 +154,7 @@ int run(const AutotuneArguments& arguments) {
         best = standard;
         tuned_ms = standard_ms;
     }
-    // A value that breaks the image must not be stored, however fast.
+    // A variant whose image is wrong must not be stored as tuned, however fast it is.
     RenderSettings small = settings;
     small.width = small.height = 48;
     small.seed = 1;

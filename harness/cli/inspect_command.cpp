@@ -76,8 +76,8 @@ std::string text_of_report(const nlohmann::ordered_json& report) {
     return text + text_of_library_calls(report);
 }
 
-// The kernels of one variant on several architectures: a line for each kernel on each of them. A kernel of which no
-// multiprocessor takes a block says so.
+// A table of the kernels of one variant: one line per kernel and architecture. A kernel whose thread block is too large
+// for a multiprocessor says so.
 std::string table_of_reports(std::span<const nlohmann::ordered_json> reports) {
     const nlohmann::ordered_json& first = reports.front();
     std::string text =
@@ -149,7 +149,7 @@ std::vector<Variant> asked_variants(const InspectArguments& arguments, const Sce
 
 std::vector<std::string> asked_architectures(const InspectArguments& arguments) {
     if (arguments.architectures.empty()) {
-        return {""};  // this machine's
+        return {""};  // stands for the architecture of this machine's GPU
     }
     const std::vector<std::string> names = split_names(arguments.architectures, "--arch");
     for (const std::string& name : names) {
@@ -160,8 +160,7 @@ std::vector<std::string> asked_architectures(const InspectArguments& arguments) 
     return names;
 }
 
-// What is reported on a variant: a report for each architecture, or nothing where a kernel does not compile for one,
-// which is said.
+// Inspects a variant's kernels on each architecture. If one does not compile, prints the reason and returns no report.
 std::vector<nlohmann::ordered_json> reports_on(const Scene& scene, const Variant& variant,
                                                const std::vector<std::string>& architectures) {
     std::vector<nlohmann::ordered_json> reports;
@@ -186,7 +185,7 @@ void check_arguments(const InspectArguments& arguments) {
         refuse_source(arguments.out);
         refuse_result(arguments.out);
     }
-    (void)parse_backend("cuda");  // throws if the build has no CUDA variants
+    (void)parse_backend("cuda");  // throws if this build lacks the CUDA backend
 }
 
 int run(const InspectArguments& arguments) {

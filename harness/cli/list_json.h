@@ -8,9 +8,9 @@
 
 namespace pt {
 
-// The facts of each axis.h; analysis/ptbench/io/axes.json holds this output for Python and the schemas.
+// What axis.h says of each axis; analysis/ptbench/io/axes.json is a copy of this output, for Python and the schemas.
 nlohmann::ordered_json list_axis_facts();
-// All feature names of kernels; analysis/ptbench/io/features.json holds this output for the schemas.
+// The names of all kernel features; analysis/ptbench/io/features.json is a copy of this output, for the schemas.
 nlohmann::ordered_json list_features();
 nlohmann::ordered_json list_axis(std::string_view axis);
 nlohmann::ordered_json list_axes();

@@ -37,7 +37,7 @@ bool is_there(std::string_view axis, const std::string& choice, Backend backend)
     return Registry::instance().find(axis, choice, backend) != nullptr;
 }
 
-// A choice's name with a mark if only one of the backends has the choice.
+// The name of a choice, followed by * if only CUDA has it and by ' if only the CPU has it.
 std::string marked(std::string_view axis, const std::string& choice) {
     if (!is_there(axis, choice, Backend::cpu)) {
         return choice + "*";

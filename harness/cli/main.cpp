@@ -107,7 +107,7 @@ int run(int argc, char** argv) {
     };
     try {
         app.parse(argc, argv);
-    } catch (const CLI::Success& success) {  // CLI11 throws this for --help
+    } catch (const CLI::Success& success) {  // thrown by CLI11 for --help and --version
         return app.exit(success);
     } catch (const CLI::ParseError& error) {
         pt::say("ptbench: {}{} (see ptbench --help)\n", pt::one_line(in_words(error)),

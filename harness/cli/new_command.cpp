@@ -54,9 +54,9 @@ constexpr TemplateFile material_files[] = {
 // A macro list in a source file with one line for each shape or material.
 struct ListOf {
     std::string_view file;
-    std::string_view end_of_lines;  // text with which the macro list ends, and what follows
-    std::string_view line;          // format; {0}: the name, {1}: the class, {2}: the name in capitals
-    std::string_view example;       // an example of a line of the macro list, for messages
+    std::string_view end_of_lines;  // the end of the macro list, and the text that follows
+    std::string_view line;          // format of an entry; {0}: name, {1}: class, {2}: name in capitals
+    std::string_view example;       // an example of an entry, for messages
 };
 constexpr ListOf shape_list{"kernels/shape_list.h", ", more)\n\n", "SHAPE({0}, {0}s, {1}, {2}S, more)",
                             "SHAPE(..., more)"};
@@ -98,7 +98,7 @@ struct NewFile {
     fs::path path;
     std::string text;
     std::string_view what;
-    std::optional<std::string> before;  // content of the file before; nothing if the file is new
+    std::optional<std::string> before;  // content before ptbench new; none for a new file
 };
 
 std::string replaced(std::string text, std::string_view placeholder, std::string_view value) {
@@ -238,7 +238,7 @@ void check_is_free(const fs::path& home, const Kind& kind, const std::string& na
     }
 }
 
-// The files that `ptbench new` would write, with their contents; nothing is written yet.
+// Returns the files that `ptbench new` would write, with their contents, and writes nothing.
 std::vector<NewFile> new_files(const fs::path& home, const Kind& kind, const std::string& name) {
     std::vector<NewFile> files;
     for (const TemplateFile& file : kind.files) {

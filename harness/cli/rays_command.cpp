@@ -34,7 +34,7 @@ struct RaysArguments {
     int repetitions = 9, threads = 0;
     std::uint64_t first_ray = 0, seed = 1;
     bool leaks = false, overwrite = false;
-    bool counters = false, counted = false;  // counted: this is the process that --counters runs under ncu
+    bool counters = false, counted = false;  // counted: whether --counters started this process under ncu
     std::string command_line;
 };
 
@@ -64,7 +64,7 @@ std::vector<std::string> accelerators_on(Backend backend) {
     return names;
 }
 
-// The accelerators whose trees are made by the axis `builder`.
+// Names of the backend's accelerators with a tree, which the axis `builder` builds.
 std::vector<std::string> trees_on(Backend backend) {
     std::vector<std::string> names = accelerators_on(backend);
     names.erase(std::remove_if(names.begin(), names.end(),
@@ -128,7 +128,7 @@ std::vector<std::string> names_or_none(const std::string& text, const std::strin
     return text.empty() ? std::vector<std::string>() : split_names(text, flag);
 }
 
-// Checks all arguments before any work is done.
+// Checks all arguments of `ptbench rays` before any work is done.
 void check_arguments(const RaysArguments& arguments, std::size_t meshes) {
     if (meshes == 0) {
         throw InputError("rays", "--mesh", "none", "--mesh NAME:SIZE|FILE,.. or --scene S,..");
@@ -175,7 +175,7 @@ nlohmann::ordered_json context_of(const RaysArguments& arguments, const rays::Ra
     return context;
 }
 
-// Options about timing are refused with --leaks, and options about leaks without it.
+// Refuses options about timing beside --leaks, and options about leaks without it.
 void check_leak_arguments(const RaysArguments& arguments) {
     if (!arguments.leaks) {
         if (arguments.log2_rays > 26) {
@@ -229,7 +229,7 @@ int find_leaks(const RaysArguments& arguments) {
     return leaks == 0 ? exit_good : exit_check_failed;
 }
 
-// Calls each(mesh) for every mesh and scene of the call.
+// Calls each(mesh) for every mesh and scene that the command line names.
 template <class Each>
 void for_each_mesh(const RaysArguments& arguments, const Each& each) {
     for (const std::string& name : names_or_none(arguments.meshes, "--mesh")) {

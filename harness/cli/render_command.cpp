@@ -48,14 +48,14 @@ struct RenderArguments {
 };
 
 constexpr double shortest_to_mention = 2;  // seconds; for shorter renders no time estimate is printed
-// Most samples of all pixels for which a render with too few samples per pixel for a trial is not announced; more take
-// seconds on a CPU.
+// Number of samples over all pixels that a CPU renders within seconds. Above it, a render of too few samples per pixel
+// for a trial is announced as long.
 constexpr double most_samples_unmentioned = 1 << 23;
 
 struct Trial {
-    std::optional<double> seconds = {};  // estimated time of the render; nothing if unknown
-    std::optional<CudaFacts> cuda = {};  // facts of the trial on CUDA; nothing if there was none
-    bool is_long = false;                // whether the render is certain to take long
+    std::optional<double> seconds = {};  // estimated time of the whole render; none if unknown
+    std::optional<CudaFacts> cuda = {};  // facts of the trial renders on CUDA; none if none was made
+    bool is_long = false;                // whether the whole render certainly takes long
 };
 
 double pixels_of(const RenderSettings& settings) { return static_cast<double>(settings.width) * settings.height; }
@@ -79,8 +79,8 @@ Trial try_with_pixels(const Scene& scene, RenderRequest request, double pixels) 
     return {is_known ? std::optional(1e-3 * ms * times) : std::nullopt, cold.cuda};
 }
 
-// Times a small image, then a larger one if the whole render may take long and the larger one takes little. The time
-// stays unknown if the render is so small that an estimate would come too late.
+// Estimates a render's time from that of a small image or, if it may take long, from that of a larger image that takes
+// little. Gives no estimate if the render is so small that it would end before the estimate.
 Trial try_small(const Scene& scene, const RenderRequest& request) {
     constexpr double least_times = 16, most_seconds = 0.5;
     const double whole = pixels_of(request.settings) * request.samples;
@@ -181,10 +181,10 @@ RankedRender render_aloud(const Scene& scene, RenderRequest request, const Trial
 
 struct Chosen {
     Variant variant;
-    std::string by;  // what chose the variant, for the message to the user
+    std::string by;  // who chose the variant (user or ptbench), for a message
 };
 
-// The variant that the call names; axes left open get the fastest known choice that goes with the others (fastest.h).
+// The variant that --axis options name; axes that they leave open get the fastest known choice that fits (fastest.h).
 Chosen choose_variant(const RenderArguments& arguments, const Scene& scene, Backend backend) {
     const AxisChoices asked = parse_axis_arguments(arguments.axes, arguments.devices, backend);
     const TunableValues tunables = parse_tunable_arguments(arguments.tunables);
@@ -219,7 +219,7 @@ Chosen choose_variant(const RenderArguments& arguments, const Scene& scene, Back
     return {Tuning::load(tuning_file(backend), backend).applied(variant, kept), by};
 }
 
-// Renders once more, warmed up, for programs that compare ptbench's times with others.
+// Repeats a render after the warm-up and returns its times, for programs that compare them with other renderers'.
 nlohmann::ordered_json timed_again(const Scene& scene, const RenderRequest& request) {
     const ForeignLoad before = ForeignLoad::now();
     const auto [result, ranked] = render_on_ranks(scene, request);

@@ -88,7 +88,7 @@ void check_error_against_time(const RunArguments& arguments, const RunOptions& o
     }
 }
 
-// Splits a list into its first element and the rest.
+// Splits a list (not empty) into its first element and the others.
 template <class T>
 std::pair<T, std::vector<T>> first_and_others(const std::vector<T>& list) {
     return {list.front(), {list.begin() + 1, list.end()}};
@@ -126,7 +126,7 @@ void override_study(Study& study, const RunArguments& arguments, Backend backend
     }
 }
 
-// The axis to compare: the first that is given more than one choice, or else the integrator.
+// The axis that a run compares: the first one in `axes` with several choices; if there is none, the integrator.
 std::string compared_axis(const AxisChoices& axes) {
     for (const std::string_view axis : axis_names) {
         const auto choices = axes.find(std::string(axis));

@@ -71,8 +71,8 @@ void write_scenes(const std::vector<const Case*>& cases, const std::string& fold
     }
 }
 
-// The programs to compile for the tasks. Kernels that are specialised for a scene need the scene of every point;
-// `scenes` owns them.
+// The programs to compile for tasks of a stability run. A kernel that is specialised for its scene needs the scene of
+// every parameter point; `scenes` owns these.
 std::vector<CompileTask> compilations_of(const std::vector<Task>& tasks, std::deque<Scene>& scenes) {
     std::vector<CompileTask> compilations;
     std::map<std::string, const Scene*> known;
@@ -135,7 +135,7 @@ private:
     LockedFile file_;
 };
 
-// Evaluates the tasks of a call that the report lacks, and adds the results to the report.
+// Evaluates those tasks of a `ptbench stability` command that its report lacks, and adds the results to the report.
 class StabilityRun {
 public:
     StabilityRun(const StabilityArguments& arguments, Backend backend)
@@ -173,7 +173,7 @@ public:
         for (const std::size_t task : missing_) {
             questions.push_back(fmt::format("{} {}", to_string(backend_), task));
         }
-        if (workers != nullptr) {  // workers ignore interrupts; tasks in flight are abandoned
+        if (workers != nullptr) {  // workers ignore an interrupt; tasks in flight are lost
             workers->ask(questions, [this](std::size_t i, const std::string& line) { answered(i, line); });
         }
         for (std::size_t i = 0; i < questions.size() && workers == nullptr; ++i) {
@@ -227,7 +227,7 @@ private:
     stability::Report report_;
     std::vector<Task> tasks_;
     std::vector<std::size_t> missing_;
-    std::mutex mutex_;  // mutex held while the report changes
+    std::mutex mutex_;  // a lock held while the report changes
     Interrupt interrupt_;
 };
 

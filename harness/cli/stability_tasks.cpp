@@ -106,7 +106,7 @@ std::vector<Variant> accelerated_variants(const Variant& plain, Backend backend)
     return variants;
 }
 
-// Adds each accelerator to one of the timed kernels, in turn, in either half of `timed`.
+// Adds each accelerator in two variants: with a timed kernel from the first half of `timed` and one from the second.
 void add_accelerators(std::vector<Variant>& all, const std::vector<Variant>& timed, std::size_t turn, Backend backend) {
     const std::vector<const Choice*> accelerators = Registry::instance().choices(axes::accelerator, backend);
     for (std::size_t i = 0; i < accelerators.size(); ++i) {
@@ -141,7 +141,7 @@ Variant with_choices(Variant variant, const std::map<std::string, std::string>& 
     return variant;
 }
 
-// Adds the timed kernels as they are, and two of them at a time with each estimator and each accelerator of the case.
+// Adds the timed kernels, and for each estimator and each accelerator of the case two of them with that choice.
 void add_timed(std::vector<Variant>& all, const Case& stiff_case, const StabilityRequest& request, Backend backend) {
     const std::vector<Case>& catalogue = stability::catalogue();
     const auto turn = static_cast<std::size_t>(&stiff_case - catalogue.data());

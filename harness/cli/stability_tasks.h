@@ -1,4 +1,4 @@
-// Expands the arguments of `ptbench stability` into tasks: cases times points times variants.
+// Expands the arguments of `ptbench stability` into tasks: each is a case at a parameter point with a variant.
 #pragma once
 
 #include <cstdint>
@@ -18,18 +18,18 @@ struct StabilityRequest {
     bool quick = false;
 };
 
-// The cases that a call names, in its order, then those of named families, in the catalogue's. Throws InputError, as
-// all functions of this file do.
+// The cases that the options --case name, in their order, then those of the families that --family names, in the
+// catalogue's order. Like all functions of this file, throws InputError.
 std::vector<const stability::Case*> chosen_cases(const StabilityRequest& request);
 
-// The variants of a call that names no axis: every precision, arithmetic and robustness with the plainest integrator,
-// and the other integrators in single precision, all with the generic kernel. Timed kernels are added for each case
-// (variants_of_case).
+// The variants for a command without --axis: every precision, arithmetic and robustness with the plainest integrator,
+// and the other integrators in single precision, all with the generic kernel. The kernels that findings time are added
+// later, for each case (variants_of_case).
 std::vector<Variant> asked_variants(const StabilityRequest& request, Backend backend);
 
-// The variants to run with a case, without duplicates: the given ones, each with the case's estimators (unless the call
-// names their axis), and the plainest one with accelerators and builders. If the call names no axis, also the kernels
-// that findings time on a GPU (harness/stability/timed_variants.h), some of them with each estimator and accelerator.
+// The variants to run with a case, without duplicates: `variants`, each also with the case's estimators (unless --axis
+// names their axis), and the plainest one with accelerators and builders. Without --axis also the kernels that findings
+// time on a GPU (harness/stability/timed_variants.h), two of them with each estimator and accelerator.
 std::vector<Variant> variants_of_case(const std::vector<Variant>& variants, const stability::Case& stiff_case,
                                       const StabilityRequest& request, Backend backend);
 

@@ -28,7 +28,7 @@ constexpr const char* spins_elsewhere = "0";
 
 bool is_set(const char* name) { return std::getenv(name) != nullptr; }
 
-// Sets a spin count for waiting threads; returns whether the environment was changed.
+// Sets the spin count that suits the command, unless the user has set one; returns whether the environment changed.
 bool shorten_waits(const std::string& command) {
     if (is_set("OMP_WAIT_POLICY") || is_set("GOMP_SPINCOUNT")) {
         return false;

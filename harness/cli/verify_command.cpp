@@ -46,7 +46,7 @@ AxisChoices parse_against(const std::vector<std::string>& arguments, Backend bac
     return against;
 }
 
-// The claims about means to test for a scene's variants, once for each image; variants without one are tallied.
+// One claim about the mean for each image that the variants have; `tally` counts variants without such a claim.
 std::vector<MeanClaim> claims_of(const Scene& scene, const std::vector<Variant>& variants, Backend backend,
                                  const VerifyArguments& arguments, Tally& tally) {
     const AxisChoices against = parse_against(arguments.against, backend);
@@ -57,7 +57,7 @@ std::vector<MeanClaim> claims_of(const Scene& scene, const std::vector<Variant>&
     for (const Variant& variant : variants) {
         const Variant image = image_of(scene, variant, backend);
         if (!images.insert(image).second || (against.empty() && claim_of(image, backend) == Claim::bitwise)) {
-            continue;  // a bitwise claim is tested more strictly by comparing films
+            continue;  // bitwise claims: films are compared, a stricter test
         }
         std::string reason = why_not_applicable(image, features_of(scene), backend);
         if (reason.empty() && against.empty() && claim_of(image, backend) == Claim::biased) {
@@ -124,7 +124,7 @@ std::vector<Variant> single_steps(Backend backend) {
     return variants;
 }
 
-// The accelerator used while other axes are varied: with meshes one that has a tree, since brute force is too slow.
+// The accelerator used while other axes vary: for a scene with meshes one with a tree, since brute force takes long.
 std::string plain_accelerator(const Scene& scene, Backend backend) {
     std::string name = Registry::instance().baseline(backend)[axes::accelerator];
     for (const Choice* choice : Registry::instance().choices(axes::accelerator, backend)) {
@@ -135,8 +135,8 @@ std::string plain_accelerator(const Scene& scene, Backend backend) {
     return name;
 }
 
-// All combinations of light selection and light sampling with all estimators that make connections, with specialised
-// and generic kernels, beyond the pairs of the covering set. On a CPU also with every integrator.
+// Every choice of light sampling and every choice of light selection, each with all estimators that make connections
+// and with specialised and generic kernels; on a CPU also with every integrator. A covering set has only pairs of them.
 std::vector<Variant> lit_variants(Backend backend, const Scene& scene) {
     const Registry& registry = Registry::instance();
     AxisChoices axes{{axes::accelerator, {plain_accelerator(scene, backend)}}};
@@ -174,11 +174,10 @@ void add_unknown(std::vector<Variant>& variants, const std::vector<Variant>& mor
     }
 }
 
-// On a CPU the product of all choices is verified except on axes marked `by_pairs` (roulette, samplers, robustness,
-// accelerators, builders, levels, light sampling, walks), which would multiply it by hundreds; on CUDA the product has
-// millions. Without --axis those axes (on CUDA all axes) are verified by a covering set, which has every pair of
-// choices of two axes, and means by single choices. Light sampling is also combined with all estimators that make
-// connections.
+// The variants of a scene that `ptbench verify` checks. Without --axis, a CPU checks the product of all choices, except
+// on accelerators and axes marked `by_pairs` (roulette, samplers, robustness, builders, levels, light sampling, light
+// selection, walks), which would multiply it by hundreds; those, and on CUDA all axes, whose product has millions, are
+// checked by a covering set (every pair of choices of two axes) and lit_variants. Means are checked by single choices.
 std::vector<Variant> variants_to_verify(const VerifyArguments& arguments, Backend backend, const Scene& scene) {
     const bool none_named = arguments.axes.empty() && arguments.devices.empty() && arguments.tunables.empty();
     if (arguments.quick) {
@@ -245,7 +244,7 @@ int run_statistical(const VerifyArguments& arguments, Backend backend, const std
 
 // The scenes and variants that a call of `ptbench verify` names. Throws InputError for unknown names.
 FilmsToVerify films_of(const VerifyArguments& arguments, Backend backend) {
-    (void)parse_resolution(arguments.size());  // checks the resolution before variants are listed, which takes seconds
+    (void)parse_resolution(arguments.size());  // fails before variants are listed, which takes seconds
     FilmsToVerify films{backend, find_scenes(scenes_asked_for(arguments.scenes)), {}};
     for (const Scene& scene : films.scenes) {
         films.variants.push_back(variants_to_verify(arguments, backend, scene));

@@ -33,7 +33,7 @@ public:
         }
     }
 
-    // The verdict on the variant at the normal size or, if that holds, at the larger size.
+    // The verdict on a variant, given that at normal size; a good one may be replaced by that at the larger size.
     Verdict after(const Verdict& verdict, const Variant& variant) {
         if (!verdict.holds || !checked_.contains(variant)) {
             return verdict;
@@ -153,13 +153,13 @@ PartedFilms in_parts(const FilmsToVerify& films, std::size_t processes) {
     return parted;
 }
 
-// The question by which a worker is asked to check a part, and which an error message quotes if the worker dies.
+// The question that asks a worker to check a part (some variants of one scene); a message quotes it if the worker dies.
 std::string question_of(const FilmsToVerify& films, const Part& part) {
     return fmt::format("{} on {}, part from {}", films.scenes[part.scene].name, to_string(films.backend),
                        shown_name(films.variants[part.scene][part.variants.front()], films.backend));
 }
 
-// Checks parts, and keeps each scene's rendered references. An answer is a JSON object with lines to print and counts.
+// Checks parts (variants of a scene). An answer is a JSON object: lines to print, numbers of good and bad variants.
 class PartChecker {
 public:
     PartChecker(const FilmsToVerify& films, const VerifyArguments& arguments)
@@ -191,7 +191,7 @@ private:
     std::vector<std::optional<SceneChecks>> scenes_;
 };
 
-// The films of a worker, prepared when the worker is first asked.
+// The films that a worker checks, and the parts by question; made when a worker is first asked.
 struct WorkerFilms {
     WorkerFilms(FilmsToVerify prepared, const VerifyArguments& arguments)
         : films(std::move(prepared)), checker(films, arguments) {

@@ -10,7 +10,7 @@
 
 namespace pt {
 
-// The scenes of a call, and for each scene the variants to verify.
+// The scenes that `ptbench verify` names, and for each scene the variants to verify.
 struct FilmsToVerify {
     Backend backend = Backend::cpu;
     std::vector<Scene> scenes;
@@ -27,8 +27,8 @@ std::size_t processes_for_films(const VerifyArguments& arguments);
 // Whether several processes check films. They are forked before the backend is known and may stay idle.
 bool uses_processes(const VerifyArguments& arguments, Backend backend);
 
-// Forks processes that check films for `verify_films`. A process calls `prepared` once it is used, which must give the
-// films that the call itself verifies; `arguments` must outlive the processes.
+// Forks processes that check films for `verify_films`. When first asked, a process calls `prepared`, which must return
+// the films that are passed to `verify_films`; `arguments` must outlive the processes.
 Workers film_checkers(std::size_t count, const VerifyArguments& arguments, std::function<FilmsToVerify()> prepared);
 
 // Verifies all variants, by the workers or, without workers, in this process, and prints a line for each variant and

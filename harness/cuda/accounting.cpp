@@ -102,7 +102,7 @@ DeviceCounts download_counts(const Job& job, const IntegratorTraits& integrator)
         counts.live = sum_of_copies(counts.live, job.segments.copies);
         counts.in_play = sum_of_copies(counts.in_play, job.segments.copies);
     } else {
-        // Integrators without a queue count path lengths, in a single copy, in the array `live`.
+        // An integrator without a queue counts paths by their length, and in only one copy of the array `live`.
         counts.live.resize(job.longest_path);
         counts.live = alive_by_segment(std::move(counts.live));
     }

@@ -13,12 +13,12 @@ FilmFaults download_faults(const Job& job);
 struct DeviceCounts {
     Totals totals;
     HealthCounters health;
-    std::vector<std::uint64_t> live;     // by segment: paths alive when the segment was traced
-    std::vector<std::uint64_t> in_play;  // by segment: paths in a queue, alive or not
+    std::vector<std::uint64_t> live;     // by path segment: number of paths that it was traced for
+    std::vector<std::uint64_t> in_play;  // by path segment: number of queued paths, ended or not
 };
 DeviceCounts download_counts(const Job& job, const IntegratorTraits& integrator);
 
-// The work of a job: the host's counts, those of the integrator's loops on the device (device_work) and of its kernels.
+// A render's work counters: the host's, those of the integrator's device loops (device_work) and of its kernels.
 WorkCounters work_of(const Job& job, const IntegratorTraits& integrator, const WorkCounters& device_work,
                      const DeviceCounts& counts);
 

@@ -37,8 +37,8 @@ public:
     using std::runtime_error::runtime_error;
 };
 
-// Inspects the compiled kernels of a variant (harness/cuda/inspect.h) for an architecture, or for the device if it is
-// empty. Throws MachineError if it is empty and there is no device.
+// Inspects a variant's compiled kernels (harness/cuda/inspect.h) for an architecture ("sm_90") or, if that is empty,
+// for this machine's GPU. Throws MachineError if there is no GPU to ask.
 nlohmann::ordered_json inspect_kernels(const Scene& scene, const Variant& variant, const std::string& architecture);
 
 // Hardware counters of a variant's kernels in a render (harness/cuda/profile.h). `arguments` are those of `ptbench
@@ -87,9 +87,9 @@ struct ProgramToCompile {
 };
 using ProgramsToCompile = std::map<std::string, ProgramToCompile>;
 
-// Adds the programs that a variant needs for a scene and that the kernel cache on disk lacks, for an architecture
-// ("sm_90") without a device or driver. An empty architecture is the device's; nothing is added if the backend is not
-// available. `alone`: only the variant's own programs, without those of the variants that its claim is held to.
+// Adds the programs that a variant needs for a scene and that are not in the kernel cache on disk, for an architecture
+// ("sm_90") without a device or driver, or for this machine's GPU if it is empty (nothing without one). `alone`: only
+// the variant's own programs, without those of variants that it is verified against.
 void collect_programs(const Scene& scene, const Variant& variant, const std::string& architecture, bool alone,
                       ProgramsToCompile& programs);
 

@@ -10,7 +10,7 @@ namespace {
 
 constexpr unsigned threads = 256;
 constexpr int rounds = 256;
-constexpr int steps = 32;  // unrolled steps per round of the measured loop
+constexpr int steps = 32;  // steps per round of the measured loop, unrolled
 constexpr int chains = 8;  // independent chains, so that no instruction waits for the previous one
 
 enum class Mix { issue, fma, alu, xu };

@@ -23,7 +23,8 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-// The bounding box of all objects relative to the eye: half a diagonal around each centre, or a mesh's bounding box.
+// A box around all objects, relative to the eye: a mesh's bounding box, or half the diagonal of a scale around a
+// centre.
 KeyBounds key_bounds(const Scene& scene) {
     Vec3d low(1e300), high(-1e300);
     for (const SceneObject& object : scene.objects) {
@@ -49,7 +50,7 @@ KeyBounds key_bounds(const Scene& scene) {
     return bounds;
 }
 
-// The class of each object, by object number: 1 if its material is specular (delta), 0 otherwise.
+// For each object, by number, whether its material is specular (delta): 1 or 0.
 template <class Real>
 std::vector<unsigned char> object_classes(const SceneView<Real>& scene) {
     std::vector<unsigned char> classes;
@@ -95,14 +96,14 @@ RenderCell<Real>::RenderCell(const Scene& scene, const RenderRequest& request, c
     facts_.threads = job_.block;
     facts_.options = job_.module->image().options;
     integrator_->prepare();
-    choice_launches_ = 0;  // the launches counted during graph capture were not made
+    choice_launches_ = 0;  // capturing a graph counted launches, but made none
     PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));
     facts_.prepare_ms = milliseconds_since(start);
 }
 
 template <class Real>
 RenderCell<Real>::~RenderCell() {
-    // The stream must be idle before the graph is destroyed.
+    // A graph must not be destroyed while the stream still runs it.
     (void)cudaStreamSynchronize(job_.stream);
 }
 
@@ -215,7 +216,7 @@ void RenderCell<Real>::upload() {
     integrator_->upload();
 }
 
-// Film, counters, first-bounce cache and graph stay on the device between parts; the host waits only for a part's end.
+// Between the parts of a render film, counters, cache and graph stay on the device; the host waits for a part's end.
 template <class Real>
 void RenderCell<Real>::run(RenderResult& result) {
     add_learning(result);

@@ -19,22 +19,22 @@ namespace pt::cuda {
 template <class Real>
 class RenderCell {
 public:
-    // Makes the cell on the current device, which must be current whenever the cell is used, to render the image rows
-    // `rows`.
+    // Allocates and compiles what the current device needs to render the image rows `rows`. The same device must be
+    // current whenever the object is used.
     RenderCell(const Scene& scene, const RenderRequest& request, const RenderSettings& settings,
                const KernelChoice& kernel, const FilmView& film, const Rows& rows = {});
     ~RenderCell();
     RenderCell(const RenderCell&) = delete;
     RenderCell& operator=(const RenderCell&) = delete;
 
-    // Runs the integrator, in parts if the request has checkpoints, and adds the times to `result`.
+    // Renders the whole request, in parts if it has checkpoints, and adds the times to `result`.
     void run(RenderResult& result);
     // Renders the pieces (ranges of samples) that `next` returns until it returns nothing, and waits for them. Each
     // piece is enqueued while the previous one runs. `enqueue_more` enqueues work to follow the pieces, which is
     // neither awaited nor timed. Returns the device time in ms.
     double run_pieces(
         const std::function<std::optional<SampleRange>()>& next, const std::function<void()>& enqueue_more = [] {});
-    // Whether all pieces have been rendered; to be called once they are all enqueued.
+    // Whether the device has rendered all pieces of a render; to be called once all are enqueued.
     bool has_rendered() const { return is_ready(cudaEventQuery(end_.get())); }
     // Downloads the film and the counters of the render from the device.
     void collect(RenderResult& result);

@@ -34,7 +34,7 @@ public:
         static_assert(std::is_trivially_copyable_v<T> && sizeof(T) % 4 == 0);
         std::vector<T> cleared(values, values + count);
         for (T& value : cleared) {
-            __builtin_clear_padding(&value);  // padding must not vary, since the text is part of the kernel cache's key
+            __builtin_clear_padding(&value);  // padding must not vary: the text is in the kernel's cache key
         }
         std::vector<std::uint32_t> words(std::max<std::size_t>(1, count * sizeof(T) / 4));
         if (count != 0) {
@@ -64,7 +64,7 @@ void copy_to_device(const View<T>& device, const View<T>& host, cudaStream_t str
     }
 }
 
-// Whether an array can be compiled into a kernel's source; instances of meshes cannot, since they contain addresses.
+// Whether a scene array of this type can be compiled into a kernel; one with addresses (mesh instances) cannot.
 template <class T>
 inline constexpr bool is_baked = true;
 template <class Real>
@@ -87,7 +87,7 @@ std::string scene_place(const SceneView<Real>& scene, FeatureSet features, bool 
 
 template <class Real>
 void fix_counts(const SceneView<Real>& scene, KernelConfig& config) {
-    // A kernel with all features is compiled once for all scenes.
+    // A kernel with all features serves all scenes, so no counts of objects are compiled into it.
     if (has_everything(config.features)) {
         return;
     }
@@ -118,7 +118,7 @@ std::string baked_text(const SceneView<Real>& scene) {
     });
     text.add("environment", &scene.environment, 1);
     text.add("enclosure", &scene.enclosure, 1);
-    Camera<Real> camera = scene.camera;  // image and pixel size may change without recompilation
+    Camera<Real> camera = scene.camera;  // the camera without image and pixel size, which may vary
     camera.width = camera.height = 0;
     camera.pixel_size = 0;
     text.add("camera", &camera, 1);

@@ -29,8 +29,8 @@ std::string baked_text(const SceneView<Real>& scene);
 template <class Real>
 class DeviceScene {
 public:
-    // `host` must outlive this object. `meshes`: the mesh of each object that shows one, by object number. `features`:
-    // those compiled into the kernels. `tree`: the top-level tree over the meshes, or null.
+    // `host`: the scene in host memory, which must outlive this object. `meshes`: by object number, the object's mesh.
+    // `features`: those compiled into the kernels. `tree`: the top-level tree over the meshes, or null.
     DeviceScene(const SceneView<Real>& host, const std::vector<MeshGeometry>& meshes,
                 const std::shared_ptr<const SceneTree>& tree, FeatureSet features, bool is_baked);
     void reserve(Arena& arena);

@@ -22,7 +22,7 @@ namespace {
 
 struct Limits {
     const char* architecture;
-    int warps, blocks, shared_kib;  // limits per multiprocessor; shared memory in KiB
+    int warps, blocks, shared_kib;  // most warps and thread blocks, and KiB of shared memory
     int reserved_shared;            // bytes of shared memory that the system reserves per thread block
     int shared_unit;                // granularity of shared memory per thread block, bytes
 };
@@ -70,7 +70,7 @@ struct Program {
 
 std::string of_choice(const Descriptor& choice) { return fmt::format("{}={}", choice.axis, choice.name); }
 
-// Whether the integrator's kernel does the compaction's work itself; the compaction's own kernels are loaded even so.
+// Whether the integrator's kernel also does the work of the compaction, whose kernels are loaded but not launched.
 bool is_done_by_integrator(const Choice& stage, const VariantTraits& traits) {
     return stage.descriptor.axis == axes::compaction && traits.integrator.appends_in_kernel &&
            traits.compaction.can_append_in_kernel();

@@ -13,7 +13,7 @@ ModuleRequest module_request(const Scene& scene, const Variant& variant, const s
 std::vector<ModuleRequest> module_requests(const Scene& scene, const Variant& variant, const std::string& architecture);
 // The request for a compaction or sorting stage whose kernels NVRTC compiles; the stage need not be the variant's own.
 ModuleRequest stage_request(const Variant& variant, const Choice& stage, const std::string& architecture);
-// The compaction and sorting stages of the variant's queue; none if the variant has no queue or does not need them.
+// The variant's choices of compaction and sorting that have a stage on the device; none without a queue.
 std::vector<const Choice*> stages_of(const Variant& variant);
 // The embedded source file of the variant's integrator.
 std::string integrator_source(const Variant& variant);

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Metrics of ncu in percent, averaged over launches with their times as weights.
+// Metrics in percent, which are averaged over a kernel's launches with the launches' times as weights.
 constexpr std::pair<const char*, double KernelCounters::*> shares[] = {
     {"sm__warps_active.avg.pct_of_peak_sustained_active", &KernelCounters::occupancy},
     {"l1tex__throughput.avg.pct_of_peak_sustained_elapsed", &KernelCounters::l1},
@@ -72,7 +72,7 @@ std::vector<std::string> csv_fields(const std::string& line) {
     return fields;
 }
 
-// Parses a number such as "1,234.5" in the base unit; ncu chooses units freely and states them in the second line.
+// Parses a number of ncu such as "1,234.5" and converts it to seconds or bytes by `unit`, which ncu chooses freely.
 double number(std::string text, const std::string& unit) {
     text.erase(std::remove(text.begin(), text.end(), ','), text.end());
     static const std::map<std::string, double> factors{
@@ -154,7 +154,7 @@ std::vector<KernelCounters> parse_ncu_launches(const std::string& csv) {
     std::vector<KernelCounters> launches;
     for (std::string line; std::getline(lines, line);) {
         if (line.rfind('"', 0) != 0) {
-            continue;  // lines without a leading quote are messages of ncu
+            continue;  // a message of ncu, since its CSV lines begin with a quote
         }
         const std::vector<std::string> fields = csv_fields(line);
         if (names.empty() || units.empty()) {
@@ -231,7 +231,7 @@ std::vector<KernelCounters> count_launches_under_ncu(const std::string& ncu,
                                                      const std::vector<std::string>& arguments) {
     std::vector<std::string> call{"rays", "--counted"};
     call.insert(call.end(), arguments.begin(), arguments.end());
-    // Caches keep the content from the previous launch, as in timed batches.
+    // Without cache control a batch finds the GPU's caches as the previous launch left them, as timed batches do.
     return parse_ncu_launches(csv_under_ncu(
         ncu, {"--profile-from-start", "off", "--cache-control", "none", "--print-kernel-base", "function"}, call));
 }

@@ -24,8 +24,8 @@ namespace {
 
 struct Instruction {
     std::string mnemonic;
-    std::string label;   // label of a branch target; empty for an instruction
-    std::string target;  // target label of a branch instruction
+    std::string label;   // name, if this entry is a label and no instruction
+    std::string target;  // label to which a branch instruction leads
 };
 
 bool starts_with_any(const std::string& text, std::initializer_list<const char*> starts) {

@@ -44,7 +44,7 @@ public:
         std::vector<std::jthread> threads;
         for (std::uint32_t device = 1; device < devices; ++device) {
             threads.emplace_back([&, device] {
-                (void)cudaSetDevice(static_cast<int>(device));  // a slow call, so before the clock starts
+                (void)cudaSetDevice(static_cast<int>(device));  // slow, so called before the render's clock starts
                 ready += 1;
                 while (!is_started) {
                     std::this_thread::yield();
@@ -82,7 +82,7 @@ public:
         missing_ -= 1;
     }
     bool is_open() const { return missing_ == 0; }
-    // Whether all threads have arrived at the gate, rather than given up; to be called once it is open.
+    // Whether every thread has arrived at the gate and none has given up; to be called once the gate is open.
     bool have_all_come() const { return !is_given_up_; }
 
 private:
@@ -102,7 +102,7 @@ public:
         const std::uint32_t used =
             devices_at_work(traits_.partition, traits_.devices.count, request.samples, settings.height);
         const SampleSource source(traits_.partition, used, {request.first_sample, request.samples});
-        // A cell is made for the most samples that it renders at once.
+        // Each device allocates memory for the largest number of samples that it renders at once.
         request_.samples = std::min(request.samples, source.most_at_once());
         request_.checkpoints = {};
         request_.on_checkpoint = {};
@@ -178,10 +178,10 @@ public:
 private:
     cudaStream_t stream_of(std::size_t device) const { return cells_[device]->job().stream; }
 
-    // Returns when the first device has the sum of the films; the result is the time at which the threads started. Each
-    // device's part of the sum is enqueued behind its last piece, since launching it after the render would take longer
-    // than the sum itself. It is enqueued only after all devices have asked for their last piece: a device whose part
-    // has begun waits for the others, and what those still ask for may wait for all devices.
+    // Renders on all devices and returns, once the first device has the sum of their films, the time at which the
+    // threads started. The sum is enqueued behind each device's last piece, since launching it after the render would
+    // take longer than the sum itself; but only when no device will ask for another piece, since a device in the sum
+    // waits for all others, and asking for a piece may wait for all devices.
     SteadyClock::time_point render_and_sum(SampleSource& source, std::vector<double>& device_ms,
                                            std::vector<SteadyClock::time_point>& ends) {
         const auto devices = static_cast<std::uint32_t>(cells_.size());
@@ -218,7 +218,7 @@ private:
             wait_for_sum();
             return start;
         } catch (...) {
-            disconnect_devices();  // otherwise devices wait for ever for one that failed
+            disconnect_devices();  // else devices wait in the sum for the one that failed
             throw;
         }
     }
@@ -236,7 +236,7 @@ private:
 
     bool is_done(std::size_t device) const { return is_ready(cudaStreamQuery(stream_of(device))); }
 
-    // Connects the devices for the reduction and allocates its memory; the films and their sum are still zero.
+    // Prepares the sum of the films: connects the devices, allocates its memory, and sets it to zero.
     void connect() {
         memory_ = std::make_unique<Arena>(film_words_ * sizeof(std::int64_t));
         sum_ = memory_->take<std::int64_t>(film_words_);

@@ -9,13 +9,13 @@ namespace pt {
 namespace {
 
 constexpr int most_terms = 1000000;
-constexpr double tiny = 1e-290;  // replaces a denominator of 0
+constexpr double tiny = 1e-290;  // stands for a denominator of 0, by which Lentz would divide
 
 // Evaluates a continued fraction b0 + a1/(b1 + a2/(b2 + ...)) from the front (Lentz 1976).
 class Lentz {
 public:
     explicit Lentz(double b0) : value_(b0 == 0 ? tiny : b0), c_(value_) {}
-    // Adds the term a/(b + ...) to the continued fraction and returns the relative change of its value.
+    // Adds the next term, a/(b + ...), to the continued fraction, and returns the relative change of its value.
     double add(double a, double b) {
         d_ = b + a * d_;
         d_ = 1 / (d_ == 0 ? tiny : d_);
@@ -68,13 +68,13 @@ double upper_gamma(double a, double x) {
     return gamma_front(a, x) / fraction.value();
 }
 
-// The factor x^a (1-x)^b / (a B(a, b)) before the continued fraction of I_x(a, b).
+// The factor x^a (1-x)^b / (a B(a, b)), which multiplies the continued fraction of the beta function I_x(a, b).
 double beta_front(double a, double b, double x, double complement) {
     const double log_beta = std::lgamma(a) + std::lgamma(b) - std::lgamma(a + b);
     return std::exp(a * std::log(x) + b * std::log(complement) - log_beta) / a;
 }
 
-// I_x(a, b) by its continued fraction (Abramowitz and Stegun 26.5.8), for x < (a + 1) / (a + b + 2).
+// The beta function I_x(a, b) by its continued fraction (Abramowitz and Stegun 26.5.8), for x < (a + 1) / (a + b + 2).
 double beta_by_fraction(double a, double b, double x, double complement) {
     Lentz fraction(1);
     for (int m = 0; m < most_terms; ++m) {

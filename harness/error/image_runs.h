@@ -41,7 +41,7 @@ private:
     std::vector<Radiance> images_;
     std::size_t parts_ = 0;
     std::vector<double> means_;    // mean over runs of each part's luminance: [part][pixel]
-    std::vector<double> squares_;  // squared deviations, summed over parts: [pixel]
+    std::vector<double> squares_;  // squared deviations from `means_`, summed over runs and parts: [pixel]
 };
 
 // The symmetric 3x3 covariance matrix of the colour channels over runs.

@@ -54,8 +54,8 @@ std::vector<double> weights_of(const ImageRuns& runs, const RunErrors& errors) {
     return weights;
 }
 
-// Pools covariances whose expectation is 0 for independent samples. The spread of the sum is estimated from the sum of
-// their squares, whatever the distribution of errors.
+// Sums covariances of errors over the image; all are 0 in expectation if samples are independent. The sum's standard
+// error follows from the sum of the squares, whatever the distribution of errors.
 class Pool {
 public:
     explicit Pool(const char* name) : name_(name) {}
@@ -76,8 +76,8 @@ private:
     double sum_ = 0, squares_ = 0, variances_ = 0;
 };
 
-// Excess variance of a run: a mean of m independent parts has 1/m of a part's variance, and any excess comes from the
-// covariances of the parts.
+// The variance of a run in excess of what its m parts predict: 1/m of a part's variance if they are independent. Any
+// excess comes from covariances of the parts.
 Dependence excess_variance(const ImageRuns& runs, const RunErrors& errors, const std::vector<double>& weights) {
     Pool pool("excess variance of a run");
     const double parts = static_cast<double>(runs.parts());

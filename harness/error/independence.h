@@ -12,14 +12,14 @@ struct Dependence {
     const char* name = "";
     double value = 0;
     double error = 0;  // standard error of the statistic
-    double p = 1;      // one-sided p-value, because negative dependence is no fault
+    double p = 1;      // one-sided: negative dependence is no fault
 };
 
 struct Independence {
-    // Excess of a run's variance over the prediction from its parts; correlation of neighbouring pixels; correlation of
-    // runs with successive seeds.
+    // Excess variance of a run over the prediction from its parts; correlation between the errors of neighbouring
+    // pixels; correlation between the errors of runs with successive seeds.
     std::array<Dependence, 3> dependences;
-    double p = 1;  // p-value of the smallest p-value (Sidak)
+    double p = 1;  // joint p-value, from the smallest of the three (Sidak)
     const Dependence& strongest() const;
 };
 

@@ -19,7 +19,7 @@ namespace pt {
 
 namespace {
 
-constexpr std::uint64_t first_spp = 64;  // samples per pixel of each half of a reference, to begin with
+constexpr std::uint64_t first_spp = 64;  // spp with which each half of a reference image begins
 
 std::string hash_of(const Image& first, const Image& second) {
     const std::uint64_t half = fnv1a_of_bytes(first.data(), first.size() * sizeof(double));
@@ -31,7 +31,7 @@ void finish(Reference& reference) {
     reference.hash = hash_of(reference.first, reference.second);
 }
 
-// The mean image of the samples [from, to) of one half of a reference.
+// Renders one half of a reference image, with this seed, and returns the mean image of the samples [from, to).
 Image render_half(const ReferenceTask& task, const Variant& variant, std::uint64_t seed, std::uint64_t from,
                   std::uint64_t to) {
     RenderSettings settings{task.width, task.height, depth_for_mean_of(variant, task.backend, task.depth), seed};
@@ -47,7 +47,7 @@ Image render_half(const ReferenceTask& task, const Variant& variant, std::uint64
     return image_of(result.film);
 }
 
-// Updates the mean of `done` samples to the mean of `next` samples.
+// Extends a mean image of `done` samples to `next` samples, of which `more` is the mean image of the additional ones.
 void add_samples(Image& mean, const Image& more, std::uint64_t done, std::uint64_t next) {
     if (mean.empty()) {
         mean = more;
@@ -59,7 +59,7 @@ void add_samples(Image& mean, const Image& more, std::uint64_t done, std::uint64
     }
 }
 
-// Doubles the reference's samples, at most up to the task's most_spp.
+// Doubles the samples of both halves of a reference image, at most up to the task's most_spp.
 void double_samples(Reference& reference, const ReferenceTask& task, const Variant& variant) {
     const std::uint64_t done = reference.spp_per_half;
     const std::uint64_t next = std::min(task.most_spp, std::max(first_spp, 2 * done));

@@ -24,7 +24,7 @@ struct ReferenceTask {
     std::shared_ptr<const Scene> scene;
     std::uint32_t width = 0, height = 0, depth = 0;
     Backend backend = Backend::cpu;
-    std::map<std::string, std::string> axes = {};  // choices by axis that replace those of reference_variant
+    std::map<std::string, std::string> axes = {};  // choices by axis, in place of those of reference_variant
     double variance = 0;                           // largest allowed variance per pixel and channel
     std::uint64_t most_spp = 1;                    // largest samples per pixel of each half
     // The reference's name, "cornell_open/64x64/depth:8/cpu", followed by "/AXIS=CHOICE" for each of `axes`.
@@ -63,8 +63,8 @@ inline constexpr std::uint64_t reference_seeds[2] = {7'393'913'000'000'001, 7'39
 
 class ReferenceMaker {
 public:
-    // `is_stopped` is asked between renders; once it returns true, the reference is returned as it is. `says` gets a
-    // line after each slow step, and when a cached file is refused.
+    // `is_stopped` is called between renders; if it returns true, the reference image stays as noisy as it is. `says`
+    // is called with a line of text after each slow step, and when a cached file is refused.
     struct Hooks {
         std::function<bool()> is_stopped = [] { return false; };
         std::function<void(const std::string&)> says = [](const std::string&) {};

@@ -10,7 +10,7 @@ namespace pt {
 
 namespace {
 
-// Relative difference that counts as none: kernels may round a formula differently even where nothing is random.
+// Relative difference of means that counts as equal: kernels may round differently even where nothing is random.
 constexpr double rounding = 1e-6;
 // Largest relative standard error of a mean that takes part in the test.
 constexpr double known_to = 0.1;
@@ -28,7 +28,7 @@ struct Welch {
             a * a / static_cast<double>(tested.count - 1) + b * b / static_cast<double>(baseline.count - 1);
         return squares > 0 ? (a + b) * (a + b) / squares : 1;
     }
-    // The two-sided p-value of the difference of means, beyond what rounding explains.
+    // The two-sided p-value of the difference of the means, less the part that rounding may explain.
     double p() const {
         const double allowed = rounding * std::max(std::abs(tested.mean), std::abs(baseline.mean));
         const double beyond = std::abs(difference()) - allowed;
@@ -60,7 +60,7 @@ struct Welch {
     }
 };
 
-// The smallest of many p-values, corrected for their number (Sidak), and the unit that has it.
+// Keeps the smallest of many p-values, corrected for their number (Sidak), and the unit (pixel, ...) that has it.
 class Smallest {
 public:
     void add(double p, std::size_t unit) {
@@ -172,7 +172,7 @@ private:
                 fmt::format("block {},{} {}", block_x(block), block_y(block), channel_names[smallest.unit() % 3])};
     }
 
-    // Estimates the trace of the squared covariance matrix, unbiased for normal errors and too large for heavier tails.
+    // Estimates the trace of C^2 for a covariance matrix C, unbiased for normal errors, too large for heavier tails.
     double squared_trace(const Covariance& covariance, std::size_t count) const {
         const double n = static_cast<double>(count - 1);
         const double trace = covariance.trace();
@@ -180,13 +180,13 @@ private:
             0.0, n * n / ((n - 1) * (n + 2)) * (Covariance::product_trace(covariance, covariance) - trace * trace / n));
     }
 
-    // An estimate of the squared bias of pixels: the squared difference of the means minus the share of noise. It
-    // equals a sum of products of different runs, so its expectation is the squared bias for any distribution, and its
-    // variance without a bias follows from the covariances.
+    // Estimated squared bias of some pixels: the squared difference of the two mean images less its part from noise.
+    // Because this is a sum of products of different runs, its expectation is the squared bias for any distribution,
+    // and its variance without a bias follows from the covariances.
     struct SquaredBias {
         double square = 0, variance = 0;
-        double more_variance = 0;  // upper bound of the variance that a bias d adds, 4 d' C d
-        double noise = 0;          // variance of the difference of means, summed over channels
+        double more_variance = 0;  // bound on the variance added by a bias d: 4 d' C d, C the covariance
+        double noise = 0;          // variance of the difference of means, sum of channels
         double light = 0;          // squared mean radiance of the baseline
         double pixels = 0;
         SquaredBias& operator+=(const SquaredBias& other) {
@@ -198,8 +198,8 @@ private:
             pixels += other.pixels;
             return *this;
         }
-        // Whether the images are random enough for this statistic. Where nothing is random, differences are rounding
-        // errors, or are seen by other statistics.
+        // Whether noise exceeds rounding errors. Elsewhere the images are not random, and a squared difference tests
+        // nothing that other statistics miss.
         bool is_random() const { return noise > rounding * rounding * light; }
     };
     SquaredBias pixel_bias(std::size_t index) const {
@@ -222,9 +222,9 @@ private:
         return bias;
     }
 
-    // Pixels are weighted by the noise of their block, since weights from their own noise would favour pixels that
-    // happen to be quiet. The sum is compared with the chi-square distribution of equal mean and variance
-    // (docs/numerics.md).
+    // Sums the squared biases of all pixels, weighted by the noise of the pixel's block, since a pixel's own noise
+    // would favour pixels that happen to be quiet. The sum is compared with a chi-square distribution of equal mean and
+    // variance (docs/numerics.md).
     Statistic squares() {
         std::vector<SquaredBias> blocks(tested_.blocks());
         for (std::size_t index = 0; index < tested_.pixels(); ++index) {
@@ -291,8 +291,8 @@ private:
         return false;
     }
 
-    // Pixels that only one variant has lit should be equally many on both sides. (Fisher's exact test on the numbers of
-    // lit pixels would ignore that they are the same pixels.)
+    // Compares how many pixels only one of the two variants has lit, which should be equally many for either. (Fisher's
+    // exact test on all lit pixels would ignore that most are lit in both.)
     Statistic support() {
         for (std::size_t index = 0; index < tested_.pixels(); ++index) {
             const bool tested = is_lit(tested_, index), baseline = is_lit(baseline_, index);

@@ -33,7 +33,7 @@ struct Statistic {
     const char* name = "";
     double p = 1;
     bool applies = true;
-    std::string where = {};  // pixel, block or channel with the smallest p-value
+    std::string where = {};  // where the smallest p-value is: pixel, block or channel
 };
 
 struct ConfidenceInterval {
@@ -48,17 +48,17 @@ struct RelativeDifference {
 };
 
 struct SameMeanReport {
-    std::array<Statistic, 6> statistics;  // of image, blocks, squares, pixel, support, independence
+    std::array<Statistic, 6> statistics;  // image, blocks, squares, pixel, support, independence
     double level = 0;                     // significance level: a smaller p-value rejects equal means
     bool same() const;
     const Statistic& strongest() const;
 
     RelativeDifference image;        // difference of the image's mean over all channels
-    RelativeDifference worst_block;  // difference in the block with the smallest p-value
+    RelativeDifference worst_block;  // relative difference in the block with the smallest p-value
     std::size_t worst_block_x = 0, worst_block_y = 0;
     std::size_t blocks_counted = 0, blocks = 0, pixels_counted = 0, pixels = 0;
-    // The root mean square bias of the blocks that count, relative to their root mean square radiance. Its square is
-    // unbiased, and 0 is reported if that is negative.
+    // The root mean square bias of the blocks that are tested, relative to their root mean square radiance. The square
+    // is an unbiased estimate; where it is negative, 0 is reported.
     double root_mean_square = 0;
     ConfidenceInterval root_mean_square_interval;
     std::size_t lit_in_tested_only = 0, lit_in_baseline_only = 0;

@@ -46,7 +46,7 @@ int wait_for(pid_t child, const Launch& launch) {
         return WEXITSTATUS(status);
     }
     if (WTERMSIG(status) == SIGINT || WTERMSIG(status) == SIGTERM ||
-        WTERMSIG(status) == SIGHUP) {  // the user is stopping all ranks
+        WTERMSIG(status) == SIGHUP) {  // signals by which the user stops all ranks
         return exit_interrupted;
     }
     say("ptbench: rank {} of {} on {} was killed: {}\n", launch.rank, launch.count, host_of_this_rank(),
@@ -87,7 +87,7 @@ int lead_or_serve(const std::function<int()>& program) {
     }
     if (ranks().rank == 0) {
         const int exit_code = program();
-        // A launcher ends all ranks when one exits with a code other than 0; rank 0 ignores that SIGTERM here.
+        // A launcher sends SIGTERM to all ranks when one exits with another code than 0; rank 0 is ending by itself.
         std::signal(SIGTERM, SIG_IGN);
         end_ranks(exit_code);
         return exit_code;

@@ -57,7 +57,7 @@ RenderResult render_and_check(const Scene& scene, const RenderRequest& share) {
 }
 
 struct Share {
-    std::optional<RenderResult> result;  // result of this rank; none if it had no samples or failed
+    std::optional<RenderResult> result;  // result of this rank; none without samples or if it failed
     std::vector<std::int64_t> sums;      // radiance sums of this rank's film
     Json facts;
 };

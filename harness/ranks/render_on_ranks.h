@@ -11,22 +11,22 @@ namespace pt {
 struct RankFacts {
     int count = 1;
     double slowest_ms = 0;         // longest wall time of a rank, without the reduction
-    double fastest_ms = 0;         // shortest wall time of a rank that had samples
-    double reduce_ms = 0;          // time of the reduction once all ranks have rendered
+    double fastest_ms = 0;         // shortest wall time among ranks with samples, without the reduction
+    double reduce_ms = 0;          // time to add up the films after all have rendered
     double neighbours_cpu_ms = 0;  // CPU time of the other ranks on rank 0's host
 };
 
 struct RankedRender {
-    RenderResult result;  // times include the reduction; cpu_ms is that of all ranks
+    RenderResult result;  // wall time with the reduction; CPU time of all ranks
     RankFacts ranks;
 };
 
 // Says why a variant's film would depend on how its samples are split; empty if it would not.
 std::string why_not_split(const Variant& variant, Backend backend);
 
-// Renders on all ranks; to be called on rank 0. On a single rank it equals `render`. Each rank checks its work counts
-// against the variant's claim. Throws what `render` throws on any rank, and InputError if splitting would change the
-// film or if a rank reads another scene.
+// Renders on all ranks; to be called on rank 0. Without other ranks the function equals `render`. Each rank checks its
+// work counts against the variant's claim. Throws what `render` throws on any rank, and InputError if splitting the
+// samples would change the film or if a rank reads another scene.
 RankedRender render_on_ranks(const Scene& scene, const RenderRequest& request);
 
 // Throws InputError unless all ranks run on the same kind of machine, so that their times belong to one machine.

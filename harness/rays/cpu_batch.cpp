@@ -117,7 +117,7 @@ public:
 
 private:
     Hit meet(const Ray& ray) const {
-        // The accelerator accepts hits with t < best.t only, while a batch accepts t == t_max too.
+        // A batch accepts hits with t == t_max, the accelerator only t < best.t; so best.t is just above t_max.
         pt::Hit<float> best;
         best.t = std::nextafter(ray.t_max, std::numeric_limits<float>::infinity());
         const Vec3<float> origin = vector_of<float>(ray.origin);

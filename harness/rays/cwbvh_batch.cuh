@@ -22,8 +22,8 @@ struct BatchPolicy : traversal::WarpPolicy<Refill, Vote> {
     static constexpr bool any = Any;  // whether rays are occlusion tests
 };
 
-// A ray for the watertight triangle test (kernels/triangle.h) on the rows of a leaf slot. The operations and their
-// order are the same; the permutation of the axes is in which row is read.
+// A ray for the watertight triangle test (kernels/triangle.h), specialised for the rows of a leaf slot: with the same
+// operations in the same order, but axes are permuted by the choice of the rows to read.
 struct PermutedRay {
     float x, y, z;  // ray origin, permuted to the axes kx, ky, kz
     ShearedDirection<float> shear;
@@ -69,10 +69,10 @@ struct BatchView {
     const Ray* rays;
     Hit* hits;
     std::uint32_t count;
-    std::uint32_t* next;  // index of the first ray not yet fetched
+    std::uint32_t* next;  // next ray of the batch that no lane has fetched
 };
 
-// The values of by_octant for every byte and octant, as a look-up table in shared memory.
+// A look-up table in shared memory of the function cwbvh::by_octant, for every byte and octant.
 struct OctantOrders {
     std::uint8_t order[8][256];
 
@@ -87,8 +87,8 @@ struct OctantOrders {
 template <class P>
 class RayState {
 public:
-    // Starts without a ray. `local` is the stack beyond its part in shared memory; it must not be a member, because an
-    // array that is indexed at run time would force the other members into local memory too.
+    // A lane's state without a ray. `local` holds stack entries that do not fit into shared memory. It must not be a
+    // member, because an array indexed at run time would force the other members into local memory too.
     __device__ RayState(const BatchView& batch, uint2* shared, uint2* local, const OctantOrders& orders)
         : batch_(batch), shared_(shared), local_(local), orders_(orders) {}
 
@@ -109,7 +109,7 @@ public:
         pending_.bits = later_.bits = 0;
     }
 
-    // Visits the nearest node of the current group, which is empty only when nothing is left to visit.
+    // Visits the nearest unvisited node of the current group. An empty current group means that no node is left.
     __device__ void visit_node() {
         const std::uint32_t index = group_.take_nearest(box_ray_.flip);
         if (!group_.empty()) {
@@ -174,7 +174,7 @@ private:
     cwbvh::BoxRay box_ray_;
     PermutedRay ray_;
     Hit best_;
-    cwbvh::NodeGroup group_{};  // empty until a ray is fetched: idle lanes are asked too
+    cwbvh::NodeGroup group_{};  // initially empty: an idle lane has no node
     cwbvh::SlotGroup pending_, later_;
     std::uint32_t index_;
     int depth_ = 0;

@@ -45,7 +45,7 @@ struct EncoderView {
     const GpuNode* nodes;
     const std::uint32_t* root;
     std::uint32_t* parents;
-    std::uint32_t* arrived;  // number of children of an inner node that have arrived
+    std::uint32_t* arrived;  // by inner node: number of children whose cut is ready
     Cut* cuts;               // optimal cuts of the subtrees, by inner node
     std::uint32_t* tasks;    // index of the binary node for each wide node
     Node* wide;

@@ -24,10 +24,10 @@ public:
     // Encodes a binary tree, asynchronously on the default stream. `root` points to its root's index in device memory.
     void encode(const GpuNode* nodes, const std::uint32_t* root);
 
-    // Waits, and returns the number of wide nodes. Throws std::length_error for a tree deeper than largest_depth.
+    // Waits for encode() and returns the number of wide nodes. Throws std::length_error above largest_depth.
     std::uint32_t node_count() const;
     const Node* device_nodes() const;
-    const std::uint32_t* device_references() const;  // primitive index by leaf slot
+    const std::uint32_t* device_references() const;  // by leaf slot: index of its triangle
 
 private:
     std::unique_ptr<GpuEncoderMemory> memory_;

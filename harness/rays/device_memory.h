@@ -61,7 +61,7 @@ public:
         cudaEventDestroy(to_);
     }
     void start() const { PT_CUDA_CHECK(cudaEventRecord(from_)); }
-    float stop() const {  // elapsed time in milliseconds
+    float stop() const {  // GPU time since start(), in milliseconds
         PT_CUDA_CHECK(cudaEventRecord(to_));
         PT_CUDA_CHECK(cudaEventSynchronize(to_));
         float milliseconds = 0;

@@ -95,7 +95,7 @@ public:
     }
     void load(const RaySet& set) override {
         any_ = set.any;
-        rays_ = DeviceArray<Ray>();  // frees the old array before the new one is allocated
+        rays_ = DeviceArray<Ray>();  // frees the old rays before the new ones are allocated
         rays_ = DeviceArray<Ray>(set.rays);
         if (hits_.size() != set.rays.size()) {
             hits_ = DeviceArray<Hit>(set.rays.size());
@@ -138,7 +138,7 @@ public:
         first_leak_ray_ = first;
         any_ = false;
         if (rays_.size() != count) {
-            rays_ = DeviceArray<Ray>();  // frees the old array before the new one is allocated
+            rays_ = DeviceArray<Ray>();  // frees the old rays before the new ones are allocated
             rays_ = DeviceArray<Ray>(count);
             hits_ = DeviceArray<Hit>(count);
         }
@@ -278,7 +278,7 @@ DeviceBuild time_device_build(const std::string& name, std::span<const Triangle<
         events.start();
         encoder.encode(tree.device_nodes(), tree.device_root());
         const float encode = events.stop();
-        if (i == 0) {  // the first build is a warm-up, not timed
+        if (i == 0) {  // the first build warms up and is not timed
             first = tree.download();
         } else {
             times.build_ms.push_back(static_cast<double>(build_ms));

@@ -13,7 +13,7 @@ __global__ void make_leak_rays(const __grid_constant__ LeakView view, std::uint6
     }
 }
 
-// Counts misses by class in leaks[class]; hits[i] belongs to the leak ray number `first` + i.
+// Counts leak rays without a hit, by class, in leaks[class]; hits[i] is the hit of the leak ray number `first` + i.
 __global__ void count_leaks(const Hit* hits, std::uint64_t first, std::uint32_t count, unsigned long long* leaks) {
     const std::uint32_t index = blockIdx.x * blockDim.x + threadIdx.x;
     if (index < count && hits[index].primitive == no_primitive) {

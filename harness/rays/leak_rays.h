@@ -38,7 +38,7 @@ public:
     PT_HD std::uint32_t below(std::uint32_t count) {
         return static_cast<std::uint32_t>((std::uint64_t{word()} * count) >> 32);
     }
-    PT_HD float unit() { return static_cast<float>(word() >> 8) * 0x1p-24f; }  // uniform in [0, 1)
+    PT_HD float unit() { return static_cast<float>(word() >> 8) * 0x1p-24f; }  // a uniform random number in [0, 1)
 
 private:
     PT_HD static std::uint64_t mixed(std::uint64_t z) {
@@ -49,7 +49,7 @@ private:
     std::uint64_t state_;
 };
 
-// Moves a number by a random -4 to 4 ulps; numbers close to 0 stay as they are.
+// Moves a float by a random number of ulps from -4 to 4; numbers within 2^-100 of 0 stay as they are.
 PT_HD inline float nudged(float x, LeakRandom& random) {
     const std::int32_t by = static_cast<std::int32_t>(random.below(9)) - 4;
     return absolute(x) < 0x1p-100f ? x : number_of(bits_of(x) + by);
@@ -85,12 +85,12 @@ PT_HD inline Ray leak_ray(const LeakView& view, std::uint64_t number) {
         origin.z += cube.half * (2.0f * random.unit() - 1.0f);
     }
     Vec3<float> direction = kind == 5 ? b - a : leak_target(kind, a, b, random) - origin;
-    if (kind == 6) {  // axis_plane: one component of the direction is +0 or -0
+    if (kind == 6) {  // class axis_plane: a component of the direction is +0 or -0
         const std::uint32_t axis = random.below(3);
         const float zero = random.below(2) == 0 ? 0.0f : -0.0f;
         const Vec3<float> flat{axis == 0 ? zero : direction.x, axis == 1 ? zero : direction.y,
                                axis == 2 ? zero : direction.z};
-        // The flattened direction is used only if it is not much shorter: cwbvh expects roughly unit length.
+        // A direction with a component of 0 is used only if it is not much shorter: cwbvh expects roughly unit length.
         direction = dot(flat, flat) > 0x1p-20f * dot(direction, direction) ? flat : direction;
     }
     if (random.below(2) == 0) {

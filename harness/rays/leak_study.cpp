@@ -148,7 +148,7 @@ LeakSource leak_source(const RayMesh& mesh, std::uint32_t count, std::uint64_t s
         if (!is_inside(*closed, Vec3d(centre))) {
             continue;
         }
-        // The cube gets half of the size that would just fit, so that its corners stay inside the mesh after rounding.
+        // Half the size of a start cube that just fits, so that corners stay inside the mesh after rounding.
         const double half = distance_from(source.triangles, Vec3d(centre)) / (2 * std::sqrt(3.0));
         if (half > 0x1p-16 * size) {
             source.cubes.push_back({{centre.x, centre.y, centre.z}, static_cast<float>(half)});

@@ -54,11 +54,11 @@ public:
     virtual std::vector<std::string> kernels(const RaySet& set) const = 0;
     // Selects the set of rays for the calls that follow; the set must outlive them.
     virtual void load(const RaySet& set) = 0;
-    virtual double trace(const std::string& kernel) = 0;  // elapsed time in milliseconds
-    virtual std::vector<Hit> hits() = 0;                  // hits of the last traced batch
+    virtual double trace(const std::string& kernel) = 0;  // traces the loaded rays; milliseconds
+    virtual std::vector<Hit> hits() = 0;                  // hits of the rays that `trace` traced last
     virtual std::optional<Work> count() = 0;              // traversal work; none without counters
 
-    // Takes the source of leak rays (leak_rays.h), from which make_leak_rays generates batches on the tracer's device.
+    // Sets the mesh and the seed from which make_leak_rays generates leak rays (leak_rays.h) on the tracer's device.
     virtual void take_leak_source(const LeakSource& source) = 0;
     virtual void make_leak_rays(std::uint64_t first, std::uint32_t count) = 0;
     virtual LeakCounts leaks() = 0;  // rays that leaked in the last traced batch

@@ -10,13 +10,13 @@
 
 namespace pt::rays {
 
-// Under ncu, traces each batch of the study once uncounted (warm-up) and once counted, in the order of `measure`.
+// To be run under ncu: traces each batch of the study once uncounted (warm-up) and once counted, in measure()'s order.
 void trace_counted(const RayMesh& mesh, const RayStudy& study);
 
 // The counted batches in the results of `measure` for all meshes, in order, as kernel function and number of rays.
 std::vector<std::pair<std::string, double>> counted_batches(const nlohmann::ordered_json& meshes);
 
-// Adds the counters to each batch of the meshes. `launches` holds the counters of a launch for each of counted_batches.
+// Adds performance counters to the results of each batch. `launches`: the counters, in the order of counted_batches.
 void add_counters(nlohmann::ordered_json& meshes, const nlohmann::ordered_json& launches);
 
 // A table of a mesh's performance counters, one line per batch.

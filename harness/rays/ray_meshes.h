@@ -16,7 +16,7 @@ struct RayCamera {
 
 struct RayMesh {
     std::string name;
-    std::string said;  // remark about the mesh for the reader; may be empty
+    std::string said;  // remark on the mesh, to print; may be empty
     Mesh mesh;
     std::vector<Triangle<float>> triangles;
     RayCamera camera;

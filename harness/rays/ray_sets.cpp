@@ -46,7 +46,7 @@ std::vector<Ray> make_rays(std::size_t count, const Make& make) {
 struct Maker {
     const RayMesh& mesh;
     std::uint32_t log2_rays;
-    float reach = half_extent();  // half the mesh's extent, the unit of lengths; 2 in the OptiX probe
+    float reach = half_extent();  // half the largest extent of the mesh, the unit of lengths; 2 in the OptiX probe
 
     float half_extent() const {
         const Vec3<float> extent = mesh.high - mesh.low;
@@ -80,7 +80,7 @@ struct Maker {
     }
 
     struct SurfacePoint {
-        Vec3<float> position, normal;  // a point slightly off the surface, on the ray's side
+        Vec3<float> position, normal;  // a point slightly off a surface, and the normal on that side
     };
     // The point where a ray hit, slightly off the surface, and the normal there; for a ray that missed, its origin.
     SurfacePoint surface_point(const Ray& ray, const Hit& hit) const {
@@ -90,7 +90,7 @@ struct Maker {
         }
         const Triangle<float>& t = mesh.triangles[hit.primitive];
         Vec3<float> n = unit(cross(t.b - t.a, t.c - t.a));
-        if (!(dot(n, n) > 0.5f)) {  // triangle too small for a normal
+        if (!(dot(n, n) > 0.5f)) {  // a triangle too small to have a normal
             n = -unit(direction);
         }
         if (dot(n, direction) > 0.0f) {
@@ -114,7 +114,7 @@ struct Maker {
             return make_ray(point.position, tangent * (r * c) + bitangent * (r * s) + n * z, t_max);
         });
     }
-    // Shadow rays to random points of a square light below the box's top, a quarter as wide; the light is at t = 1.
+    // Shadow rays to points (t = 1) of a square light below the top of the mesh's box, a quarter as wide as the box.
     std::vector<Ray> shadow(const std::vector<Ray>& from, const std::vector<Hit>& hits) const {
         const Vec3<float> centre = (mesh.low + mesh.high) * 0.5f, half = (mesh.high - mesh.low) * 0.5f;
         return make_rays(from.size(), [&](std::uint32_t i) {

@@ -83,7 +83,7 @@ Json batch_json(const RaySet& set, const std::string& kernel, const std::vector<
               {"query", set.any && kernel != "meet" ? "any" : "closest"},
               {"ms", ms},
               {"median_ms", median}};
-    // The median's confidence interval, computed as that of the ratio to a constant 1.
+    // The confidence interval of the median time is that of a ratio of times with a constant 1 as the baseline.
     const RatioEstimate estimate = ratio_estimate(ms, {1.0, 1.0});
     json["interval_ms"] = estimate.interval ? Json{estimate.interval->low, estimate.interval->high} : Json();
     json["grays_per_s"] = rays / median * 1e-6;
@@ -99,7 +99,7 @@ void measure_set(BatchTracer& tracer, const RaySet& set, SetState& state, int re
     tracer.load(set);
     const std::optional<Work> work = tracer.count();
     for (const std::string& kernel : tracer.kernels(set)) {
-        (void)tracer.trace(kernel);  // warm-up, which is not timed
+        (void)tracer.trace(kernel);  // an untimed warm-up of the kernel
         std::vector<double> ms;
         for (int i = 0; i < repetitions; ++i) {
             ms.push_back(tracer.trace(kernel));

@@ -25,7 +25,7 @@ struct RayStudy {
 
 // An acceleration tree over a mesh, as ray batches traverse it.
 struct Tree {
-    std::string accelerator, builder;  // `builder` is empty for accelerators without a tree
+    std::string accelerator, builder;  // `builder`: empty for an accelerator without a tree
     MeshGeometry geometry;
     MeshView view;
     MeetMesh<float> meet;
@@ -44,7 +44,7 @@ struct MeshResult {
     nlohmann::ordered_json json;
     std::vector<RaySet> sets;
     std::vector<std::uint64_t> hits;  // number of rays that hit in each set
-    bool agrees = true;               // whether all hits agree, also with brute force
+    bool agrees = true;               // whether all kernels and brute force found equal hits
 };
 
 MeshResult measure(const RayMesh& mesh, const RayStudy& study);

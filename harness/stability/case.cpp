@@ -21,7 +21,7 @@ std::size_t family_index(const Case& stiff_case) {
                                     std::begin(families));
 }
 
-// The case's number in the catalogue, by which "S5" comes before "S12".
+// A case's number in the catalogue, for sorting: by name "S12" would come before "S5".
 int number_in_catalogue(const Case& stiff_case) { return std::stoi(stiff_case.catalogue.substr(1)); }
 
 }  // namespace
@@ -115,7 +115,7 @@ std::function<double(const RenderResult&)> farthest_from(double exact) {
         for (std::uint32_t i = 0; i < result.film.width() * result.film.height(); ++i) {
             const Vec3d pixel = result.film.pixel(i);
             for (int k = 0; k < 3; ++k) {
-                // The comparison is written such that a NaN, which compares false, counts as the farthest value.
+                // The test is <= instead of > so that a channel of NaN, for which both are false, counts as farthest.
                 farthest = std::abs(pixel[k] - exact) <= std::abs(farthest - exact) ? farthest : pixel[k];
             }
         }

@@ -84,9 +84,9 @@ struct Rendering {
 
 // Two renders whose films must be equal bit for bit.
 struct Twins {
-    std::string change;  // what differs, e.g. "scene x 2^20"
+    std::string change;  // what differs between the two, e.g. "scene x 2^20"
     Json reference, changed;
-    std::vector<std::uint32_t> parts = {};  // `changed` is rendered in runs of so many samples; empty: one run
+    std::vector<std::uint32_t> parts = {};  // samples of the consecutive runs that render `changed`; empty: one run
     std::map<std::string, std::uint32_t> tuning = {};  // tunables for rendering `changed`; n/a if the variant lacks one
     std::uint32_t samples = 8;                         // samples per pixel of either render
 };
@@ -111,12 +111,12 @@ struct Case {
     std::string family = {};  // name of the case's family, set by CasesOf
     std::string title;
     std::string stiff;    // one sentence on what makes the case stiff
-    std::string formula;  // source of the case's exact value
+    std::string formula;  // formula or source of the exact value, as text
     std::vector<Parameter> parameters = {};
-    // The points of a full run, as changes to the defaults. Empty: the defaults alone.
+    // The points (changes to the defaults) of a full run. Empty: one point, the defaults.
     Points points = {};
-    Points quick_points = {};  // parameter values of a quick run; empty: the first of `points`
-    std::string sweep = {};    // the parameter that `points` vary, for the figure; empty if none
+    Points quick_points = {};  // points of a quick run; empty: the first of `points`
+    std::string sweep = {};    // the parameter that `points` vary, as a figure's axis; empty if none
     // Choices of estimators with which the case is run besides the baseline's, e.g. {"direct_light", {"nee"}}.
     AxisChoices estimators = {};
     // Joint choices on several axes to run the case with: {{"direct_light", "nee"}, {"light_selection", "power"}}.
@@ -167,11 +167,11 @@ struct CasesOf {
     explicit CasesOf(std::vector<Case> cases) { register_cases(family, std::move(cases)); }
 };
 
-double mean_radiance(const RenderResult& result);              // radiance averaged over pixels and channels
-double mean_channel(const RenderResult& result, int channel);  // one channel averaged over pixels
+double mean_radiance(const RenderResult& result);              // mean of a film over pixels and channels
+double mean_channel(const RenderResult& result, int channel);  // mean of one channel of a film
 // A reader for Quantity::of: the channel value, among all pixels, that is farthest from `exact`.
 std::function<double(const RenderResult&)> farthest_from(double exact);
-// A reader for Quantity::of: how many segments paths lack of `depth` on average, having leaked out of a closed scene.
+// A reader for Quantity::of: by how many segments paths are shorter than `depth` on average. In a closed scene none is.
 std::function<double(const RenderResult&)> missing_segments(std::uint32_t depth);
 
 // A quantity that is the estimated mean over all pixels and channels.

@@ -107,8 +107,8 @@ Variant with_samples_in_flight(const Task& task, Variant variant, std::uint64_t 
     return variant;
 }
 
-// Limits the samples for integrators with a queue, which take a pass through the queue for each group of samples in
-// flight, however few paths that is.
+// Limits a case's number of samples for an integrator with a queue, whose time grows with each pass through the queue
+// (one for each group of samples in flight), even if it holds few paths.
 std::uint64_t affordable_samples(const Task& task, const Variant& variant, std::uint32_t depth, std::uint64_t samples) {
     const std::uint64_t most_rounds = std::max(1u, 512 / depth);
     const auto in_flight = variant.tuning.find("spp_in_flight");
@@ -219,7 +219,7 @@ std::vector<Row> evaluate_renderings(const Task& task) {
         const bool again = std::any_of(first.begin(), first.end(),
                                        [](const Row& row) { return row.status == Status::failed && row.is_estimate; });
         if (again) {
-            // The second measurement takes four times the samples, with other seeds than the first.
+            // A failed estimate is measured once more with four times the samples and other seeds.
             std::vector<Row> second =
                 look(task, rendering, scene, task.seed + 1000003, std::min<std::uint64_t>(4 * paths, 1u << 28));
             for (std::size_t i = 0; i < first.size(); ++i) {
@@ -266,8 +266,8 @@ bool have_one_program(const Task& task, const Scene& a, const Scene& b) {
             a.objects.size() == b.objects.size());
 }
 
-// The ratio of the means of two films whose roundings may differ, and with them a few paths that graze an edge. The
-// standard error takes the differences of all pixels and channels for independent.
+// Measures the ratio of the means of two films that may differ in rounding and by a few paths that graze an edge. Its
+// standard error assumes that differences of pixels and channels are independent.
 Measurement ratio_of_means(const std::vector<std::int64_t>& expected, const std::vector<std::int64_t>& found) {
     double sum = 0, difference = 0, squares = 0;
     for (std::size_t i = 0; i < expected.size(); ++i) {
@@ -351,7 +351,7 @@ std::vector<Row> evaluate_unguarded(const Task& task) {
     return rows;
 }
 
-// Direct checks call kernel functions on the host; they do not depend on the integrator or the backend and run once.
+// Says why a direct check does not apply. It calls kernel functions on the host, so one integrator and backend will do.
 std::string direct_not_applicable(const Task& task) {
     const VariantTraits traits = traits_of(task.variant, task.backend);
     const bool is_plainest = task.variant[axes::integrator] == plainest_variant(task.backend)[axes::integrator];

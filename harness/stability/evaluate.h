@@ -27,7 +27,7 @@ struct Row {
     Measurement measurement;
     double error = 0;          // by how much `measured` violates the relation, or 0
     double allowed = 0;        // largest error allowed: tolerance plus four standard errors
-    bool is_estimate = false;  // whether the quantity is estimated from batches
+    bool is_estimate = false;  // whether the value is a mean over batches
     int looks = 1;             // number of independent measurements until the verdict
     std::uint64_t paths = 0;
     std::uint64_t rays = 0;

@@ -36,7 +36,7 @@ std::optional<std::uint32_t> first_parting(const std::vector<Step>& a, const std
 // How many of a scene's paths diverge between single and double precision, by the segment at which they part.
 struct Divergence {
     std::uint64_t paths = 0;
-    std::vector<std::uint64_t> parted_at;  // [k] is the number of paths that part at segment k + 1
+    std::vector<std::uint64_t> parted_at;  // [k]: number of paths whose two replays differ first at segment k + 1
     double difference = 0;                 // mean radiance in single minus double, over pixels and channels
     double standard_error = 0;             // standard error of `difference`
 

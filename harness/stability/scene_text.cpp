@@ -91,8 +91,8 @@ SceneText& SceneText::shutter(double open, double close, bool late) {
 std::string SceneText::add_material(Json material) {
     auto& materials = json_["materials"].get_ref<Json::object_t&>();
     std::string name = material["type"].get<std::string>() + "_" + std::to_string(materials.size());
-    // The new material is appended to the vector that underlies the JSON object: its name is unique, and looking it up
-    // among 10^5 materials would take seconds in all.
+    // A material's name is new, so the material is appended to the vector that underlies the JSON object: a look-up of
+    // each of 10^5 names would take seconds in all.
     static_cast<Json::object_t::Container&>(materials).emplace_back(name, std::move(material));
     return name;
 }

@@ -29,7 +29,7 @@ public:
     SceneText& lens(double aperture_radius, double focus_distance);
     SceneText& shutter(double open, double close, bool late);
 
-    // The functions for materials add a material and return its name.
+    // Functions that add a material of their name to the scene and return the new material's name.
     std::string diffuse(const Vec3d& albedo, const Vec3d& emission = Vec3d(0.0));
     std::string mirror(const Vec3d& reflectance, const Vec3d& emission = Vec3d(0.0));
     std::string mix(const Vec3d& albedo, const Vec3d& reflectance, double mirror_probability,
@@ -41,7 +41,7 @@ public:
     std::string rough_conductor(const Vec3d& reflectance, double roughness, bool multiple_scattering);
     std::string principled_metal(const Vec3d& base_colour, double roughness);
 
-    // The functions for shapes add an object.
+    // Functions that add an object of their name to the scene.
     SceneText& sphere(const std::string& material, const Vec3d& centre, double diameter);
     SceneText& ellipsoid(const std::string& material, const Vec3d& centre, const Vec3d& scale,
                          const Vec3d& rotate_degrees = Vec3d(0.0));

@@ -9,10 +9,9 @@
 
 namespace pt::stability {
 
-// The timed variants to be checked with one case: every scheduler with every arithmetic (in a quick run every second
-// pair, alternating with `turn`), with and without the room in turn. Of the integrators with a queue one is taken,
-// which changes with `turn`, the number of the case. Empty on a CPU, where the plain runs cover the kernels for a
-// scene.
+// The timed variants with which one stability case runs: every arithmetic with every integrator that findings time (of
+// those with a queue only one, by `turn`), alternately with and without the planes of a room. A quick run takes every
+// second pair. `turn`: the case's number. Empty on a CPU, where other variants cover the same kernels.
 std::vector<Variant> timed_variants(Backend backend, std::size_t turn, bool quick);
 
 }  // namespace pt::stability

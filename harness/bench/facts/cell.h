@@ -134,7 +134,7 @@ struct ConvergenceFacts {
     bool independent_samples = false;
     std::map<std::string, std::string> metrics = {};  // definition of each error metric, by name
     Json reference = {};                              // the reference image, as Reference::provenance() describes it
-    std::optional<std::string> shared_with = {};  // another cell with the same films and errors; in result files only
+    std::optional<std::string> shared_with = {};  // name of a cell with the same films and errors; in result files only
 
     std::string reference_hash() const;
 
@@ -163,9 +163,9 @@ struct CellFacts {
     std::optional<std::uint64_t> nonfinite = {}, negative = {}, saturated = {}, unfinished_walks = {};
     std::optional<CounterFacts> counters = {};
     std::optional<DeviceUse> cuda = {};
-    std::optional<MeshUse> meshes = {};  // only for scenes with meshes
+    std::optional<MeshUse> meshes = {};  // use of meshes; only for scenes with meshes
     std::optional<InstrumentedFacts> instrumented = {};
-    std::optional<ConvergenceFacts> convergence = {};  // only for cells with checkpoints
+    std::optional<ConvergenceFacts> convergence = {};  // reference and error metrics; only for cells with checkpoints
 
     void fail(std::string why) {
         status = CellStatus::failed;

@@ -48,7 +48,7 @@ struct SessionFacts {
     std::string date = {};
     std::string host_name = {};
     int process = 0;                          // operating system's id of the process
-    std::optional<std::size_t> samples = {};  // number of samples taken, with retakes; in result files only
+    std::optional<std::size_t> samples = {};  // number of the session's samples, with retakes; in result files only
 
     template <class Self, class Visit>
     static void fields(Self& self, const Visit& visit) {

@@ -58,7 +58,7 @@ struct Sample {
     std::uint64_t launches = 0, graph_nodes = 0, loop_rounds = 0, host_waits = 0;
     std::uint64_t order = 0;  // position of the sample among all samples of the run
     double timestamp = 0;     // seconds since 1970 at the end of the sample
-    int clock_unknown = 0;    // 1 if the processor's clock could not be measured
+    int clock_unknown = 0;    // 1 if a clock is unknown, 0 otherwise
     std::optional<double> clock_mhz_before = {}, clock_mhz_after = {};
     double foreign_cpu_ms = 0;  // CPU time of other processes; rounding can make it negative
     long involuntary_switches = 0;
@@ -73,7 +73,7 @@ struct Sample {
         {};  // times and errors at the checkpoints of a convergence cell
     std::string film_hash = {};
 
-    // Visits the fields of a sample. Keys that begin with pt_ are those of a row of the result file, in the same order.
+    // Calls `visit` for every field of a sample. Keys with the prefix pt_ are those of a result row, in its order.
     template <class Self, class Visit>
     static void fields(Self& self, const Visit& visit) {
         visit("cpu_ms", self.cpu_ms);
@@ -125,7 +125,7 @@ Sample sample_of_result(const Json& row);
 // Reads a sample from a row of a result file, with its CPU time, which rows store under another key. Throws WrongFact.
 Sample sample_of_row(const nlohmann::ordered_json& row);
 
-// Whether a CPU quota was used up during the sample, so that its threads were stopped.
+// Whether a CPU quota stopped the threads of a render during a sample.
 bool is_throttled(const Sample& sample);
 // Whether other processes disturbed a sample: they took more than a tenth of the render's own CPU time and more than
 // the counter's resolution, or a CPU quota was used up.
@@ -139,17 +139,17 @@ std::optional<double> clock_of(const Sample& sample);
 
 // The higher of the clocks before and after a render in MHz; 0 if both are unknown.
 double highest_clock(const Sample& sample);
-// Whether one of a sample's clocks was far below the highest clock of the whole run.
+// Whether the processor's clock before or after a sample was far below the highest clock of the whole run.
 bool has_low_clock(const Sample& sample, double highest_of_run);
 
 // Says why no render can have produced this sample, as text; empty if one can.
 std::string fault_of_sample(const Sample& sample);
 
-// Adds a sample's fields to a row of the result file that has only its head.
+// Adds a sample's fields to a row of the result file that has only the cell's name and the sample's index so far.
 void add_sample_to_row(nlohmann::ordered_json& row, const Sample& sample);
 // Whether a row of a result file is a sample, and not an aggregate or a failure.
 bool is_row_of_sample(const nlohmann::ordered_json& row);
-// Marks the rows whose sample had a low clock, relative to the highest clock in all rows.
+// Marks the rows of samples with a low clock: far below the highest clock in all rows.
 void mark_low_clocks(nlohmann::ordered_json& rows);
 
 }  // namespace pt
