@@ -92,7 +92,7 @@ std::optional<fs::path> CourseFileFinder::find_above(const std::string& name) co
     return std::nullopt;
 }
 
-// Lists the project's mesh and image files by name. Of several files with one name the first by path counts.
+// Lists the mesh and image files of the author's project by file name. Of files with one name the first by path counts.
 void CourseFileFinder::list_project() {
     project_.emplace();
     std::error_code error;

@@ -53,7 +53,7 @@ public:
     // Whether a material has a texture, so that its objects need texture coordinates.
     bool shows_image(std::size_t material) const;
 
-    // The path of a file that the source names, and a file's name as the scene file writes it.
+    // Path of a file that the source names, and the name under which the scene file refers to a file.
     std::string path_of(const std::string& named) const;
     std::string name_in_scene(const std::string& path) const;
 
@@ -73,7 +73,7 @@ private:
     ImportResult* result_;
     std::deque<Cis565Line> places_;
     std::map<std::string, Mesh> read_;  // source meshes read for transformation, by path
-    std::map<std::string, int> names_;  // material names, and the next number to make each unique
+    std::map<std::string, int> names_;  // for each material name the number that makes the next one unique
 };
 
 }  // namespace pt

@@ -17,7 +17,7 @@ namespace pt {
 
 namespace {
 
-// Image height, path depth, aspect ratio and field of view, which a glTF file leaves to the viewer.
+// Values for what glTF leaves to the viewer: image height, path depth, aspect ratio, field of view in degrees.
 constexpr int gltf_picture_height = 600, gltf_max_depth = 8;
 constexpr double gltf_aspect = 4.0 / 3.0, gltf_view_degrees = 45;
 
@@ -81,8 +81,8 @@ private:
     GltfMaterials materials_;
     GltfMeshMaker maker_;
     std::map<std::pair<int, std::size_t>, std::string> files_;
-    std::set<std::string> has_coordinates_;  // mesh files with texture coordinates
-    std::set<std::string> has_normals_;      // mesh files with vertex normals
+    std::set<std::string> has_coordinates_;  // mesh files, of those written, that have texture coordinates
+    std::set<std::string> has_normals_;      // mesh files, of those written, that have vertex normals
     int visits_ = 0;
     std::uint64_t vertices_ = 0;
     bool has_camera_ = false;

@@ -14,7 +14,7 @@ namespace pt {
 struct GltfImage {
     std::string value;  // colour in the scene file: {"image": NAME}; empty: not possible
     bool has_alpha = false;
-    std::string refusal = {};  // what a refused texture would have to be
+    std::string refusal = {};  // why a texture cannot be imported: what is allowed in its place
 };
 
 class GltfImages {

@@ -35,12 +35,12 @@ struct Cis565File {
     std::vector<Cis565Section> materials, objects;
     std::optional<Cis565Section> camera;
     Cis565Section settings{.kind = "SETTINGS", .head = {}, .lines = {}};
-    std::optional<Cis565Line> background;                  // BACKGROUND_COLOR, outside of any section
+    std::optional<Cis565Line> background;                  // line BACKGROUND_COLOR, which belongs to no section
     bool has_all_materials = true;                         // false: some material could not be read
-    std::map<std::string, std::size_t> materials_by_word;  // labels (text) or names (JSON) that objects use
-    bool is_json = false;                                  // in JSON materials are named, and neutral values optional
-    std::string stem;                                      // scene name if FILE is missing; empty: FILE is required
-    std::map<std::string, std::string> mesh_files;         // mesh files by the names that objects use
+    std::map<std::string, std::size_t> materials_by_word;  // index of each material by its label (text) or name (JSON)
+    bool is_json = false;                                  // JSON names materials and lets neutral values be left out
+    std::string stem;                                      // name of a scene without FILE; empty: FILE is required
+    std::map<std::string, std::string> mesh_files;         // mesh files by name, from the JSON member "Meshes"
 };
 
 // Parses a CIS 565 scene in the text format. Invalid lines are reported as problems and left out, and so are lines that
@@ -67,7 +67,7 @@ public:
     const Cis565Line* line(const std::string& key) const;
     const Cis565Line* required(const std::string& key, const std::string& allowed = "with it");
 
-    // Values of required lines; nothing if the line is missing or wrong. The format has no negative numbers.
+    // Value of a line that the section must have; nothing if the line is missing or wrong. Single numbers must be >= 0.
     std::optional<double> required_number(const std::string& key);
     std::optional<Vec3d> required_vector(const std::string& key);
     // Reads a word of a source line as a whole number from 0 to 10^9.

@@ -35,8 +35,8 @@ Affine of_twice_the_side(const Affine& map) {
     return own;
 }
 
-// The affine map of a quad, which lies in xz and faces +y, from that of Mitsuba's rectangle, which lies in xy and faces
-// +z. Of the rectangle's third axis only the side on which it points matters.
+// The affine map of a scene file's quad, which lies in xz and faces +y, from the map of Mitsuba's rectangle, which lies
+// in xy and faces +z. Where the map's third column points decides only which side is the front.
 Affine quad_of(const Affine& map, bool is_flipped) {
     const Affine own = of_twice_the_side(map);
     const Vec3d normal = cross(own.column[0], own.column[1]);
@@ -53,7 +53,7 @@ Affine quad_of(const Affine& map, bool is_flipped) {
     return quad;
 }
 
-// The middle of two almost equal coordinates, which an export had separated by a small gap.
+// The middle of one coordinate of two emitters back to back, which `ptbench export` had set slightly apart.
 double middle_of(double a, double b) {
     constexpr double last_bits = 2 * std::numeric_limits<double>::epsilon();
     return a == b ? a : shortest_within(0.5 * a + 0.5 * b, last_bits * std::max(std::abs(a), std::abs(b)));

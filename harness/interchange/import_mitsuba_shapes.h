@@ -13,7 +13,8 @@ public:
 
     // Converts a shape that stands directly in the Mitsuba scene. Shapes must be added in the file's order.
     void add(const XmlElement& shape);
-    // Writes all objects, after the last shape was added. `eye`: the camera's position, which decides what is far.
+    // Writes all objects, after the last shape was added. `eye`: the camera's position, since the gap allowed between
+    // emitters back to back grows with the distance from it.
     void write(const Vec3d& eye);
     // Handles what needs the whole scene: backs of one-sided emitters, emitters inside glass, and warnings about
     // differences between the two programs.

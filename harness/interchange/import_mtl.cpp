@@ -139,7 +139,7 @@ std::optional<std::size_t> OwnMaterials::entry_called(const std::string& name) {
                                   fmt::format("{}: \"{}\" is read as the material \"{}\", as if a comment "
                                               "began at #",
                                               file_.filename().string(), name, entries_[meant.front()].material.name));
-    by_name_.emplace(name, meant.front());  // warn only once about this material name
+    by_name_.emplace(name, meant.front());  // stored, so that the warning for this MTL material name comes only once
     return meant.front();
 }
 
@@ -157,7 +157,7 @@ std::optional<std::size_t> OwnMaterials::entry_of(const ObjPart& part) {
         has_told_of_groups_ = true;
         return found;
     }
-    if (is_whole_) {  // if a library is missing, the material may be there
+    if (is_whole_) {  // with a library missing, a material not found is no problem, as it may be in there
         fail(part.material.empty() ? "faces before any usemtl" : "usemtl " + part.material,
              "a material of its libraries, mtllib");
     }

@@ -199,7 +199,7 @@ std::optional<std::size_t> ObjectImporter::material_index(const Cis565Line& line
     }
     const std::size_t count = file.materials.size();
     if (file.is_json && line.words.size() == 2 && count > 0) {
-        // The course's loader looks up an unknown name in a map, which yields material 0, the first by name.
+        // For a material name that is not in the scene, the course's loader takes the first material by name.
         const auto first = std::min_element(file.materials.begin(), file.materials.end(),
                                             [](const auto& a, const auto& b) { return a.name < b.name; });
         import_->result->warnings.add(

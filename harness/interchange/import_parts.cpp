@@ -64,7 +64,7 @@ bool is_within(const std::string& place, const std::string& outer) {
            (place.size() == outer.size() || place[outer.size()] == '.' || place[outer.size()] == '[');
 }
 
-// Finds the member of a part that contains a JSON path; null if none does.
+// Finds the member of a scene part in which a JSON path lies; null if there is none.
 SceneMember* member_at(ScenePart& part, const std::string& place) {
     const auto found = std::find_if(part.members.begin(), part.members.end(), [&](const SceneMember& member) {
         return is_within(place, part.place + "." + member.key);
@@ -196,7 +196,7 @@ void PartsChecker::check_all() {
     for (std::size_t i = 0; i < parts_.objects.size() && problems_->count() < most_checked; ++i) {
         check_object(parts_.objects[i]);
     }
-    if (problems_->count() == 0) {  // faults that only the whole scene has
+    if (problems_->count() == 0) {  // no part alone is at fault, but the scene as a whole is
         problems_->add(
             0, fmt::format("as a scene, {}: found {}, allowed: {}", error->place, error->found, error->allowed));
     }

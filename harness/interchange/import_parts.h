@@ -21,9 +21,9 @@ struct SceneMember {
 
 struct ScenePart {
     std::string place;                 // JSON path, such as "$.camera"
-    std::string name = "";             // name of the part if it is a material
+    std::string name = "";             // name of the material that the part describes; empty for other parts
     const Cis565Line* head = nullptr;  // first line of the section in the source file
-    bool is_whole = true;              // false: a member is missing, as its line was unreadable
+    bool is_whole = true;              // false: a member is missing, since its source line was unreadable
     std::vector<SceneMember> members;
 
     void add(const std::string& key, const std::string& value, const Cis565Line* line,
@@ -44,7 +44,7 @@ struct SceneParts {
     std::string json() const;
 };
 
-// Keeps what a name in a scene file may have: letters, digits, '_' and '-', at most 64 of them.
+// Makes a text fit for a name in a scene file: keeps letters, digits, '_' and '-', at most 64 of them.
 std::string plain_part_of(const std::string& text);
 std::string json_of(double value);
 std::string json_of(const Vec3d& v);
