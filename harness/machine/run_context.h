@@ -14,7 +14,7 @@ struct GpuContext {
     std::string device = {}, compute_capability = {}, multiprocessors = {}, clock_mhz = {}, memory_clock_mhz = {};
     std::string memory_bus_bits = {}, memory_mib = {}, l2_bytes = {}, ecc = {}, mps = {}, driver = {}, runtime = {};
     std::string nvrtc = {}, cccl = {}, kernel_source_hash = {};
-    std::optional<std::string> devices = {}, nccl = {};  // only on hosts with several equal GPUs
+    std::optional<std::string> devices = {}, nccl = {};  // keys that only hosts with several equal GPUs have
 
     template <class Self, class Visit>
     static void fields(Self& self, const Visit& visit) {
@@ -46,7 +46,7 @@ struct MachineContext {
     std::string clock = {};  // method of measuring the CPU clock
     std::string threads = {}, cpu_quota = {}, thrust_version = {}, thrust_system = {};
     std::string google_benchmark_version = {};
-    std::optional<GpuContext> gpu = {};     // only for runs on a GPU
+    std::optional<GpuContext> gpu = {};     // context of the GPU, only for runs on a GPU
     std::optional<std::string> ranks = {};  // number of MPI ranks, only if there are several
 
     template <class Self, class Visit>

@@ -248,7 +248,7 @@ GltfMeshMaker::AccessorView GltfMeshMaker::view(int index, int type, const std::
     view.count = accessor.count;
     view.component_type = accessor.componentType;
     view.stride = part.byteStride > 0 ? part.byteStride : static_cast<std::size_t>(std::max(size, 1));
-    // The accessor's terms are checked in this order so that no sum overflows: counts are known to be below 2^32 first.
+    // Counts are bounded by 2^32 before the accessor's other terms are checked, so that no product or sum overflows.
     const bool fits =
         size > 0 && accessor.count > 0 && accessor.count <= most_triangles * 3 && view.stride <= 4096 &&
         part.byteOffset <= buffer.data.size() && part.byteLength <= buffer.data.size() - part.byteOffset &&

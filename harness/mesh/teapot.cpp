@@ -128,7 +128,7 @@ Mesh make_teapot(std::uint32_t n) {
 }
 
 Mesh make_stadium(std::uint32_t n) {
-    constexpr float half_side = 326'250.0f;  // 10^5 times half the teapot's length of 6.525
+    constexpr float half_side = 326'250.0f;  // half the quad's side: 10^5 times half the teapot's length of 6.525
     Mesh mesh = make_teapot(n);
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     for (const auto& [x, z] : {std::pair{-1.0f, -1.0f}, {-1.0f, 1.0f}, {1.0f, 1.0f}, {1.0f, -1.0f}}) {

@@ -32,7 +32,7 @@ double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y 
 double turn(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) { return cross(b - a, c - a); }
 
 struct FanFacts {
-    glm::dvec3 normal{0.0};  // Newell's normal, of length twice the area
+    glm::dvec3 normal{0.0};  // polygon normal by Newell's method, of length twice the area
     double covered = 0;      // twice the summed area of all triangles of the fan
     double backward = 0;     // twice the area of fan triangles facing against the normal
     double angle = 0;        // sum of the fan's angles at the first corner

@@ -15,7 +15,7 @@ namespace pt {
 // A vertex of a learning path, before the path scatters; colours are sums of their channels.
 struct AdjointRecord {
     Vec3<float> position;  // vertex position relative to the eye
-    std::uint32_t side;    // nearest_side of the surface normal
+    std::uint32_t side;    // direction that the surface normal is nearest to (nearest_side)
     std::uint32_t segment;
     float carried;  // throughput of the path at this vertex
     float brought;  // radiance gathered from this vertex to the path's end
@@ -38,7 +38,7 @@ AdjointRecords learn_adjoint(const Scene& scene, const RenderSettings& settings)
 
 template <class Real>
 struct AdjointTable {
-    AdjointCache<Real> cache{};  // kernels' view, with pointers into the vectors below
+    AdjointCache<Real> cache{};  // table as kernels see it, with pointers into the vectors below
     std::vector<float> by_place, by_segment, by_pixel;
 
     AdjointTable() = default;

@@ -34,16 +34,16 @@ std::uint32_t devices_at_work(const PartitionTraits& partition, std::uint32_t de
 // The image rows of one device: all rows, or where the partition is by rows every devices-th row.
 Rows rows_of(const PartitionTraits& partition, std::uint32_t device, std::uint32_t devices);
 
-// Hands out the samples of one part of a render to devices. By partition a device gets its contiguous share once, or
-// all samples once for its own rows, or, chunk by chunk, a fraction of what is left of a shared counter. May be called
-// by all devices at the same time.
+// Hands out the samples of one part of a render to devices. Depending on the partition, a device gets its contiguous
+// share of them once, or all of them once for its own image rows, or, chunk by chunk, a fraction of those that a shared
+// counter has left. May be called by all devices at the same time.
 class SampleSource {
 public:
     SampleSource(const PartitionTraits& partition, std::uint32_t devices, const SampleRange& samples);
 
     // The next range of samples that a device shall render; nothing if it has no work left.
     std::optional<SampleRange> next(std::uint32_t device);
-    // The most samples per pixel that `next` may hand out at once.
+    // The most samples per pixel that one call of `next` may hand out.
     std::uint32_t most_at_once() const;
 
 private:

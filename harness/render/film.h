@@ -18,7 +18,7 @@ public:
     FilmView view();
     std::uint32_t width() const { return width_; }
     std::uint32_t height() const { return height_; }
-    // Samples per pixel by which pixel() and radiance() divide the sums.
+    // Samples per pixel that the sums hold, by which pixel() and radiance() divide.
     std::uint64_t samples() const { return samples_; }
     // Sets the number of samples per pixel added so far, if more will follow; scale and limit stay unchanged.
     void set_samples(std::uint64_t samples) { samples_ = samples; }

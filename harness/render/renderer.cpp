@@ -205,8 +205,8 @@ std::string KernelChoice::note() const {
 KernelChoice choose_kernel(const Scene& scene, const Variant& variant, Backend backend) {
     const Registry& registry = Registry::instance();
     const FeatureSet needed = features_of(scene) | features_asked(variant, backend);
-    // On CUDA a kernel is compiled for exactly the features needed. A shortcut feature gives the bits of the plain
-    // formulas only, so it is left out with others.
+    // On CUDA a kernel is compiled for exactly the features needed. Shortcuts give the bits of the plain formulas, so
+    // they are left out of kernels with other formulas.
     const FeatureSet shortcuts_here = (needed & formulas) == 0 ? shortcuts_of(scene) : no_features;
     KernelOffer offer{needed,
                       shortcuts_here,

@@ -13,7 +13,7 @@ namespace pt {
 namespace {
 
 constexpr std::uint32_t nobody = 0xffffffffu;
-constexpr std::size_t most_boxes = 32;  // boxes that may be walls: AxisAlignedEnclosure::walls has a bit for each
+constexpr std::size_t most_boxes = 32;  // no walls are sought among more boxes: AxisAlignedEnclosure::walls has 32 bits
 constexpr std::size_t most_candidates = 4096;  // limit on combinations of walls, so that large scenes load fast
 
 // The two axis-aligned boxes that are the walls of an enclosure on one axis; nobody: that side is open.
@@ -113,7 +113,7 @@ private:
         return enclosure;
     }
 
-    // Sets the extent of the enclosure along one axis. Its open side lies as far out as any wall reaches.
+    // Sets the enclosure's extent along one axis. A side without a wall lies as far out as any wall reaches.
     void set_sides(AxisAlignedEnclosure<Real>& enclosure, int axis, const Sides& sides,
                    const std::vector<std::uint32_t>& walls) const {
         enclosure.low[axis] = sides.low != nobody ? box(sides.low).high[axis] : box(walls.front()).low[axis];

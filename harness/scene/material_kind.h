@@ -29,8 +29,8 @@ struct BeyondMitsuba {
 struct MitsubaBsdf {
     enum class Type { diffuse, conductor, dielectric, none };
     Type type = Type::diffuse;
-    std::optional<Vec3d> colour;          // colour that is reflected or, by a boundary, transmitted
-    const SceneTexture* image = nullptr;  // texture in place of the colour, or null
+    std::optional<Vec3d> colour;          // colour that the surface reflects or, as a boundary, transmits
+    const SceneTexture* image = nullptr;  // texture that takes the place of the colour; null: none
 };
 
 // What Mitsuba cannot express of a material with rough microfacets: its masking term is another formula.
@@ -41,8 +41,8 @@ struct MaterialKind {
     SceneMaterial (*read)(const JsonValue& value) = nullptr;
     // Feature flags that kernels need for the material, beyond the kind's own and Feature::emission.
     FeatureSet (*extra_features)(const SceneMaterial& material) = [](const SceneMaterial&) { return no_features; };
-    // Fills in the parameters of the kind, of which a kind with the trait `by_surface` has none. `absorbs` and the
-    // fields that every material has are filled in already.
+    // Fills the kind's parameters into the packed material; a kind with the trait `by_surface` has none. `absorbs` and
+    // the fields that every material has are filled in already.
     void (*pack_single)(const SceneMaterial& material, Material<float>& packed) = [](const SceneMaterial&,
                                                                                      Material<float>&) {};
     void (*pack_double)(const SceneMaterial& material, Material<double>& packed) = [](const SceneMaterial&,
@@ -58,7 +58,7 @@ struct MaterialKind {
     bool (*ignores_roughness)(const SceneMaterial& material) = [](const SceneMaterial&) { return false; };
     // Upper bound on the factor by which one path vertex multiplies the throughput, where it can exceed 1.
     double (*largest_gain)(const SceneMaterial& material) = [](const SceneMaterial&) { return 1.0; };
-    bool reflects_all_at_grazing = false;  // whether grazing light is reflected fully, whatever the colour
+    bool reflects_all_at_grazing = false;  // whether the material reflects all grazing light, whatever its colour
     // The share of light that every bounce off the material reflects, or nothing if its lobes reflect different shares.
     std::optional<Vec3d> (*even_reflectance)(const SceneMaterial& material) = [](const SceneMaterial&) {
         return std::optional<Vec3d>();

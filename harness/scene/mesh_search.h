@@ -9,7 +9,7 @@ namespace pt {
 
 struct SceneTree {
     std::vector<ObjectNode> nodes;
-    float margin = 0;  // margin of its nodes' bounding boxes (ObjectTree::margin)
+    float margin = 0;  // growth of nodes' boxes, in multiples of a ray origin's largest coordinate (ObjectTree::margin)
     EncodedTree flat;
     std::vector<FlatSlot> slots;
     double build_ms = 0;               // time to compute bounding boxes and build the tree

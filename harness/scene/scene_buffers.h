@@ -96,7 +96,7 @@ private:
     std::vector<std::uint32_t> file_index_;
     std::vector<std::uint32_t> shown_by_;  // number of objects that show each mesh
     std::vector<MeshGeometry> meshes_;
-    std::vector<LightExtent> light_extents_;  // bounds and power of each of arrays_.lights
+    std::vector<LightExtent> light_extents_;  // bounding box and power of each light in arrays_.lights
     std::shared_ptr<const SceneTree> tree_;
     std::vector<ObjectNormals<Real>> object_normals_;
     std::vector<CornerNormals> corner_normals_;

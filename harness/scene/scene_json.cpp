@@ -43,7 +43,7 @@ void read_shutter(const JsonValue& value, SceneCamera& camera) {
     }
 }
 
-// Checks an object's position at shutter open and close; in between, it moves on a straight line.
+// Checks where an object is when the shutter opens and when it closes; in between it moves on a straight line.
 void check_motion(const Scene& scene, const SceneObject& object, std::size_t index, const std::string& file) {
     for (const double time : {scene.camera.shutter_open, scene.camera.shutter_close}) {
         const Vec3d centre = object.translate + object.velocity * time;
