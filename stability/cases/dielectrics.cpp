@@ -11,7 +11,7 @@ namespace {
 
 struct Pile {
     int plates = 1;
-    double excess = 0.5;  // refractive index - 1
+    double excess = 0.5;  // refractive index of the plates - 1
     double thickness = 0.125, gap = 0.125, cosine = 1;
     double tau = 0;  // optical depth of absorption of a plate along its normal
 };
@@ -93,7 +93,7 @@ std::vector<Rendering> cut_off(const Values& v) {
     const long double r = reflectance(static_cast<long double>(v["ior"]) - 1, cosine_at(v["impact"]));
     const long double lost = (1 - r) * std::pow(r, static_cast<long double>(hits));
     const std::uint64_t paths = 1u << 16;
-    // Tolerance for the rounding of the impact parameter, times the slope of the reflectance.
+    // Tolerance for the rounding of the ray's impact parameter, times the slope of the ball's reflectance in it.
     const double slope = static_cast<double>(v["impact"] / cosine_at(v["impact"])) * 4 * 0x1p-22;
     return {{.scene = scene.json(),
              .quick_paths = paths,

@@ -98,7 +98,7 @@ std::vector<Rendering> face_row(const Values& v) {
                               .full_paths = 16 * width * height,
                               .quantities = {exactly(name, mean_radiance, exact, {1e-7, 1e-12, "one row is 0.03"})}});
     };
-    // The box covers the lower half of the image and the row along its top face.
+    // The eye is level with the box's top: the box covers the lower half of the image and the row along its top face.
     add("part of the image that a box seen along its top face covers", -64, 128, 17);
     add("part of the image that a box without thickness covers", 0, v["thickness"], 1);
     return renderings;

@@ -19,7 +19,7 @@ std::vector<Rendering> absorbing_chord(const Values& v) {
     scene.camera({b, 0, -5}, {b, 0, 0}).depth(3).environment(1);
     scene.sphere(scene.dielectric(1, Vec3d(sigma)), {0, 0, 0}, 2);
     const double cosine = std::sqrt((1 - b) * (1 + b)), exact = std::exp(-v["t"] * cosine);
-    // The chord has an error of some roundings of its distance of 5 radii, magnified by 1 / cosine towards the limb.
+    // The chord's error is some roundings of the eye's distance of 5 radii, magnified by 1 / cosine towards the limb.
     const double roundings = 32 * (1 + 5 * sigma / cosine) * exact;
     return {{.scene = scene.json(),
              .quick_paths = 16,
@@ -188,7 +188,7 @@ std::vector<Rendering> opaque_ball(const Values& v) {
     const double w = albedo_of(v), sigma = v["sigma"];
     SceneText scene("opaque_ball");
     scene.camera({0, 0, -v["distance"]}, {0, 0, 0}).depth(2).environment(1);
-    // The cap leaves a random walk a weight of e^-64; without it, a walk stuck by rounding would never end.
+    // The cap on scatterings leaves a walk a weight of e^-64; without a cap, a walk stuck by rounding never ends.
     const auto cap = static_cast<std::uint32_t>(64 / (1 - w));
     scene.sphere(scene.subsurface(Vec3d(w * sigma), Vec3d((1 - w) * sigma), 0, 1, cap), {0, 0, 0}, 2);
     const double exact = HFunction(w).plane_albedo(1);

@@ -35,7 +35,7 @@ double mean_collisions(double albedo, double mu);
 
 struct SlabShares {
     double reflected = 0, transmitted = 0;
-    double error = 0;  // error of either share: last extrapolation step
+    double error = 0;  // error of either share, estimated by the last extrapolation step
 };
 
 // The shares of light that a slab reflects and transmits. `mu`: the cosine of incidence, or 0 for diffuse light.
