@@ -40,7 +40,7 @@ struct CourseImport {
 // Converts the material of a MATERIAL section. An unreadable line is replaced by a valid value, so that the others can
 // be checked. Lossy conversions are warnings.
 ScenePart import_material(CourseImport& import, std::size_t index);
-// Converts an OBJECT section and adds it to `objects`: as one object, or one per material of the mesh's own file.
+// Converts an OBJECT section and adds it to the scene's objects, as one or as one per material of the mesh's own file.
 void import_object(CourseImport& import, std::size_t index);
 ScenePart import_camera(const CourseImport& import);
 

@@ -451,7 +451,7 @@ private:
     MitsubaScene made_;
     double reach_;  // largest distance of an object from the eye, in exported units
     XmlText xml_;
-    std::map<std::string, std::string> image_files_;  // names of exported images by the path of the original
+    std::map<std::string, std::string> image_files_;  // names of exported images by the path of the original image
     std::map<std::uint32_t, std::string> mesh_files_;
     std::map<Group, std::size_t> copies_;
 };

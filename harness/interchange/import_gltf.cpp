@@ -118,7 +118,7 @@ void GltfImporter::refuse_of_node(const tinygltf::Node& node, const std::string&
         refuse(pointer + "/weights", "weights of morph targets", "weights of 0");
     }
     for (const auto& [name, value] : node.extensions) {
-        if (name != "KHR_lights_punctual") {  // KHR_lights_punctual is reported once, elsewhere
+        if (name != "KHR_lights_punctual") {  // lights of KHR_lights_punctual are reported once, elsewhere
             refuse(pointer + "/extensions/" + name, "an extension", "none of a node");
         }
     }
@@ -351,7 +351,7 @@ ImportResult import_gltf(const ImportSource&) {
 #endif
 
 bool is_like_gltf(const std::string& text) {
-    return text.starts_with("glTF");  // glTF in JSON is recognised by its extension only
+    return text.starts_with("glTF");  // glTF in JSON form is recognised by its file extension only
 }
 
 }  // namespace pt

@@ -148,7 +148,7 @@ void LineSorter::add_label(const Cis565Line& line) {
     }
 }
 
-// Reports a line outside of all sections, but not keywords behind an unknown section head, which was reported itself.
+// Reports a line outside of all sections, except lines behind an unknown section's head, which is reported itself.
 void LineSorter::add_outside(const Cis565Line& line) {
     const bool is_first = !file_.camera && file_.materials.empty() && file_.objects.empty() && !is_outside_;
     is_outside_ = true;
@@ -206,7 +206,7 @@ std::string Cis565Line::text() const {
     }
     std::size_t cut = longest_text - 3;
     while (cut > 0 && (static_cast<unsigned char>(text[cut]) & 0xc0) == 0x80) {
-        cut -= 1;  // do not cut within a UTF-8 character
+        cut -= 1;  // keeps a message from being cut within a UTF-8 character
     }
     return text.substr(0, cut) + "...";
 }

@@ -27,8 +27,8 @@ struct Cis565Section {
     Cis565Line head;
     std::map<std::string, Cis565Line> lines;
     bool is_whole = true;    // false: some line of the section is invalid
-    std::string name = "";   // name of a material in JSON
-    std::string label = "";  // number or word after MATERIAL in the text format
+    std::string name = "";   // name of the material, for a MATERIAL section in JSON
+    std::string label = "";  // number or word behind MATERIAL, for a section in the text format
 };
 
 struct Cis565File {
@@ -36,7 +36,7 @@ struct Cis565File {
     std::optional<Cis565Section> camera;
     Cis565Section settings{.kind = "SETTINGS", .head = {}, .lines = {}};
     std::optional<Cis565Line> background;                  // line BACKGROUND_COLOR, which belongs to no section
-    bool has_all_materials = true;                         // false: some material could not be read
+    bool has_all_materials = true;                         // false: some MATERIAL section could not be read
     std::map<std::string, std::size_t> materials_by_word;  // index of each material by its label (text) or name (JSON)
     bool is_json = false;                                  // JSON names materials and lets neutral values be left out
     std::string stem;                                      // name of a scene without FILE; empty: FILE is required
@@ -63,7 +63,7 @@ public:
     // Reports a problem of a source line and quotes the whole line.
     void fail(const Cis565Line& line, const std::string& allowed);
 
-    // Finds the section's line with a keyword; null if there is none, which `required` reports as a problem.
+    // Finds the line of a section with a keyword; null if there is none, which `required` reports as a problem.
     const Cis565Line* line(const std::string& key) const;
     const Cis565Line* required(const std::string& key, const std::string& allowed = "with it");
 

@@ -241,7 +241,7 @@ ScenePart MaterialImporter::subsurface() {
     return part;
 }
 
-// Adds a dielectric. REFL beside REFR is the course's glass, with Fresnel reflection like every dielectric.
+// Adds a dielectric's keys. REFL beside REFR is the course's glass, with Fresnel reflection like every dielectric.
 ScenePart MaterialImporter::dielectric() {
     const bool is_rough = is_set("ROUGHNESS");
     ScenePart part = start(is_rough ? "rough_dielectric" : "dielectric", "a dielectric");
@@ -339,7 +339,7 @@ void MaterialImporter::apply_type() {
     }
 }
 
-// Reduces a layered material to the largest of glass, metal and diffuse, since scene files cannot blend these.
+// Reduces a material of several layers to the largest of glass, metal and diffuse, which scene files cannot blend.
 void MaterialImporter::apply_layers() {
     if (number("REFR") >= 0.5) {
         return;

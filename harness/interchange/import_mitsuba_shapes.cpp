@@ -16,7 +16,7 @@ namespace pt {
 
 namespace {
 
-// Name of Mitsuba's area emitter; not a choice of the axis light_sampling.
+// Name of Mitsuba's area emitter; the axis light_sampling has a choice of this name, which is not meant.
 constexpr std::string_view mitsuba_area_emitter = "area";
 
 // Limit on shapes, since nested instances of groups can multiply without end.
@@ -224,7 +224,7 @@ bool MitsubaShapes::are_back_to_back(const Placed& a, const Placed& b, double fa
            length_of_vector(gap - normal * along) <= std::ldexp(along, -8) + 1e-14 * far;
 }
 
-// Joins pairs of one-sided emitters into one two-sided emitter, which `ptbench export` writes as such a pair.
+// Joins pairs of one-sided emitters back to back, as `ptbench export` writes a two-sided emitter, into one emitter.
 void MitsubaShapes::pair_lamps(const Vec3d& eye) {
     double far = 0;
     for (const Placed& shape : shapes_) {
@@ -317,7 +317,7 @@ void MitsubaShapes::write_behind(const Scene& scene) {
     }
 }
 
-// Divides the radiance of emitters inside glass by n^2, by which Mitsuba's is larger (docs/other_renderers.md).
+// Divides radiances of emitters inside glass by n^2, since Mitsuba's are that much larger (docs/other_renderers.md).
 void MitsubaShapes::dim_lamps_in_glass(const Scene& scene) {
     if (std::none_of(scene.materials.begin(), scene.materials.end(), is_glass)) {
         return;

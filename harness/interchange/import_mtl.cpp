@@ -84,7 +84,7 @@ void OwnMaterials::read_library(const std::string& name) {
         return;
     }
     if (!read_.insert(found->lexically_normal()).second) {
-        return;  // some programs name the MTL library before every object
+        return;  // read already: some programs name a library before every object
     }
     try {
         for (MtlMaterial& material : parse_mtl(read_text_file(found->string(), largest_library), found->string())) {
@@ -164,7 +164,7 @@ std::optional<std::size_t> OwnMaterials::entry_of(const ObjPart& part) {
     return std::nullopt;
 }
 
-// The scene's name of an MTL material, which is added to the scene on first use.
+// The name of an MTL material in the scene, to which the material is added on first use.
 std::string OwnMaterials::material_of(std::size_t entry) {
     const Entry& meant = entries_[entry];
     const auto [known, is_new] = import_->own_names.try_emplace({meant.library.string(), meant.material.name});

@@ -118,7 +118,7 @@ bool PartsChecker::check(const ScenePart& part, const std::string& place, const 
     return false;
 }
 
-// Reports an error at the source line of its member; returns whether the check can be repeated without that member.
+// Reports an error at the source line of the member at fault. Returns whether a check without the member makes sense.
 bool PartsChecker::blame(ScenePart& tried, const ScenePart& part, SceneError error) {
     // A subsurface body around the eye is reported as an error of the camera's eye.
     const bool is_elsewhere = !is_within(error.place, tried.place) && is_within(error.place, parts_.camera.place);
@@ -266,7 +266,7 @@ std::string material_name(const Cis565Section& section) {
 std::string ScenePart::members_json(const std::string& separator) const {
     std::string json;
     for (const SceneMember& member : members) {
-        const bool is_long = member.key == "shutter";  // in the scene file, the shutter gets a line of its own
+        const bool is_long = member.key == "shutter";  // in a scene file the camera's shutter gets a line of its own
         json += json.empty() ? "" : is_long ? ",\n    " : separator;
         json += json_of(member.key) + ": " + member.value;
     }

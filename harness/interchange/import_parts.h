@@ -54,7 +54,7 @@ std::string image_in_scene(const std::string& name);
 bool is_image_in_scene(const std::string& value);
 // Adds a mesh that is to be written beside the scene file, named after it; returns the mesh file's name.
 std::string add_imported_mesh(ImportResult& result, const ImportSource& source, Mesh mesh);
-// All imported meshes by the paths that their files will have.
+// The meshes of an import by the paths of the files that will have them.
 MeshesToBe::Meshes imported_meshes(const ImportResult& result, const std::string& scene_file);
 // Passes on a mesh file's own warnings, once per file, at the source line that names it first.
 void warn_of_mesh(ImportResult& result, std::size_t line, const std::filesystem::path& file,

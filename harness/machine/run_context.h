@@ -76,7 +76,7 @@ struct MachineContext {
     }
 };
 
-// The command that wrote the file, and how it ended. Each kind of file has some of these keys.
+// The command that wrote the result file, and how it ended. Each kind of result file has some of these keys.
 struct CallContext {
     std::optional<std::vector<std::string>> rank_hosts = {};  // host names of several MPI ranks
     std::optional<std::string> command_line = {}, suite = {}, backend = {}, status = {}, date = {};
@@ -124,7 +124,7 @@ struct BenchmarkContext {
     static constexpr const char* mhz_per_cpu_key = "mhz_per_cpu";
     static constexpr const char* load_avg_key = "load_avg";
 
-    // The context values for this machine at this moment; `date` is left empty.
+    // The context values for this machine at this moment; the field `date` is left empty.
     static BenchmarkContext now();
 
     template <class Self, class Visit>

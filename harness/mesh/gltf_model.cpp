@@ -76,7 +76,7 @@ tinygltf::Model parse_gltf_model(std::string_view content, const std::string& fi
         check_binary_chunk(content, file);
     }
     tinygltf::TinyGLTF loader;
-    // The bytes of a glTF image in a data URI are kept, as they are stored nowhere else; images in a buffer stay there.
+    // The bytes of a glTF image in a data URI are kept, as they are stored nowhere else; bytes in a buffer stay there.
     loader.SetImageLoader(
         [](tinygltf::Image* image, const int, std::string*, std::string*, int, int, const unsigned char* bytes,
            int size, void*) {

@@ -58,7 +58,7 @@ private:
         }
     }
 
-    // The largest vertex (or normal) index so far and its line: checked last, as an index may refer to a later line.
+    // Largest vertex (or normal) index so far and its line: checked at the end, as vertices may come after faces.
     struct Pending {
         std::uint64_t count = 0;
         std::size_t line = 0;
@@ -367,10 +367,10 @@ private:
     std::string joined_;
     std::vector<ObjCorner> corners_;  // corners of the current face
     std::vector<std::array<float, 3>> normals_;
-    std::vector<std::array<std::uint32_t, 3>> normal_triangles_;  // normals of triangles: indices into normals_
+    std::vector<std::array<std::uint32_t, 3>> normal_triangles_;  // indices into normals_ of each triangle's corners
     bool all_have_normals_ = true;
     std::vector<std::array<float, 2>> textures_;
-    std::vector<std::array<std::uint32_t, 3>> texture_triangles_;  // per triangle, indices into textures_
+    std::vector<std::array<std::uint32_t, 3>> texture_triangles_;  // indices into textures_ of each triangle's corners
     bool all_have_texture_ = true;
     Pending pending_vertex_, pending_normal_;
     std::vector<LatePolygon> late_polygons_;

@@ -14,7 +14,7 @@ namespace {
 struct RoundRow {
     double r, height, s;
 };
-constexpr double newell_share = 0.56;  // Newell's ratio s / r of control points; 0.5523 would be nearer to a circle
+constexpr double newell_share = 0.56;  // Newell's ratio s / r in quarter circles; 0.5523 would be nearer to a circle
 constexpr RoundRow round_row(double r, double height) { return {r, height, newell_share * r}; }
 
 // Profiles of round bodies, from the top down so that all patches face outward. Adjacent patches share a row.

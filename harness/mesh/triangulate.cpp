@@ -14,7 +14,7 @@ namespace {
 
 // Tolerances for polygons that were convex or flat before their corners were rounded to single precision.
 constexpr double slight_area = 0x1p-16;
-constexpr double slight_height = 0.01;      // bend below which both ways to split a polygon look alike
+constexpr double slight_height = 0.01;      // share of a polygon's size below which a bend looks alike however split
 constexpr std::size_t most_corners = 4096;  // most polygon corners for the quadratic test for crossing edges
 constexpr std::uint64_t most_looks = std::uint64_t{1} << 28;  // limit on tests of corners for lying in an ear
 

@@ -44,7 +44,7 @@ struct Notes {
     }
 };
 
-// Traces one learning path and puts its vertices into `records`.
+// Traces one learning path and puts a record of each of its vertices into `records`.
 void note_path(const SceneView<float>& scene, std::uint32_t pixel, std::uint32_t sample,
                std::vector<AdjointRecord>& records) {
     records.clear();
@@ -75,7 +75,7 @@ std::uint32_t pixel_of(std::uint64_t path, const RenderSettings& settings, const
     return static_cast<std::uint32_t>((path * pixels + ((hash * pixels) >> 32)) / settings.adjoint.paths);
 }
 
-// A ratio estimate, radiance gathered over throughput, into which a prior is mixed with a weight.
+// An estimate of radiance as a ratio: radiance gathered over throughput, into which a prior is mixed with a weight.
 class Estimate {
 public:
     void add(double brought, double carried) {

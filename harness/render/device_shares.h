@@ -27,7 +27,7 @@ struct SampleRange {
 // Part number `taker` of `takers` equal parts of the samples; the first parts have one sample more where needed.
 SampleRange equal_share(const SampleRange& samples, std::uint32_t taker, std::uint32_t takers);
 
-// The number of devices that get work: at most the number of samples, or of rows.
+// The number of devices that get work in a render: at most the number of samples or, by rows, of image rows.
 std::uint32_t devices_at_work(const PartitionTraits& partition, std::uint32_t devices, std::uint32_t samples,
                               std::uint32_t height);
 
@@ -55,7 +55,7 @@ private:
     SampleRange samples_;
     std::mutex mutex_;
     std::uint32_t taken_ = 0;    // samples handed out from the shared counter
-    std::vector<bool> has_had_;  // by device: whether the device has had its share of samples
+    std::vector<bool> has_had_;  // for each device whether it has had its share of samples
 };
 
 }  // namespace pt

@@ -17,7 +17,7 @@ namespace pt {
 
 namespace {
 
-// One queue per layout for the whole process, so that a timed render finds its memory allocated.
+// One path queue per layout for the whole process, so that a timed render finds its memory allocated.
 PathQueue& queue_for(const Variant& variant) {
     static std::map<std::string, PathQueue> queues;
     const auto [position, inserted] = queues.try_emplace(variant[axes::layout]);
@@ -67,7 +67,7 @@ RenderResult render_in(const Scene& scene, const RenderRequest& request, const K
         wake_threads();
         const double cpu_start = process_cpu_ms();
         const auto start = std::chrono::steady_clock::now();
-        // A render's time includes allocating and filling its first-bounce cache; queues stay from render to render.
+        // A render's time includes allocating and filling its first-bounce cache; path queues outlive renders.
         if (cache.rays > 0 && job.cache == nullptr) {
             cache.hits.resize(std::size_t{settings.width} * settings.height * cache.rays);
             job.cache = &cache;
@@ -247,7 +247,7 @@ bool set_cuda_render(RenderRequested render) {
 }
 
 RenderResult render(const Scene& scene, const RenderRequest& request) {
-    (void)parts_of(request);  // throws for invalid checkpoints before anything is rendered
+    (void)parts_of(request);  // throws if checkpoints are invalid, before anything is rendered
     if (request.backend == Backend::cuda) {
         return cuda_render()(scene, request);
     }

@@ -14,7 +14,7 @@ namespace pt {
 // The state of a render after some of its samples; valid only during the callback.
 struct Checkpoint {
     std::uint32_t samples = 0;  // samples per pixel rendered so far
-    double wall_ms = 0;         // times so far, as in RenderResult, without callbacks
+    double wall_ms = 0;         // times in ms so far, as in RenderResult, without those of callbacks
     double device_ms = 0;
     double cpu_ms = 0;
     const Film& film;  // film of the samples so far, at the scale of the whole render
@@ -66,7 +66,7 @@ struct DeviceFacts {
     std::uint32_t count = 1;
     // For each device the time from the common start to the end of its own work, without the reduction; 0 if idle.
     std::vector<double> own_ms;
-    double slowest_ms = 0;  // time from the common start until the last device has rendered
+    double slowest_ms = 0;  // time from the common start until the last device has rendered its share
     double reduce_ms = 0;   // time from the end of slowest_ms until the first device has the sum of all films
 };
 
@@ -82,7 +82,7 @@ struct RenderResult {
     CudaFacts cuda = {};         // facts of a render on CUDA
     MeshFacts meshes = {};       // facts about meshes; zero triangles if the scene has none
     HealthCounters health = {};  // counters of an inspecting integrator; else zero paths
-    DeviceFacts devices = {};    // for several devices: wall_ms is slowest_ms + reduce_ms + learning for roulette
+    DeviceFacts devices = {};    // facts of several devices: wall_ms is slowest_ms + reduce_ms + learning for roulette
 };
 
 // The kernel with which a variant renders a scene: the features needed, and those compiled into the kernel.
@@ -104,11 +104,11 @@ inline constexpr std::uint64_t most_by_brute_force = 100'000;
 // The variant whose film this variant must equal bit for bit on a scene (Registry::reference). For scenes with more
 // than most_by_brute_force triangles, accelerators are compared with one of themselves.
 Variant reference_on(const Scene& scene, const Variant& variant, Backend backend);
-// The variants that verification renders: the variant, its exact twin, the reference, and those of claims about means.
+// The variants that verification renders: the given one, its exact twin, its reference, and those of claims on means.
 std::vector<Variant> rendered_to_check(const Scene& scene, const Variant& variant, Backend backend);
 // Largest number of objects with meshes for which testing each in turn is the reference; beyond, a tree over them is.
 inline constexpr std::ptrdiff_t most_objects_in_turn = 16;
-// A reference with a tree accelerator wherever there are meshes, for films that take long to render.
+// The reference variant for films that take long to render: with a tree accelerator wherever there are meshes.
 Variant fast_reference_on(const Scene& scene, const Variant& variant, Backend backend);
 
 // A CPU accelerator that is fast on large meshes; all accelerators give the same hits.

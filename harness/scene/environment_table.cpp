@@ -9,8 +9,8 @@ namespace {
 
 constexpr double all_words = 0x1p32;
 
-// Divides the 2^32 values of a 32-bit random number into intervals in proportion to the weights, none of them empty
-// (equal intervals if all weights are 0), and returns where each begins.
+// Divides the 2^32 values of a random word into intervals in proportion to the weights, none of them empty (equal
+// intervals if all weights are 0), and returns the first value of each interval.
 std::vector<std::uint32_t> beginnings_of(const std::vector<double>& weights) {
     double total = 0;
     for (const double weight : weights) {

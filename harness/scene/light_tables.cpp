@@ -196,8 +196,8 @@ private:
         }
     }
 
-    // Splits a node's lights into up to 16 children by repeatedly splitting the part of highest cost. If one child
-    // could not hold all its lights within the levels left, all parts are halved instead.
+    // Splits a light tree node's lights into up to 16 children by repeatedly splitting the part of highest cost. If a
+    // child could not hold so many lights within the levels left, all parts are halved instead.
     std::vector<Range> divide(Range range, std::uint32_t level) {
         constexpr std::uint32_t most = LightNode<Real>::most_children;
         const std::uint64_t below = std::uint64_t{1} << (4 * (LightNode<Real>::most_levels - 1 - level));

@@ -56,7 +56,7 @@ struct MaterialKind {
     bool (*needs_inside)(const SceneMaterial& material) = [](const SceneMaterial&) { return false; };
     // Whether the material's microfacets have no effect, so that a roughness texture need not be looked up.
     bool (*ignores_roughness)(const SceneMaterial& material) = [](const SceneMaterial&) { return false; };
-    // Upper bound on the factor by which one path vertex multiplies the throughput, where it can exceed 1.
+    // Upper bound on the factor by which the throughput grows at a path vertex on the material; above 1 for some kinds.
     double (*largest_gain)(const SceneMaterial& material) = [](const SceneMaterial&) { return 1.0; };
     bool reflects_all_at_grazing = false;  // whether the material reflects all grazing light, whatever its colour
     // The share of light that every bounce off the material reflects, or nothing if its lobes reflect different shares.
@@ -113,7 +113,7 @@ template <class Real>
 Boundary<Real> leaving_boundary(double ior);
 inline constexpr double largest_radiance = 1e30;
 Vec3d read_vector(const JsonValue& value, double low, double high, const std::string& allowed);
-Vec3d read_fractions(const JsonValue& value);  // reads a vector of numbers from 0 to 1
+Vec3d read_fractions(const JsonValue& value);  // reads a vector of three numbers from 0 to 1
 Vec3d read_radiance(const JsonValue& value);
 Vec3d read_sigma(const JsonValue& value);
 double read_ior(const JsonValue& value);

@@ -61,7 +61,7 @@ struct SceneMaterial {
     std::uint32_t max_scatterings = 1000000;
 };
 
-// A shape by the name that scene files use. Several ShapeKinds can share a name; the first of them stands for it.
+// A shape by its name in scene files. Several ShapeKinds can share a name; the first of them stands for all.
 struct Shape {
     ShapeKind first_kind;
 

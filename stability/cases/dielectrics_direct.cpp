@@ -26,7 +26,7 @@ long double excess_of(double ior, bool leaving) {
     return leaving ? -excess / (1 + excess) : excess;
 }
 
-// How much the reflectance changes if index and cosine change by `rounding`; unbounded near the critical angle.
+// How much a reflectance changes if index and cosine change by `rounding`; unbounded near the critical angle.
 long double spread(long double excess, long double cosine, long double rounding) {
     const long double moved = (std::abs(excess) + excess * excess) * rounding;
     return std::abs(reflectance(excess + moved, cosine) - reflectance(excess - moved, cosine)) +

@@ -102,7 +102,7 @@ std::vector<Rendering> eye_touches(const Values& v) {
             touched("an ellipsoid", text.ellipsoid(text.diffuse(Vec3d(0.0)), {0, -size, 0}, {4 * size, 2 * size, size}),
                     {0, 1, 0}));
     }
-    // Adds a view from an eye inside a lamp.
+    // Adds a rendering whose eye is inside a lamp.
     SceneText text("eye_touches");
     text.image(16, 16, 120, true).sphere(text.emitter(Vec3d(0.75)), {size / 4, size / 2, -size / 8}, 2 * size);
     renderings.push_back(
@@ -133,12 +133,12 @@ std::string eye_on_ellipsoid(const Values& v, const VariantTraits& variant) {
 
 // ---- Case S18: surfaces in contact.
 
-// A view with enough pixels to fill an integrator's queue, all of which see the same point.
+// A view that sees the same point in all pixels, which are enough to fill an integrator's queue.
 SceneText& narrow_view(SceneText& text) { return text.image(16, 16, 1e-6, false); }
 
 constexpr const char* contact_origin = "roundings of 1 - |p|^2 move the tangent by 4 u / 2 x: 16 u of the light";
 
-// A point of a plane at distance x from the contact with a black unit sphere, under a white sky.
+// The radiance of a plane at distance x from its contact with a black unit sphere, under a white sky.
 Rendering sphere_on_plane(double x, double albedo) {
     SceneText text("contact");
     text.camera({x + x * std::cos(x), x * std::sin(x), 0}, {x, 0, 0}).depth(2).environment(1);
@@ -163,7 +163,7 @@ double covered_over_horizon(long double d, long double w) {
                                pi<long double>);
 }
 
-// A point of a unit sphere at the angle x from the contact with a black unit sphere.
+// The radiance of a unit sphere at the angle x from its contact with a black unit sphere, under a white sky.
 Rendering sphere_on_sphere(double x, double albedo) {
     SceneText text("contact");
     const Vec3d point(std::sin(x), std::cos(x), 0), tangent(std::cos(x), -std::sin(x), 0);
@@ -180,7 +180,7 @@ Rendering sphere_on_sphere(double x, double albedo) {
                                    {16 * 0x1p-24 * albedo, 16 * 0x1p-53 * albedo + 0x1p-40, contact_origin})}};
 }
 
-// The image of the sphere and the plane from afar, everywhere darker than under the open sky.
+// An image of a sphere on a plane from afar, which must be darker everywhere than under the open sky.
 Rendering contact_image(double albedo) {
     SceneText text("contact");
     text.camera({0, 1, -4}, {0, 0.5, 0}).image(32, 32, 50, true).depth(2).environment(1);

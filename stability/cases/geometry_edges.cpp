@@ -23,7 +23,7 @@ Vec3<Real> grid_point(RayRandom& random, double half, double step) {
     return {on_grid(), on_grid(), on_grid()};
 }
 
-// A ray from outside to a point on an edge of the box around 0. in_plane: the ray runs along a face at that edge.
+// A ray from outside to a point on an edge of the box around 0. `in_plane`: the ray runs along a face at that edge.
 template <class Real>
 EdgeRay<Real> ray_through_edge(RayRandom& random, const Vec3d& half, bool in_plane) {
     const int axis = static_cast<int>(random.below(3));
@@ -145,7 +145,7 @@ double leaks(const SceneText& text, const Vec3d& centre, int tiles, int count) {
     double missed = 0;
     for (int i = 0; i < count; ++i) {
         const Vec3<Real> origin = rounded<Real>(centre + random.in_cube(0.9));
-        // The ray is aimed at a vertex of the wall's grid, or at a point on a grid line.
+        // Rays are aimed at vertices of a wall's grid of tiles, or at points on grid lines.
         const int axis = static_cast<int>(random.below(3));
         const auto line = [&] { return -1 + 2.0 * random.below(static_cast<std::uint32_t>(tiles) + 1) / tiles; };
         Vec3d target(0.0);

@@ -44,7 +44,7 @@ std::vector<Rendering> sphere(const Values& v) {
     SceneText scene = receiver("sphere_light", height_within_gap(distance, angle));
     scene.sphere(scene.emitter(Vec3d(1.0)), {distance * std::sin(angle), distance * std::cos(angle), 0}, 2);
     const double irradiance = sphere_irradiance(distance, angle);
-    // How much the irradiance changes by a rounding of the centre's coordinates, which changes the distance.
+    // How much the irradiance changes by a rounding of the lamp's centre, which changes its distance.
     const double step = 0x1p-20 * distance;
     const double slope =
         std::abs(sphere_irradiance(distance + step, angle) - sphere_irradiance(distance - step, angle)) / (2 * step);

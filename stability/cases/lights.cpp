@@ -25,9 +25,9 @@ std::vector<Rendering> lit_by(std::uint32_t lamps, const SceneText& scene, doubl
     return lit(scene, irradiance, {1e-5, 1e-12, origin}, 1e6 / share, 3e7 / share);
 }
 
-// Balls at distance 1, at heights from 1/2 to 1 and spread by the golden angle so that none hides another: centres are
-// more than 1 / sqrt(count) apart, diameters half of that. The brightest is 1, and powers fall uniformly on a
-// logarithmic scale, in an order unrelated to position.
+// Lamps: balls at distance 1, at heights from 1/2 to 1 and spread by the golden angle so that none hides another:
+// centres are more than 1 / sqrt(count) apart, diameters half of that. The brightest has power 1, and powers fall
+// uniformly on a logarithmic scale, in an order unrelated to position.
 struct ManyBalls {
     std::uint32_t count;
     double decades;

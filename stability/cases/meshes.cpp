@@ -20,7 +20,7 @@ SceneText dark(const std::string& name) {
 }
 std::string wall_of(SceneText& scene) { return scene.mix(Vec3d(0.875), Vec3d(0.875), 0.5); }
 
-// The quantities of a room without gaps: a black film, and paths of full length.
+// The quantities measured in a room without gaps: a black film, and paths of full length.
 std::vector<Rendering> stays_dark(const SceneText& scene) {
     const Tolerance none{0, 0, "numerics.md S20: none"};
     return {{.scene = scene.json(),

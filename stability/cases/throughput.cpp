@@ -22,7 +22,7 @@ SceneText at_the_wall(const std::string& name, std::uint32_t depth) {
     return scene;
 }
 
-// Walls with a tiny albedo in one channel, 0 in another and a larger one in the third.
+// A sphere whose wall has a tiny albedo in one channel, 0 in another and a larger one in the third.
 std::vector<Rendering> dark_walls(const Values& v) {
     const double albedo = v["log10_albedo"] <= -400 ? 0 : std::pow(10.0, v["log10_albedo"]);
     const auto depth = v.whole("depth");

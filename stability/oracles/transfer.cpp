@@ -48,7 +48,7 @@ long double exponential_integral(int n, long double x) {
 }
 
 HFunction::HFunction(double albedo) : albedo_(albedo), nodes_(gauss_legendre(96)) {
-    // H(mu) behaves like mu ln(mu) at 0; the substitution mu = t^4 smooths it.
+    // H(mu) behaves like mu ln(mu) at 0, and the substitution mu = t^4 smooths it for quadrature.
     for (Node& node : nodes_) {
         const long double t = node.x;
         node = {t * t * t * t, node.weight * 4 * t * t * t};

@@ -22,7 +22,7 @@ public:
     // Chandrasekhar's H function for a direction of cosine mu from 0 to 1.
     double at(double mu) const;
     double plane_albedo(double mu) const;
-    double diffuse_albedo() const;  // albedo for diffuse light: 1 - 2 sqrt(1-w) alpha_1
+    double diffuse_albedo() const;  // albedo of a half space for diffuse light: 1 - 2 sqrt(1-w) alpha_1
 
 private:
     long double albedo_;
