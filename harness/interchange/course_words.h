@@ -27,8 +27,7 @@ struct CourseWord {
     CourseUse use = CourseUse::value;
 };
 
-// Finds a keyword; null if unknown. `section`: MATERIAL, CAMERA, OBJECT or SETTINGS of a CIS 565 scene; in JSON also
-// ROOT.
+// Finds a keyword of a CIS 565 section (MATERIAL, CAMERA, OBJECT, SETTINGS; in JSON also ROOT); null if unknown.
 const CourseWord* find_course_word(const std::string& section, const std::string& word);
 
 // Keywords of a CIS 565 section that have a place in scene files, to be listed in error messages.

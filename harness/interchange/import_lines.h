@@ -47,8 +47,7 @@ struct Cis565File {
 // change the picture in ways that scene files cannot express.
 Cis565File read_cis565_file(const std::string& text, ImportResult& result);
 
-// Keeps, skips or refuses a line of a CIS 565 scene, depending on the use of its keyword. `word`: the keyword as spelt
-// in the file.
+// Keeps, skips or refuses a line of a CIS 565 scene by the use of its keyword, which the file spells `word`.
 void add_course_line(Cis565Section& section, const std::string& word, const Cis565Line& line, ImportResult& result);
 
 // Reads the values of one section of a CIS 565 scene. A value that cannot be read is a problem and makes the section

@@ -138,8 +138,7 @@ struct StartedRays {
     double worst_chord = 0;  // largest error of a chord's length, in radii of the body
 };
 
-// Traces rays in all directions from hit points on the only object. `body`: that object in the precision of
-// intersection.
+// Traces rays in all directions from hit points on the only object, `body` in the precision of intersection.
 template <class Rays, class Body>
 StartedRays start_rays(const Rays& scene, const Body& body, const Vec3d& centre, double radius, int count) {
     using Real = typename Rays::Real;

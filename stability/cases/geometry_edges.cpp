@@ -10,8 +10,7 @@ namespace {
 
 // ---- Case S21: boxes hit at their edges.
 
-// A ray to a point on an edge. Its numbers are multiples of 2^-11 below 16, so its line passes through the point
-// exactly.
+// A ray whose line passes exactly through a point on an edge, since its numbers are multiples of 2^-11 below 16.
 template <class Real>
 struct EdgeRay {
     Vec3<Real> origin, direction;
@@ -190,8 +189,7 @@ std::string tiles_part(const Values& v, const VariantTraits& variant) {
                       "themselves, so that neighbours' edges differ by a rounding, and of 1e8 rays along edges one or "
                       "two slip through; cure: vertices that tiles share";
     }
-    // Near the eye the rounding of the ray interval in single precision covers the gap between tiles; in double it does
-    // not.
+    // Near the eye, the rounding of the ray interval covers the gap between tiles in single precision, not in double.
     if (held_in_float || (variant.precision.is_single() && v["offset"] < 4)) {
         return "";
     }

@@ -117,8 +117,7 @@ std::vector<Rendering> grazing(const Values& v) {
     return stays_dark(scene);
 }
 
-// A rotated room stretched along an axis, which is a shear. Two objects share the mesh, so rays are taken into its
-// space.
+// A rotated room stretched along an axis (a shear), shared by two objects, so that rays are taken into its space.
 std::vector<Rendering> shear(const Values& v) {
     SceneText scene = dark("shear");
     const double s = std::exp2(v["k"]), c = std::sqrt(0.5);
