@@ -254,7 +254,7 @@ Vec3d rotation_x_first(const Vec3d& degrees) {
     const double cosine_x = cosine_z * matrix(1, 1) - sine_z * matrix(0, 1);
     const auto angle = [](double sine, double cosine) {
         const double value = std::atan2(sine, cosine) * (180.0 / pi<double>);
-        return std::round(value * 1e12) / 1e12;  // an angle of 30.000000000000004 degrees becomes 30
+        return std::round(value * 1e12) / 1e12;  // rounding makes 30 of 30.000000000000004 degrees
     };
     return {angle(sine_x, cosine_x), angle(-matrix(2, 0), cosine_y), angle(sine_z, cosine_z)};
 }

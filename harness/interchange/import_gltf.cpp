@@ -232,7 +232,7 @@ void GltfImporter::add_node(int index, const glm::dmat4& parent, int depth) {
         return;
     }
     if (depth > deepest || ++visits_ > most_visits) {
-        if (visits_ <= most_visits + 1) {  // report the limit on nodes only once
+        if (visits_ <= most_visits + 1) {  // report the limit on glTF nodes only once
             refuse(pointer, "nodes within nodes without end", "at most 64 levels and 10^5 nodes");
             visits_ = most_visits + 1;
         }

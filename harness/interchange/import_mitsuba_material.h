@@ -39,7 +39,7 @@ public:
 
 private:
     struct Bsdf {
-        std::string type;  // kind of material in the scene file
+        std::string type;  // kind of the material in the scene file
         std::vector<SceneMember> members;
         const XmlElement* one_sided = nullptr;
         bool is_good = true, is_black = false, is_glass = false;

@@ -62,7 +62,7 @@ double middle_of(double a, double b) {
 }  // namespace
 
 void MitsubaShapes::add(const XmlElement& shape) {
-    if (shape.value_of("type") != "shapegroup") {  // a shapegroup is placed by its instances
+    if (shape.value_of("type") != "shapegroup") {  // Mitsuba's shapegroup is placed by its instances
         add_placed(shape, Affine(), 0);
     }
 }
@@ -389,7 +389,7 @@ void MitsubaShapes::warn_of_differences(const Scene& scene) {
         const std::size_t found = message.find(before_found), allowed = message.rfind(before_allowed);
         const std::string place = message.substr(start.size(), found - start.size());
         if (!place.starts_with("$.objects[") || allowed == std::string::npos) {
-            continue;  // problems of materials and camera were reported before
+            continue;  // problems of materials and camera have been reported already
         }
         const std::size_t object = std::stoul(place.substr(std::string("$.objects[").size()));
         const Cis565Line& head = *file_->draft->parts.objects[object].head;

@@ -365,7 +365,7 @@ private:
     std::size_t at_ = 0, line_ = 0, lines_joined_ = 0;
     std::string_view text_;  // unread rest of the current OBJ line
     std::string joined_;
-    std::vector<ObjCorner> corners_;  // corners of the current face
+    std::vector<ObjCorner> corners_;  // corners of the current OBJ face
     std::vector<std::array<float, 3>> normals_;
     std::vector<std::array<std::uint32_t, 3>> normal_triangles_;  // indices into normals_ of each triangle's corners
     bool all_have_normals_ = true;

@@ -27,7 +27,7 @@ DividedSphere icosahedron() {
             sphere.vertices.push_back(glm::normalize(corner));
         }
     }
-    const auto near = [&](std::uint32_t a, std::uint32_t b) {  // cosine between neighbours is 1/sqrt(5), else negative
+    const auto near = [&](std::uint32_t a, std::uint32_t b) {  // neighbours' cosine is 1/sqrt(5), others' negative
         return glm::dot(sphere.vertices[a], sphere.vertices[b]) > 0.4;
     };
     std::uint32_t edge_of[12][12] = {};

@@ -72,7 +72,7 @@ private:
     }
 
     std::uint32_t side_;
-    std::vector<std::uint32_t> vertex_at_;  // vertex index by lattice point
+    std::vector<std::uint32_t> vertex_at_;  // vertex index at each point of the sponge's lattice
     Mesh mesh_;
 };
 

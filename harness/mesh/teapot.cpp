@@ -17,7 +17,7 @@ struct RoundRow {
 constexpr double newell_share = 0.56;  // Newell's ratio s / r in quarter circles; 0.5523 would be nearer to a circle
 constexpr RoundRow round_row(double r, double height) { return {r, height, newell_share * r}; }
 
-// Profiles of round bodies, from the top down so that all patches face outward. Adjacent patches share a row.
+// Profiles of the teapot's round bodies, from the top down so that patches face outward. Adjacent patches share a row.
 constexpr RoundRow rim_and_body[] = {round_row(1.4, 2.4),  round_row(1.3375, 2.53125), round_row(1.4375, 2.53125),
                                      round_row(1.5, 2.4),  round_row(1.75, 1.875),     round_row(2.0, 1.35),
                                      round_row(2.0, 0.9),  round_row(2.0, 0.45),       round_row(1.5, 0.225),

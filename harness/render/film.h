@@ -31,7 +31,7 @@ public:
     // Mean radiance of a pixel over the film's samples.
     Vec3d pixel(std::uint32_t index) const;
     Vec3d mean() const;
-    // Hash of the sums as 16 hex digits: FNV-1a over words, with the high bits folded in. Equal hashes mean equal bits.
+    // Hash of the film's sums, 16 hex digits: FNV-1a over words, high bits folded in. Equal hashes mean equal bits.
     std::string hash() const;
     // The film's mean radiance as linear RGB, row-major from the top.
     std::vector<float> radiance() const;

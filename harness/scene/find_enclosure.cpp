@@ -64,7 +64,7 @@ private:
                is_at_rest(i);
     }
 
-    // Candidates for the walls on one axis: pairs of boxes that face each other, and single boxes.
+    // Candidates for the enclosure's walls on one axis: pairs of boxes that face each other, and single boxes.
     std::vector<Sides> sides_on(int axis) const {
         std::vector<Sides> found;
         std::vector<std::uint32_t> walls;

@@ -41,7 +41,7 @@ struct MeshTree {
     double build_ms = 0;      // host time to build the tree
     double encode_ms = 0;     // time to convert the tree to the accelerator's format
     double sah_cost = 0;      // SAH cost of the builder's tree; 0: no tree
-    std::uint64_t bytes = 0;  // bytes of nodes, leaves and native data
+    std::uint64_t bytes = 0;  // bytes of the mesh's tree: nodes, leaves and native data
 
     std::size_t kept_bytes() const { return bytes; }
 };
@@ -58,7 +58,7 @@ struct MeshFacts {
     std::uint64_t triangles = 0;
     std::uint64_t nodes = 0;
     std::uint64_t node_bytes = 0;
-    std::uint64_t leaf_bytes = 0;  // bytes of leaf triangles, duplicates included
+    std::uint64_t leaf_bytes = 0;  // bytes of triangles in leaves, duplicates included
     double build_ms = 0;           // host time to build the trees of all meshes; 0: no tree
     double encode_ms = 0;
     double sah_cost = 0;  // SAH cost of the largest mesh's tree

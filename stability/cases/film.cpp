@@ -9,7 +9,7 @@
 namespace pt::stability::film {
 namespace {
 
-// The value of sample i that is added to the film, by the parameter `content` of the case film_sum.
+// The value of sample i that the case film_sum adds to the film, by the case's parameter `content`.
 double sample_value(std::uint32_t content, std::uint32_t i) {
     const double u = unit_interval<double>(pcg4d({i, 43, 0, 0}).x);
     switch (content) {

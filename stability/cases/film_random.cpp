@@ -143,7 +143,7 @@ RandomWords words_of(Source source, const RandomSeed& seed, const RandomKey& key
     }
 }
 
-// The variance over pixels of (mean - 1/2) sqrt(12 N), which is 1 for independent samples.
+// Variance over pixels of the scaled mean (mean - 1/2) sqrt(12 N) of N random numbers; 1 if these are independent.
 double dispersion(Source source, const RandomSeed& seed, std::uint32_t bounce, std::uint32_t pixels,
                   std::uint32_t samples) {
     double squares = 0;

@@ -19,8 +19,8 @@ SceneText ground_text(const Values& v) {
     return text;
 }
 
-// Where a ray from the origin hits the sphere below: distance t and cosine to the normal. With the centre on the y axis
-// the distance to the sphere is a difference of two numbers.
+// Where a ray from the origin hits the ground sphere below: distance t, and cosine to the normal. With the centre on
+// the y axis, t is a difference of two numbers.
 struct GroundHit {
     long double t, cosine;
 };

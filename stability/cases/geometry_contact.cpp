@@ -113,7 +113,7 @@ std::vector<Rendering> eye_touches(const Values& v) {
     return renderings;
 }
 
-// An eye on a sphere whose radius has no exact inverse, in the direction of the unit vector (2, 3, 6) / 7.
+// An eye on a sphere whose radius has no exact inverse, seen from the centre in the direction (2, 3, 6) / 7.
 std::vector<Rendering> eye_touches_at_slant(const Values& v) {
     const double size = v["size"];
     SceneText text("eye_at_slant");

@@ -30,8 +30,8 @@ std::vector<Rendering> absorbing_chord(const Values& v) {
                                             "film's quantum"})}}};
 }
 
-// A wide slab below the eye, above black. `mu`: cosine of incidence; with 0 the camera looks at a small white quad that
-// faces the slab and scatters diffuse light onto it.
+// A wide slab below the eye, with nothing but black behind. `mu`: cosine of incidence; with 0 the camera looks at a
+// small white quad that faces the slab and scatters diffuse light onto it.
 SceneText slab_scene(double depth, double albedo, double g, double mu, double sigma, std::uint32_t cap) {
     SceneText scene("slab");
     const double thickness = depth / sigma, above = 0.0625 / sigma, width = 1e5 * (1 + depth) / sigma;

@@ -11,7 +11,7 @@
 namespace pt::stability::media_direct {
 namespace {
 
-// The mean transmittance over a disc, 2 [1 - (1 + t) e^-t] / t^2, by its power series where the formula would cancel.
+// A ball's mean transmittance over its disc, 2 [1 - (1 + t) e^-t] / t^2, by its power series where that would cancel.
 double disc_mean(double t) {
     if (t > 0.5) {
         const long double x = t;
