@@ -42,7 +42,7 @@ std::vector<std::string> parts_of(std::string name) {
     for (const fs::path& part : fs::path(name)) {
         const std::string text = part.string();
         if (text == "..") {
-            parts.clear();  // the parts before ".." are unknown folders
+            parts.clear();  // folders of a path before ".." are unknown
         } else if (text != "." && text != "/" && !text.empty() && text.back() != ':') {
             parts.push_back(text);
         }

@@ -73,7 +73,7 @@ private:
     ImportResult* result_;
     std::deque<Cis565Line> places_;
     std::map<std::string, Mesh> read_;  // meshes of the source that were read to be transformed, by path
-    std::map<std::string, int> names_;  // for each material name the number that makes the next one unique
+    std::map<std::string, int> names_;  // for each material name a number that makes its next use unique
 };
 
 }  // namespace pt

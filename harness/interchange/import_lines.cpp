@@ -175,7 +175,7 @@ void LineSorter::add_to(Cis565Section& section, const Cis565Line& line) {
         return;
     }
     const bool is_of_shape = known != nullptr && is_shape(known->key) && line.words.size() != 1;
-    if (is_of_shape && known->key == "mesh") {  // a line "GLTF path"
+    if (is_of_shape && known->key == "mesh") {  // such as "GLTF path", which names a mesh file
         add_course_line(section, "FILE", line, *result_);
     } else if (is_of_shape) {
         fail(line, word + " alone on its line");

@@ -157,7 +157,7 @@ std::optional<std::size_t> OwnMaterials::entry_of(const ObjPart& part) {
         has_told_of_groups_ = true;
         return found;
     }
-    if (is_whole_) {  // with a library missing, a material not found is no problem, as it may be in there
+    if (is_whole_) {  // with an MTL library missing, an unknown material is no problem, as it may be in there
         fail(part.material.empty() ? "faces before any usemtl" : "usemtl " + part.material,
              "a material of its libraries, mtllib");
     }

@@ -20,7 +20,7 @@ struct SceneMember {
 };
 
 struct ScenePart {
-    std::string place;                 // JSON path, such as "$.camera"
+    std::string place;                 // JSON path of the part in the scene file, such as "$.camera"
     std::string name = "";             // name of the material that the part describes; empty for other parts
     const Cis565Line* head = nullptr;  // first line of the section in the source file
     bool is_whole = true;              // false: a member is missing, since its source line was unreadable

@@ -79,7 +79,7 @@ void add_folders(std::vector<std::string>& folders, const std::string& root, con
 std::optional<double> quota_of(const std::string& folder) {
     double quota = 0, period = 0;
     if (std::ifstream file(folder + "/cpu.max"); file) {
-        file >> quota >> period;  // the file has "max 100000" if there is no quota
+        file >> quota >> period;  // cpu.max has "max 100000" if there is no quota
     } else {
         std::ifstream(folder + "/cpu.cfs_quota_us") >> quota;  // cpu.cfs_quota_us has -1 if there is no quota
         std::ifstream(folder + "/cpu.cfs_period_us") >> period;

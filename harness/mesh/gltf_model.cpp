@@ -57,7 +57,7 @@ void check_binary_chunk(std::string_view content, const std::string& file) {
 void check_version(const tinygltf::Asset& asset, const std::string& file) {
     const bool has_least = !asset.minVersion.empty();
     const std::string& needed = has_least ? asset.minVersion : asset.version;
-    const double number = parse_number<double>(needed).value_or(0);  // a version such as "2.1" as a number
+    const double number = parse_number<double>(needed).value_or(0);  // glTF version, such as "2.1", as a number
     if (has_least ? number != 2.0 : !(number >= 2.0 && number < 3.0)) {
         throw InputError(file, has_least ? "asset.minVersion" : "asset.version", "\"" + needed + "\"",
                          has_least ? "2.0" : "2.0, or a later 2.x");

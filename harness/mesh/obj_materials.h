@@ -20,7 +20,7 @@ struct ObjPart {
 struct ObjParts {
     Mesh mesh;                           // all triangles of the OBJ file, unchecked and without normals
     std::vector<ObjPart> parts;          // parts (material and group) in the order of their first faces
-    std::vector<std::uint32_t> part_of;  // for each triangle its index in `parts`
+    std::vector<std::uint32_t> part_of;  // index in `parts` of each triangle's part
     std::vector<std::string> libraries;  // names of MTL libraries, as mtllib lines give them
 };
 
