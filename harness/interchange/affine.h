@@ -34,12 +34,12 @@ double shortest_within(double value, double tolerance);
 
 struct TranslateRotateScale {
     Vec3d translate{0.0}, rotate_degrees{0.0}, scale{1.0};
-    bool is_exact = false;         // whether rotation and scale reproduce every bit of the affine map
+    bool is_exact = false;         // whether rotation and scale reproduce every bit of the affine map's columns
     bool is_straightened = false;  // whether a rotation within 1e-5 degrees of quarter turns was snapped to them
 };
 
-// Decomposes an affine map without shear; in a mirroring map the last column is negated first. Angles and scales are
-// the shortest decimals that reproduce the columns to their last bits.
+// Decomposes an affine map without shear into translation, rotation and scale; if the map mirrors, its last column is
+// negated first. Angles and scales are the shortest decimals that reproduce the columns to their last bits.
 TranslateRotateScale take_apart(const Affine& map);
 
 }  // namespace pt

@@ -42,7 +42,7 @@ std::vector<std::string> parts_of(std::string name) {
     for (const fs::path& part : fs::path(name)) {
         const std::string text = part.string();
         if (text == "..") {
-            parts.clear();  // the parts before ".." are unknown folders
+            parts.clear();  // folders of a path before ".." are unknown
         } else if (text != "." && text != "/" && !text.empty() && text.back() != ':') {
             parts.push_back(text);
         }
@@ -92,7 +92,7 @@ std::optional<fs::path> CourseFileFinder::find_above(const std::string& name) co
     return std::nullopt;
 }
 
-// Lists the project's mesh and image files by name. Of several files with one name the first by path counts.
+// Lists the mesh and image files of the author's project by file name. Of files with one name the first by path counts.
 void CourseFileFinder::list_project() {
     project_.emplace();
     std::error_code error;

@@ -6,12 +6,12 @@
 namespace pt {
 
 enum class CourseType {
-    by_values,  // material kind decided by the material's other lines
+    by_values,  // no TYPE: the values of the material's other lines decide its kind
     emitter,
     diffuse,
     specular,  // material kind: a mirror or a metal
     glass,
-    layered,  // glass, metal or diffuse by METALLIC and ROUGHNESS, as in glTF
+    layered,  // material that becomes glass, metal or diffuse by METALLIC and ROUGHNESS, as in glTF
     subsurface,
 };
 

@@ -16,25 +16,24 @@ enum class CourseUse {
     run,          // keyword for a setting of a run, not of the scene
     lost,         // keyword that changes the picture but cannot be expressed: a warning
     image,        // keyword with a texture's file name; a value such as 0 or OFF means none
-    texture,      // keywords, from this use on, that cannot be expressed and would change the scene: a problem
+    texture,      // this use and those below: keywords that cannot be expressed and change the scene, a problem
     procedural,
     scattering,
     lights,
 };
 
 struct CourseWord {
-    std::string key;  // the keyword in the course's own spelling
+    std::string key;  // keyword of CIS 565 scenes, in the course's own spelling
     CourseUse use = CourseUse::value;
 };
 
-// Finds a keyword; null if unknown. `section`: MATERIAL, CAMERA, OBJECT or SETTINGS of a CIS 565 scene; in JSON also
-// ROOT.
+// Finds a keyword of a CIS 565 section (MATERIAL, CAMERA, OBJECT, SETTINGS; in JSON also ROOT); null if unknown.
 const CourseWord* find_course_word(const std::string& section, const std::string& word);
 
-// Keywords of a section that have a place in scene files, for error messages.
+// Keywords of a CIS 565 section that have a place in scene files, to be listed in error messages.
 const std::vector<std::string>& course_keys(const std::string& section);
 
-// Why a keyword of this use cannot be imported, for a message like "TEXTURE a.png: ..".
+// Why scene files cannot express a keyword of this use, as the end of a message like "TEXTURE a.png: ..".
 std::string missing_for(CourseUse use);
 
 // The spelling by which keywords are compared: in capitals, without '_' and '-'.

@@ -113,7 +113,7 @@ private:
             whole("rr_depth", roulette_depth(scene_));
         } else {
             whole("max_depth", settings_.depth);
-            whole("rr_depth", std::uint64_t{settings_.depth} + 1);  // beyond max_depth: no Russian roulette
+            whole("rr_depth", std::uint64_t{settings_.depth} + 1);  // beyond max_depth, so there is no Russian roulette
         }
         xml_.close();
     }
@@ -149,9 +149,9 @@ private:
         xml_.close();
     }
 
-    // Enlarges an environment map, since Mitsuba interpolates between texels and places the first and last rows on the
-    // poles (src/emitters/envmap.cpp). Enlarged, this blurs by only a small part of a texel. Rows on the border of two
-    // texels are their mean, so no texel grows.
+    // Enlarges an environment map by repeating its texels, since Mitsuba interpolates between texels and places the
+    // first and last rows on the poles (src/emitters/envmap.cpp): small texels blur less. The larger map has one row
+    // more than the repeated ones; a row between two rows of texels is their mean, so that neither row of texels grows.
     static EnvironmentImage enlarged(const EnvironmentImage& image) {
         constexpr std::uint32_t least_width = 2048, most_factor = 32;
         const std::uint32_t factor = std::clamp(least_width / image.width, 1u, most_factor);
@@ -202,7 +202,7 @@ private:
         return known->second;
     }
 
-    // Image values are sRGB in both programs. The format is set to keep decoded texels in float, not in half precision.
+    // Image values are sRGB in Mitsuba as in ptbench. The format "variant" keeps decoded texels in float, not in half.
     void write_image(const std::string& name, const SceneTexture& texture) {
         xml_.open("texture", {{"type", "bitmap"}, {"name", name}});
         value("string", "filename", file_of(texture));
@@ -289,12 +289,12 @@ private:
         xml_.close();
     }
 
-    // Writes the end of each shape element: BSDF reference, emitter and interior medium.
+    // Writes what ends every shape element of Mitsuba's XML: BSDF reference, emitter and interior medium.
     void write_surface(const SceneObject& object) {
         const SceneMaterial& material = scene_.materials[object.material];
         xml_.leaf("ref", {{"name", "bsdf"}, {"id", id_of(object.material)}});
         if (is_emissive(material)) {
-            // An emitter around the camera's eye, such as a room, must emit inwards.
+            // Mitsuba's emitters shine outwards: one around the camera's eye, such as a room, needs flipped normals.
             if (contains_as_it_stands(scene_, object, scene_.camera.eye)) {
                 value("boolean", "flip_normals", "true");
             }
@@ -451,7 +451,7 @@ private:
     MitsubaScene made_;
     double reach_;  // largest distance of an object from the eye, in exported units
     XmlText xml_;
-    std::map<std::string, std::string> image_files_;  // names of exported images by the path of the original
+    std::map<std::string, std::string> image_files_;  // names of exported images by the path of the original image
     std::map<std::uint32_t, std::string> mesh_files_;
     std::map<Group, std::size_t> copies_;
 };

@@ -19,7 +19,7 @@ struct MitsubaSettings {
 
 struct MitsubaScene {
     std::string xml;
-    FilesBeside files;  // mesh and image files that the XML names
+    FilesBeside files;  // mesh and image files that the scene's XML names
     std::size_t meshes = 0, images = 0;
 };
 

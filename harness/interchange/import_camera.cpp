@@ -139,7 +139,7 @@ ScenePart import_camera(const CourseImport& import) {
                         "\"{}\"",
                         motion.first->text(), density));
     }
-    (void)reader.number("ITERATIONS");  // the sample count is not used but must be a number
+    (void)reader.number("ITERATIONS");  // ITERATIONS, the sample count, is not used but must be a number
     camera.is_whole = reader.is_whole();
     return camera;
 }

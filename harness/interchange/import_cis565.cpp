@@ -36,7 +36,7 @@ public:
           import_{.sections = &sections, .source = &source, .result = &result, .files = CourseFileFinder(source.file)} {
     }
 
-    // Builds the parts of the scene file. Their source lines live as long as this importer.
+    // Builds the parts of the scene file. Source lines that the parts refer to live as long as this importer.
     SceneParts parts();
 
 private:
@@ -68,7 +68,7 @@ void SceneImporter::read_name(Cis565SectionReader& reader, ScenePart& root) {
         root.add("name", json_of(line->words[1]), line);
         return;
     }
-    // FILE names the picture that the course's program writes; its folders and extension are dropped.
+    // FILE names the picture that the course's program writes; without folders and extension it names the scene.
     std::string picture = line != nullptr && line->words.size() == 2 ? line->words[1] : "";
     std::replace(picture.begin(), picture.end(), '\\', '/');
     const std::string stem = std::filesystem::path(picture).stem().string();
@@ -132,7 +132,7 @@ void SceneImporter::add_environment(ScenePart& root, CourseFileFinder& files) {
                     "an image that can be read");
         return;
     }
-    // Most dialects use the formula of learnopengl.com's "Diffuse irradiance": u = 1/2 + atan2(z, x) / 2 pi.
+    // Most dialects look up environment maps as learnopengl.com's "Diffuse irradiance": u = 1/2 + atan2(z, x) / 2 pi.
     result_->warnings.add(
         line->second.number,
         fmt::format("{} has the direction -x at the image's left edge and +x in its middle{}; formats "
@@ -249,12 +249,12 @@ Vec3d rotation_x_first(const Vec3d& degrees) {
     // Gimbal lock: if cosine_y is 0, x and z rotate about the same axis, so z is set to 0.
     const double cosine_z = cosine_y > 0 ? matrix(0, 0) / cosine_y : 1;
     const double sine_z = cosine_y > 0 ? matrix(1, 0) / cosine_y : 0;
-    // The angle x comes from the matrix after undoing z: the matrix's third row is noise if cosine_y is near 0.
+    // The angle about x is computed after undoing the one about z, since the third row is noise if cosine_y is near 0.
     const double sine_x = sine_z * matrix(0, 2) - cosine_z * matrix(1, 2);
     const double cosine_x = cosine_z * matrix(1, 1) - sine_z * matrix(0, 1);
     const auto angle = [](double sine, double cosine) {
         const double value = std::atan2(sine, cosine) * (180.0 / pi<double>);
-        return std::round(value * 1e12) / 1e12;  // an angle of 30.000000000000004 degrees becomes 30
+        return std::round(value * 1e12) / 1e12;  // rounding makes 30 of 30.000000000000004 degrees
     };
     return {angle(sine_x, cosine_x), angle(-matrix(2, 0), cosine_y), angle(sine_z, cosine_z)};
 }

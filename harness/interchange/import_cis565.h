@@ -56,8 +56,8 @@
 
 namespace pt {
 
-// Problems are all that the format does not know, and all that it knows but scene files do not allow. `file` is for the
-// description; a `name` that is not empty becomes the scene's, and FILE may say what it likes.
+// Problems are keywords that the text format does not know, and content that scene files do not allow. `file` is the
+// path of the source in messages; `name`, if not empty, is the scene's name in place of the one from the line FILE.
 ImportResult import_cis565_scene(const std::string& text, const std::string& file, const std::string& name = "");
 ImportResult import_cis565(const ImportSource& source);
 

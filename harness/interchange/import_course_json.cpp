@@ -103,8 +103,8 @@ void CourseJsonReader::read_meshes() {
     }
 }
 
-// Adds a JSON member to its section as a line with the text format's keywords. An object's TYPE and file keys are
-// mapped to the text format's shape and FILE lines.
+// Adds a member of the JSON scene to a section as a line with the text format's keywords. An object's TYPE and file
+// keys are mapped to the text format's shape and FILE lines.
 void CourseJsonReader::add_member(Cis565Section& section, const std::string& key, const Json& value,
                                   const std::string& place) {
     const Cis565Line found = line(place + "." + key, value);

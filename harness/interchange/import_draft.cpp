@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Limits on the cosine between columns of an affine map: a shear below the first comes from the digits of the file.
+// Limits on the cosine between columns of an affine map: shear up to the first is imprecision of the source's digits.
 constexpr double slight_shear = 1e-6, shear_of_rounding = 1e-12;
 
 // Vertex normals transformed by the map's cofactors, so that they stay perpendicular to surfaces, and outward.
@@ -180,7 +180,7 @@ bool ImportDraft::add_mesh(const std::string& file, const Affine& map, std::size
     return true;
 }
 
-// Keeps a transformed mesh but for its translation, which would cost its shape digits in single precision.
+// Keeps a mesh transformed by a map without its translation, which would cost the shape digits in single precision.
 std::optional<std::string> ImportDraft::keep_placed(const std::string& file, const Affine& map, bool has_normals,
                                                     const Cis565Line* at) {
     try {

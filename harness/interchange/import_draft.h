@@ -34,7 +34,7 @@ public:
     // Adds the camera's eye, look_at and up, which are accepted or rejected together.
     void add_view(const Vec3d& eye, const Vec3d& look_at, const Vec3d& up, const Cis565Line* at);
 
-    // Adds a material under a name made unique. Returns the material's number.
+    // Adds a material to the draft under a unique name made from `name`. Returns the material's number.
     std::size_t add_material(ScenePart part, const std::string& name);
     const std::string& material_name_of(std::size_t material) const { return parts.materials[material].name; }
 
@@ -53,7 +53,7 @@ public:
     // Whether a material has a texture, so that its objects need texture coordinates.
     bool shows_image(std::size_t material) const;
 
-    // The path of a file that the source names, and a file's name as the scene file writes it.
+    // Path of a file that the source names, and the name under which the scene file refers to a file.
     std::string path_of(const std::string& named) const;
     std::string name_in_scene(const std::string& path) const;
 
@@ -72,8 +72,8 @@ private:
     const ImportSource& source_;
     ImportResult* result_;
     std::deque<Cis565Line> places_;
-    std::map<std::string, Mesh> read_;  // source meshes read for transformation, by path
-    std::map<std::string, int> names_;  // material names, and the next number to make each unique
+    std::map<std::string, Mesh> read_;  // meshes of the source that were read to be transformed, by path
+    std::map<std::string, int> names_;  // for each material name a number that makes its next use unique
 };
 
 }  // namespace pt

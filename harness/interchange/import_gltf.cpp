@@ -17,7 +17,7 @@ namespace pt {
 
 namespace {
 
-// Image height, path depth, aspect ratio and field of view, which a glTF file leaves to the viewer.
+// Values for what glTF leaves to the viewer: image height, path depth, aspect ratio, field of view in degrees.
 constexpr int gltf_picture_height = 600, gltf_max_depth = 8;
 constexpr double gltf_aspect = 4.0 / 3.0, gltf_view_degrees = 45;
 
@@ -81,8 +81,8 @@ private:
     GltfMaterials materials_;
     GltfMeshMaker maker_;
     std::map<std::pair<int, std::size_t>, std::string> files_;
-    std::set<std::string> has_coordinates_;  // mesh files with texture coordinates
-    std::set<std::string> has_normals_;      // mesh files with vertex normals
+    std::set<std::string> has_coordinates_;  // mesh files, of those written, that have texture coordinates
+    std::set<std::string> has_normals_;      // mesh files, of those written, that have vertex normals
     int visits_ = 0;
     std::uint64_t vertices_ = 0;
     bool has_camera_ = false;
@@ -118,7 +118,7 @@ void GltfImporter::refuse_of_node(const tinygltf::Node& node, const std::string&
         refuse(pointer + "/weights", "weights of morph targets", "weights of 0");
     }
     for (const auto& [name, value] : node.extensions) {
-        if (name != "KHR_lights_punctual") {  // KHR_lights_punctual is reported once, elsewhere
+        if (name != "KHR_lights_punctual") {  // lights of KHR_lights_punctual are reported once, elsewhere
             refuse(pointer + "/extensions/" + name, "an extension", "none of a node");
         }
     }
@@ -232,7 +232,7 @@ void GltfImporter::add_node(int index, const glm::dmat4& parent, int depth) {
         return;
     }
     if (depth > deepest || ++visits_ > most_visits) {
-        if (visits_ <= most_visits + 1) {  // report the limit on nodes only once
+        if (visits_ <= most_visits + 1) {  // report the limit on glTF nodes only once
             refuse(pointer, "nodes within nodes without end", "at most 64 levels and 10^5 nodes");
             visits_ = most_visits + 1;
         }
@@ -351,7 +351,7 @@ ImportResult import_gltf(const ImportSource&) {
 #endif
 
 bool is_like_gltf(const std::string& text) {
-    return text.starts_with("glTF");  // glTF in JSON is recognised by its extension only
+    return text.starts_with("glTF");  // glTF in JSON form is recognised by its file extension only
 }
 
 }  // namespace pt

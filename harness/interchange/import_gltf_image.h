@@ -12,9 +12,9 @@
 namespace pt {
 
 struct GltfImage {
-    std::string value;  // colour in the scene file: {"image": NAME}; empty: not possible
+    std::string value;  // texture as the scene file has it, {"image": NAME}; empty: refused
     bool has_alpha = false;
-    std::string refusal = {};  // what a refused texture would have to be
+    std::string refusal = {};  // why a texture cannot be imported: what is allowed in its place
 };
 
 class GltfImages {

@@ -30,7 +30,7 @@ struct GltfMaterials::Reader {
     ImportDraft* draft;
     std::string pointer;  // JSON pointer to the glTF material, such as "/materials/3"
     bool is_good = true;
-    GltfImage image = {};      // base colour texture; empty: none
+    GltfImage image = {};      // base colour texture of the material; empty: none
     std::string normals = {};  // JSON text of the normal map; empty: none
 
     const Cis565Line* place(const std::string& key, const std::string& value) const {

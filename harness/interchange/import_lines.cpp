@@ -52,7 +52,7 @@ class LineSorter {
 public:
     explicit LineSorter(ImportResult& result) : result_(&result) {}
 
-    // Adds a line to its section. `is_first`: it follows an empty line or a comment, where new sections may start.
+    // Adds a line to the section under way or starts one. `is_first`: an empty line or a comment comes before it.
     void add(const Cis565Line& line, bool is_first);
     Cis565File take() { return std::move(file_); }
 
@@ -148,17 +148,17 @@ void LineSorter::add_label(const Cis565Line& line) {
     }
 }
 
-// Reports a line outside of all sections, but not keywords behind an unknown section head, which was reported itself.
+// Reports a line outside of all sections, except lines behind an unknown section's head, which is reported itself.
 void LineSorter::add_outside(const Cis565Line& line) {
     const bool is_first = !file_.camera && file_.materials.empty() && file_.objects.empty() && !is_outside_;
     is_outside_ = true;
     if (is_first || !is_key_of_any_section(line.words[0])) {
         fail(line, "MATERIAL n, CAMERA or OBJECT n");
-        file_.has_all_materials = false;  // the unknown section may have been a material
+        file_.has_all_materials = false;  // the section with an unknown head may have been a material
     }
 }
 
-// Stores the line of the background, which belongs to no section and may be anywhere.
+// Stores the line BACKGROUND_COLOR, which belongs to no section and may be anywhere in the file.
 void LineSorter::add_background(const Cis565Line& line) {
     if (file_.background) {
         fail(line, fmt::format("{} once; line {} has it", line.words[0], file_.background->number));
@@ -175,7 +175,7 @@ void LineSorter::add_to(Cis565Section& section, const Cis565Line& line) {
         return;
     }
     const bool is_of_shape = known != nullptr && is_shape(known->key) && line.words.size() != 1;
-    if (is_of_shape && known->key == "mesh") {  // a line "GLTF path"
+    if (is_of_shape && known->key == "mesh") {  // such as "GLTF path", which names a mesh file
         add_course_line(section, "FILE", line, *result_);
     } else if (is_of_shape) {
         fail(line, word + " alone on its line");
@@ -206,7 +206,7 @@ std::string Cis565Line::text() const {
     }
     std::size_t cut = longest_text - 3;
     while (cut > 0 && (static_cast<unsigned char>(text[cut]) & 0xc0) == 0x80) {
-        cut -= 1;  // do not cut within a UTF-8 character
+        cut -= 1;  // keeps a message from being cut within a UTF-8 character
     }
     return text.substr(0, cut) + "...";
 }
@@ -331,7 +331,7 @@ std::optional<Vec3d> Cis565SectionReader::vector_of(const Cis565Line& line) {
     for (std::size_t i = 0; i < 3; ++i) {
         const std::optional<double> value = parse(line, i + 1, allowed);
         if (!value) {
-            return std::nullopt;  // report one problem per line only
+            return std::nullopt;  // a line has one problem reported, even if several of its numbers are wrong
         }
         values[i] = *value;
     }

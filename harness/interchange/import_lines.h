@@ -27,28 +27,27 @@ struct Cis565Section {
     Cis565Line head;
     std::map<std::string, Cis565Line> lines;
     bool is_whole = true;    // false: some line of the section is invalid
-    std::string name = "";   // name of a material in JSON
-    std::string label = "";  // number or word after MATERIAL in the text format
+    std::string name = "";   // name of the material, for a MATERIAL section in JSON
+    std::string label = "";  // number or word behind MATERIAL, for a section in the text format
 };
 
 struct Cis565File {
     std::vector<Cis565Section> materials, objects;
     std::optional<Cis565Section> camera;
     Cis565Section settings{.kind = "SETTINGS", .head = {}, .lines = {}};
-    std::optional<Cis565Line> background;                  // BACKGROUND_COLOR, outside of any section
-    bool has_all_materials = true;                         // false: some material could not be read
-    std::map<std::string, std::size_t> materials_by_word;  // labels (text) or names (JSON) that objects use
-    bool is_json = false;                                  // in JSON materials are named, and neutral values optional
-    std::string stem;                                      // scene name if FILE is missing; empty: FILE is required
-    std::map<std::string, std::string> mesh_files;         // mesh files by the names that objects use
+    std::optional<Cis565Line> background;                  // line BACKGROUND_COLOR, which belongs to no section
+    bool has_all_materials = true;                         // false: some MATERIAL section could not be read
+    std::map<std::string, std::size_t> materials_by_word;  // index of each material by its label (text) or name (JSON)
+    bool is_json = false;                                  // JSON names materials and lets neutral values be left out
+    std::string stem;                                      // name of a scene without FILE; empty: FILE is required
+    std::map<std::string, std::string> mesh_files;         // mesh files by name, from the JSON member "Meshes"
 };
 
 // Parses a CIS 565 scene in the text format. Invalid lines are reported as problems and left out, and so are lines that
 // change the picture in ways that scene files cannot express.
 Cis565File read_cis565_file(const std::string& text, ImportResult& result);
 
-// Keeps, skips or refuses a line of a CIS 565 scene, depending on the use of its keyword. `word`: the keyword as spelt
-// in the file.
+// Keeps, skips or refuses a line of a CIS 565 scene by the use of its keyword, which the file spells `word`.
 void add_course_line(Cis565Section& section, const std::string& word, const Cis565Line& line, ImportResult& result);
 
 // Reads the values of one section of a CIS 565 scene. A value that cannot be read is a problem and makes the section
@@ -63,11 +62,11 @@ public:
     // Reports a problem of a source line and quotes the whole line.
     void fail(const Cis565Line& line, const std::string& allowed);
 
-    // Finds the section's line with a keyword; null if there is none, which `required` reports as a problem.
+    // Finds the line of a section with a keyword; null if there is none, which `required` reports as a problem.
     const Cis565Line* line(const std::string& key) const;
     const Cis565Line* required(const std::string& key, const std::string& allowed = "with it");
 
-    // Values of required lines; nothing if the line is missing or wrong. The format has no negative numbers.
+    // Value of a line that the section must have; nothing if the line is missing or wrong. Single numbers must be >= 0.
     std::optional<double> required_number(const std::string& key);
     std::optional<Vec3d> required_vector(const std::string& key);
     // Reads a word of a source line as a whole number from 0 to 10^9.

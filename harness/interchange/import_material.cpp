@@ -57,7 +57,7 @@ private:
     std::string label_;  // name of the material in messages, e.g. "material 2"
     Cis565SectionReader reader_;
     ImportFindings* warnings_;
-    std::map<std::string, Vec3d> values_;  // values by key, a number in x; 0 if the line is missing
+    std::map<std::string, Vec3d> values_;  // values of the material's lines by key (numbers in x); 0 if missing
     std::string what_;                     // description of the material in messages, e.g. "material 2 is a mirror"
     std::string image_;                    // texture as JSON for the scene file; empty: none
     CourseType type_ = CourseType::by_values;
@@ -183,7 +183,8 @@ void MaterialImporter::add_colour(ScenePart& part, const std::string& member, co
     part.add(member, json_of(colour(key)), reader_.line(key), black);
 }
 
-// Adds the surface's colour: its texture, with warnings for the colours `replaced` by it, or else the colour of `key`.
+// Adds the surface's colour as `member` of the scene file: the texture, with warnings that it hides the colours of the
+// keys `replaced`, or without a texture the colour of `key`.
 void MaterialImporter::add_surface_colour(ScenePart& part, const std::string& member, const std::string& key,
                                           const std::vector<std::string>& replaced) {
     if (image_.empty()) {
@@ -240,7 +241,7 @@ ScenePart MaterialImporter::subsurface() {
     return part;
 }
 
-// Adds a dielectric. REFL beside REFR is the course's glass, with Fresnel reflection like every dielectric.
+// Adds a dielectric's keys. REFL beside REFR is the course's glass, with Fresnel reflection like every dielectric.
 ScenePart MaterialImporter::dielectric() {
     const bool is_rough = is_set("ROUGHNESS");
     ScenePart part = start(is_rough ? "rough_dielectric" : "dielectric", "a dielectric");
@@ -338,7 +339,7 @@ void MaterialImporter::apply_type() {
     }
 }
 
-// Reduces a layered material to the largest of glass, metal and diffuse, since scene files cannot blend these.
+// Reduces a material of several layers to the largest of glass, metal and diffuse, which scene files cannot blend.
 void MaterialImporter::apply_layers() {
     if (number("REFR") >= 0.5) {
         return;

@@ -292,7 +292,7 @@ void MitsubaImporter::read_sensor(const XmlElement& element) {
             sensor.refuse_property(offset, "0: the view goes through the picture's middle");
         }
     }
-    // Ignored: ptbench's camera rays start at the eye and have no end, and nothing in a Mitsuba import moves.
+    // Clip distances are ignored, as camera rays start at the eye, and shutter times, as nothing in the import moves.
     sensor.ignore({"near_clip", "far_clip", "shutter_open", "shutter_close"});
     sensor.finish("what a " + type + " has here");
 }

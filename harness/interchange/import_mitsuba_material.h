@@ -16,8 +16,8 @@ struct MitsubaSurface {
     const XmlElement* shape = nullptr;
 };
 
-// Vertical direction of a material's texture: v_up if v is 0 at the bottom, as in scene files; v_down as in Mitsuba
-// without to_uv.
+// Whether a material has a texture, and at which end of the image v is 0: at the bottom (v_up, as in scene files) or at
+// the top (v_down, as in Mitsuba without to_uv).
 enum class MitsubaImage { none, v_down, v_up };
 
 class MitsubaMaterials {
@@ -39,7 +39,7 @@ public:
 
 private:
     struct Bsdf {
-        std::string type;  // kind of material in the scene file
+        std::string type;  // kind of the material in the scene file
         std::vector<SceneMember> members;
         const XmlElement* one_sided = nullptr;
         bool is_good = true, is_black = false, is_glass = false;

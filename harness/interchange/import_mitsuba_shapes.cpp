@@ -16,7 +16,7 @@ namespace pt {
 
 namespace {
 
-// Name of Mitsuba's area emitter; not a choice of the axis light_sampling.
+// Name of Mitsuba's area emitter; the axis light_sampling has a choice of this name, which is not meant.
 constexpr std::string_view mitsuba_area_emitter = "area";
 
 // Limit on shapes, since nested instances of groups can multiply without end.
@@ -35,8 +35,8 @@ Affine of_twice_the_side(const Affine& map) {
     return own;
 }
 
-// The affine map of a quad, which lies in xz and faces +y, from that of Mitsuba's rectangle, which lies in xy and faces
-// +z. Of the rectangle's third axis only the side on which it points matters.
+// The affine map of a scene file's quad, which lies in xz and faces +y, from the map of Mitsuba's rectangle, which lies
+// in xy and faces +z. Where the map's third column points decides only which side is the front.
 Affine quad_of(const Affine& map, bool is_flipped) {
     const Affine own = of_twice_the_side(map);
     const Vec3d normal = cross(own.column[0], own.column[1]);
@@ -53,7 +53,7 @@ Affine quad_of(const Affine& map, bool is_flipped) {
     return quad;
 }
 
-// The middle of two almost equal coordinates, which an export had separated by a small gap.
+// The middle of one coordinate of two emitters back to back, which `ptbench export` had set slightly apart.
 double middle_of(double a, double b) {
     constexpr double last_bits = 2 * std::numeric_limits<double>::epsilon();
     return a == b ? a : shortest_within(0.5 * a + 0.5 * b, last_bits * std::max(std::abs(a), std::abs(b)));
@@ -62,7 +62,7 @@ double middle_of(double a, double b) {
 }  // namespace
 
 void MitsubaShapes::add(const XmlElement& shape) {
-    if (shape.value_of("type") != "shapegroup") {  // a shapegroup is placed by its instances
+    if (shape.value_of("type") != "shapegroup") {  // Mitsuba's shapegroup is placed by its instances
         add_placed(shape, Affine(), 0);
     }
 }
@@ -224,7 +224,7 @@ bool MitsubaShapes::are_back_to_back(const Placed& a, const Placed& b, double fa
            length_of_vector(gap - normal * along) <= std::ldexp(along, -8) + 1e-14 * far;
 }
 
-// Joins pairs of one-sided emitters into one two-sided emitter, which `ptbench export` writes as such a pair.
+// Joins pairs of one-sided emitters back to back, as `ptbench export` writes a two-sided emitter, into one emitter.
 void MitsubaShapes::pair_lamps(const Vec3d& eye) {
     double far = 0;
     for (const Placed& shape : shapes_) {
@@ -317,7 +317,7 @@ void MitsubaShapes::write_behind(const Scene& scene) {
     }
 }
 
-// Divides the radiance of emitters inside glass by n^2, by which Mitsuba's is larger (docs/other_renderers.md).
+// Divides radiances of emitters inside glass by n^2, since Mitsuba's are that much larger (docs/other_renderers.md).
 void MitsubaShapes::dim_lamps_in_glass(const Scene& scene) {
     if (std::none_of(scene.materials.begin(), scene.materials.end(), is_glass)) {
         return;
@@ -389,7 +389,7 @@ void MitsubaShapes::warn_of_differences(const Scene& scene) {
         const std::size_t found = message.find(before_found), allowed = message.rfind(before_allowed);
         const std::string place = message.substr(start.size(), found - start.size());
         if (!place.starts_with("$.objects[") || allowed == std::string::npos) {
-            continue;  // problems of materials and camera were reported before
+            continue;  // problems of materials and camera have been reported already
         }
         const std::size_t object = std::stoul(place.substr(std::string("$.objects[").size()));
         const Cis565Line& head = *file_->draft->parts.objects[object].head;

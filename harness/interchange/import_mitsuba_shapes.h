@@ -13,7 +13,8 @@ public:
 
     // Converts a shape that stands directly in the Mitsuba scene. Shapes must be added in the file's order.
     void add(const XmlElement& shape);
-    // Writes all objects, after the last shape was added. `eye`: the camera's position, which decides what is far.
+    // Writes all objects, after the last shape was added. `eye`: the camera's position, since the gap allowed between
+    // emitters back to back grows with the distance from it.
     void write(const Vec3d& eye);
     // Handles what needs the whole scene: backs of one-sided emitters, emitters inside glass, and warnings about
     // differences between the two programs.
@@ -23,15 +24,15 @@ public:
 
 private:
     struct Placed {
-        std::string kind;  // shape name in scene files
-        Affine own;        // affine map from scene files' unit shape
-        Affine map;        // affine map from Mitsuba's unit shape
+        std::string kind;  // name of the shape in scene files
+        Affine own;        // affine map that places the unit shape of scene files
+        Affine map;        // affine map that places Mitsuba's unit shape
         MitsubaSurface surface;
-        std::string mesh;  // mesh file of the shape
+        std::string mesh;  // file of the shape if it is a mesh
         bool is_flipped = false;
         bool is_pair = false;  // quad that stands for two back-to-back emitters: two-sided
         bool is_gone = false;  // second of two back-to-back emitters, left out
-        bool flips_v = false;  // Mitsuba uses 1 - v of the mesh file
+        bool flips_v = false;  // in Mitsuba the shape's v is 1 - v of the mesh file
         std::size_t object = no_object;
         std::size_t material = 0;
     };
@@ -55,7 +56,7 @@ private:
     MitsubaMaterials materials_;
     std::vector<Placed> shapes_;
     std::size_t visits_ = 0;
-    std::map<std::string, std::string> turned_;  // meshes written with v flipped, by file
+    std::map<std::string, std::string> turned_;  // meshes written anew with v flipped, by the original's path
 };
 
 }  // namespace pt

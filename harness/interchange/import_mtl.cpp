@@ -84,7 +84,7 @@ void OwnMaterials::read_library(const std::string& name) {
         return;
     }
     if (!read_.insert(found->lexically_normal()).second) {
-        return;  // some programs name the MTL library before every object
+        return;  // read already: some programs name a library before every object
     }
     try {
         for (MtlMaterial& material : parse_mtl(read_text_file(found->string(), largest_library), found->string())) {
@@ -139,7 +139,7 @@ std::optional<std::size_t> OwnMaterials::entry_called(const std::string& name) {
                                   fmt::format("{}: \"{}\" is read as the material \"{}\", as if a comment "
                                               "began at #",
                                               file_.filename().string(), name, entries_[meant.front()].material.name));
-    by_name_.emplace(name, meant.front());  // warn only once about this material name
+    by_name_.emplace(name, meant.front());  // stored, so that the warning for this MTL material name comes only once
     return meant.front();
 }
 
@@ -157,14 +157,14 @@ std::optional<std::size_t> OwnMaterials::entry_of(const ObjPart& part) {
         has_told_of_groups_ = true;
         return found;
     }
-    if (is_whole_) {  // if a library is missing, the material may be there
+    if (is_whole_) {  // with an MTL library missing, an unknown material is no problem, as it may be in there
         fail(part.material.empty() ? "faces before any usemtl" : "usemtl " + part.material,
              "a material of its libraries, mtllib");
     }
     return std::nullopt;
 }
 
-// The scene's name of an MTL material, which is added to the scene on first use.
+// The name of an MTL material in the scene, to which the material is added on first use.
 std::string OwnMaterials::material_of(std::size_t entry) {
     const Entry& meant = entries_[entry];
     const auto [known, is_new] = import_->own_names.try_emplace({meant.library.string(), meant.material.name});

@@ -24,7 +24,7 @@
 
 namespace pt {
 
-// Adds the objects of a mesh that uses its own file's materials, one per material. Returns none, after reporting it, if
+// Makes a mesh, with the materials of its own file, into one object per material. Returns none, after reporting it, if
 // there are problems. `at`: the line of the scene that names the mesh.
 std::vector<OwnPart> import_own_materials(CourseImport& import, const std::filesystem::path& file,
                                           const Cis565Line& at);

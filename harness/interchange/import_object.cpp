@@ -77,7 +77,7 @@ void ObjectImporter::add_shape() {
     }
 }
 
-// Warns of further shapes in an object, which has one. Some programs read a mesh file behind all objects as one more.
+// Warns of further shapes in an object, which can have only one. Some programs show a mesh behind all objects too.
 void ObjectImporter::warn_of_shapes_beside(const std::string& shape, const std::vector<std::string>& others) {
     const Cis565Line* told = nullptr;
     for (const std::string& key : others) {
@@ -199,7 +199,7 @@ std::optional<std::size_t> ObjectImporter::material_index(const Cis565Line& line
     }
     const std::size_t count = file.materials.size();
     if (file.is_json && line.words.size() == 2 && count > 0) {
-        // The course's loader looks up an unknown name in a map, which yields material 0, the first by name.
+        // For a material name that is not in the scene, the course's loader takes the first material by name.
         const auto first = std::min_element(file.materials.begin(), file.materials.end(),
                                             [](const auto& a, const auto& b) { return a.name < b.name; });
         import_->result->warnings.add(
@@ -266,7 +266,7 @@ void ObjectImporter::add_transform() {
     }
 }
 
-// Warns of a shape that rotates or scales while the shutter is open, which is lost.
+// Warns that a shape rotates or scales while the shutter is open, which scene files cannot express.
 void ObjectImporter::warn_of_change(const std::string& key, const std::string& other) {
     const Cis565Line* line = reader_.line(key);
     const Vec3d still = other.empty() ? Vec3d(0.0) : reader_.vector(other);

@@ -64,7 +64,7 @@ bool is_within(const std::string& place, const std::string& outer) {
            (place.size() == outer.size() || place[outer.size()] == '.' || place[outer.size()] == '[');
 }
 
-// Finds the member of a part that contains a JSON path; null if none does.
+// Finds the member of a scene part in which a JSON path lies; null if there is none.
 SceneMember* member_at(ScenePart& part, const std::string& place) {
     const auto found = std::find_if(part.members.begin(), part.members.end(), [&](const SceneMember& member) {
         return is_within(place, part.place + "." + member.key);
@@ -118,7 +118,7 @@ bool PartsChecker::check(const ScenePart& part, const std::string& place, const 
     return false;
 }
 
-// Reports an error at the source line of its member; returns whether the check can be repeated without that member.
+// Reports an error at the source line of the member at fault. Returns whether a check without the member makes sense.
 bool PartsChecker::blame(ScenePart& tried, const ScenePart& part, SceneError error) {
     // A subsurface body around the eye is reported as an error of the camera's eye.
     const bool is_elsewhere = !is_within(error.place, tried.place) && is_within(error.place, parts_.camera.place);
@@ -196,7 +196,7 @@ void PartsChecker::check_all() {
     for (std::size_t i = 0; i < parts_.objects.size() && problems_->count() < most_checked; ++i) {
         check_object(parts_.objects[i]);
     }
-    if (problems_->count() == 0) {  // faults that only the whole scene has
+    if (problems_->count() == 0) {  // no part alone is at fault, but the scene as a whole is
         problems_->add(
             0, fmt::format("as a scene, {}: found {}, allowed: {}", error->place, error->found, error->allowed));
     }
@@ -266,7 +266,7 @@ std::string material_name(const Cis565Section& section) {
 std::string ScenePart::members_json(const std::string& separator) const {
     std::string json;
     for (const SceneMember& member : members) {
-        const bool is_long = member.key == "shutter";  // in the scene file, the shutter gets a line of its own
+        const bool is_long = member.key == "shutter";  // in a scene file the camera's shutter gets a line of its own
         json += json.empty() ? "" : is_long ? ",\n    " : separator;
         json += json_of(member.key) + ": " + member.value;
     }

@@ -20,10 +20,10 @@ struct SceneMember {
 };
 
 struct ScenePart {
-    std::string place;                 // JSON path, such as "$.camera"
-    std::string name = "";             // name of the part if it is a material
+    std::string place;                 // JSON path of the part in the scene file, such as "$.camera"
+    std::string name = "";             // name of the material that the part describes; empty for other parts
     const Cis565Line* head = nullptr;  // first line of the section in the source file
-    bool is_whole = true;              // false: a member is missing, as its line was unreadable
+    bool is_whole = true;              // false: a member is missing, since its source line was unreadable
     std::vector<SceneMember> members;
 
     void add(const std::string& key, const std::string& value, const Cis565Line* line,
@@ -44,7 +44,7 @@ struct SceneParts {
     std::string json() const;
 };
 
-// Keeps what a name in a scene file may have: letters, digits, '_' and '-', at most 64 of them.
+// Makes a text fit for a name in a scene file: keeps letters, digits, '_' and '-', at most 64 of them.
 std::string plain_part_of(const std::string& text);
 std::string json_of(double value);
 std::string json_of(const Vec3d& v);
@@ -54,7 +54,7 @@ std::string image_in_scene(const std::string& name);
 bool is_image_in_scene(const std::string& value);
 // Adds a mesh that is to be written beside the scene file, named after it; returns the mesh file's name.
 std::string add_imported_mesh(ImportResult& result, const ImportSource& source, Mesh mesh);
-// All imported meshes by the paths that their files will have.
+// The meshes of an import by the paths of the files that will have them.
 MeshesToBe::Meshes imported_meshes(const ImportResult& result, const std::string& scene_file);
 // Passes on a mesh file's own warnings, once per file, at the source line that names it first.
 void warn_of_mesh(ImportResult& result, std::size_t line, const std::filesystem::path& file,

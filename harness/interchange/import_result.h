@@ -37,7 +37,7 @@ struct ImportResult {
     std::string json;  // text of the scene file; empty if there are problems
     std::vector<ImportedMesh> meshes;
     std::vector<ImportedImage> images;
-    FilesBeside files;  // imported meshes and images, as written to files
+    FilesBeside files;  // imported meshes and images, as the content of files
     ImportFindings problems, warnings, notes;
     std::set<std::string> meshes_told;  // mesh files whose warnings were passed on
     std::size_t objects = 0, materials = 0;

@@ -131,7 +131,7 @@ bool may_meet(const Scene& scene, const SceneObject& a, const SceneObject& b) {
            (name_of(b.shape) != "sphere" || sphere_meets(scene, b, box_a));
 }
 
-// Whether a body contains the other object's bounding box; never true for meshes, which need not be convex.
+// Whether a body contains the bounding box of another object; never true for mesh bodies, which need not be convex.
 bool holds(const Scene& scene, const SceneObject& body, const SceneObject& other) {
     const Extent box = extent_of(scene, other);
     for (int corner = 0; corner < 8; ++corner) {

@@ -266,7 +266,7 @@ Affine MitsubaObject::transform(const std::string& name) {
     }
     bool is_first = true;
     for (const XmlElement& step : found->children) {
-        // The first step of a transform is not multiplied, so that all its bits are kept.
+        // The first step's matrix is taken as it is, not multiplied by the identity, so that all its bits are kept.
         map = is_first ? transform_of(step) : transform_of(step) * map;
         is_first = false;
     }

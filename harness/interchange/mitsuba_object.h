@@ -50,18 +50,18 @@ public:
     std::vector<const XmlElement*> objects(const std::string& tag);
     // Ignores properties that do not change the picture or that belong to a run.
     void ignore(const std::vector<std::string>& names);
-    // Reports a problem if a property is present whose value has no use with the others. `allowed` says in words which
-    // value would do.
+    // Reports a problem if the Mitsuba object has a property that is of no use with its other properties. `allowed`
+    // says in words which value would do.
     void refuse_property(const std::string& name, const std::string& allowed);
 
-    // Read a property of the Mitsuba object by name; `otherwise` if it is missing, a problem if it cannot be read.
+    // Read a property of the Mitsuba object by name: `otherwise` if it is missing, a problem if it cannot be read.
     double number(const std::string& name, double otherwise);
     std::optional<double> optional_number(const std::string& name);
     bool boolean(const std::string& name, bool otherwise);
     std::string text(const std::string& name, const std::string& otherwise);
     Vec3d colour(const std::string& name, const Vec3d& otherwise);
     std::optional<Vec3d> optional_colour(const std::string& name);
-    // The radiance of an emitter, for which Mitsuba's RGB variants convert a <spectrum> to another grey than elsewhere.
+    // The radiance of an emitter, where Mitsuba's RGB variants turn a <spectrum> into another grey than elsewhere.
     std::optional<Vec3d> optional_radiance(const std::string& name);
     Vec3d point(const std::string& name, const Vec3d& otherwise);
     Affine transform(const std::string& name);
@@ -69,7 +69,7 @@ public:
     void fail(const XmlElement& element, const std::string& allowed);
     // Marks the object as bad because of a problem in a child that was reported already.
     void spoil() { is_good_ = false; }
-    // Ends the reading: properties not asked for are problems. `known` lists in words what the object may have.
+    // Ends the reading of the Mitsuba object: properties not asked for are problems. `known` says what it may have.
     void finish(const std::string& known);
 
 private:

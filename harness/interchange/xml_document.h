@@ -13,7 +13,7 @@ namespace pt {
 struct XmlElement {
     std::string tag;
     std::vector<std::pair<std::string, std::string>> attributes;
-    std::vector<XmlElement> children;  // child elements; text and comments are left out
+    std::vector<XmlElement> children;  // child elements of the XML element; text and comments are left out
     std::size_t line = 0;              // line number of the XML element, from 1
 
     // The value of an XML attribute; null if there is none of that name.

@@ -18,8 +18,8 @@ namespace pt {
 namespace {
 
 constexpr double multiplication_latency = 3;
-// Relative difference allowed between instruction chains: the clock may change between two passes, while a chain folded
-// by the processor is wrong by a factor of 2 or more.
+// Relative difference allowed between the rates of two instruction chains: the clock may change from pass to pass,
+// while a chain folded by the processor is wrong by a factor of 2 or more.
 constexpr double chain_tolerance = 0.1;
 // Bounds for the core clock over the time stamp counter's rate: turbo reaches 4.3 times (1.1 GHz parts that boost to
 // 4.7), and idle cores run at a tenth.
@@ -29,10 +29,10 @@ constexpr double least_over_time_stamps = 0.05;
 constexpr double most_over_cpufreq = 2.5;
 
 constexpr std::uint64_t steps_per_pass = 100000;
-constexpr std::uint64_t steps_per_turn = 8;  // must match the count of the assembler's .rept below
+constexpr std::uint64_t steps_per_turn = 8;  // must match the count of .rept in the assembler code below
 
-// Calls `turn`, which makes steps_per_turn steps of an instruction chain, until `steps` are made. Every step depends on
-// the one before, which a register carries from turn to turn.
+// Calls `turn` until an instruction chain has made `steps` steps, steps_per_turn in each call. Every step depends on
+// the one before, by a register that carries over from call to call.
 template <class Turn>
 [[maybe_unused]] void chain(std::uint64_t steps, const Turn& turn) {
     for (std::uint64_t i = 0; i < steps / steps_per_turn; ++i) {
@@ -65,8 +65,8 @@ void additions(std::uint64_t steps) {
     chain(steps, [&] { asm volatile(".rept 8\n\tadd %0, %0, %1\n\t.endr" : "+r"(sum) : "r"(one)); });
 }
 
-// Other processors lack this measurement: the latency of multiplications differs between Arm's cores, and the rate of
-// the counter is unrelated to the clock.
+// Arm has neither the chain of multiplications, whose latency differs between Arm's cores, nor time stamps, since the
+// counter's rate is unrelated to the clock.
 void multiplications(std::uint64_t) {}
 double time_stamp() { return 0; }
 
@@ -135,7 +135,7 @@ ClockEvidence measure_once() {
     for (int attempt = 0; attempt < 4; ++attempt) {
         const Pass added = timed(additions);
         const Pass multiplied = timed(multiplications);
-        // A pass that is interrupted has too low a rate, and one too short to be timed is no evidence.
+        // An interrupted pass of a chain has too low a rate, and a pass too short to be timed is no evidence.
         const auto rate = [](double steps, const Pass& pass) {
             return pass.microseconds > 1 ? steps / pass.microseconds : 0;
         };

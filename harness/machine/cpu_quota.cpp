@@ -79,9 +79,9 @@ void add_folders(std::vector<std::string>& folders, const std::string& root, con
 std::optional<double> quota_of(const std::string& folder) {
     double quota = 0, period = 0;
     if (std::ifstream file(folder + "/cpu.max"); file) {
-        file >> quota >> period;  // the file has "max 100000" if there is no quota
+        file >> quota >> period;  // cpu.max has "max 100000" if there is no quota
     } else {
-        std::ifstream(folder + "/cpu.cfs_quota_us") >> quota;  // the file has -1 if there is no quota
+        std::ifstream(folder + "/cpu.cfs_quota_us") >> quota;  // cpu.cfs_quota_us has -1 if there is no quota
         std::ifstream(folder + "/cpu.cfs_period_us") >> period;
     }
     return quota > 0 && period > 0 ? std::optional(quota / period) : std::nullopt;
@@ -94,9 +94,9 @@ Throttling throttling_of(const std::string& folder) {
     for (double value = 0; lines >> name >> value;) {
         if (name == "nr_throttled") {
             found.periods = static_cast<std::uint64_t>(value);
-        } else if (name == "throttled_usec") {  // key of control group version 2, in us
+        } else if (name == "throttled_usec") {  // key of cpu.stat in cgroup version 2, in microseconds
             found.ms = 1e-3 * value;
-        } else if (name == "throttled_time") {  // key of control group version 1, in ns
+        } else if (name == "throttled_time") {  // key of cpu.stat in cgroup version 1, in nanoseconds
             found.ms = 1e-6 * value;
         }
     }

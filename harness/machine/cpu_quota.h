@@ -11,10 +11,10 @@
 
 namespace pt {
 
-// How often control groups have stopped the process's threads, since the groups were created.
+// How often, and for how long, control groups have stopped the process's threads since the groups were created.
 struct Throttling {
     std::uint64_t periods = 0;
-    double ms = 0;  // CPU time lost by throttling, summed over processors
+    double ms = 0;  // CPU time lost while threads were stopped, summed over processors
 
     Throttling operator-(const Throttling& before) const { return {periods - before.periods, ms - before.ms}; }
 };
@@ -43,7 +43,7 @@ int available_processors();
 // Warnings at the start of a run about limits on this process's CPU time, one line each; empty if there are none.
 // `threads`: those of a render on the CPU, or 0 if renders are on a GPU.
 std::vector<std::string> cpu_warnings(int threads, int processors, std::optional<double> quota);
-// Prints on stderr what limits the processors of this process.
+// Prints on stderr the warnings about limits on this process's CPU time.
 void say_cpu_warnings(Backend backend);
 
 }  // namespace pt

@@ -15,7 +15,7 @@
 
 #include <unistd.h>
 
-#include "build_info.h"  // generated at every build
+#include "build_info.h"  // header that every build generates
 #include "harness/json_reader.h"
 #include "harness/machine/cpu_clock.h"
 #include "harness/machine/cpu_quota.h"

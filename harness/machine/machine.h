@@ -33,7 +33,7 @@ std::string openmp_environment();
 // Load on the machine besides this process: CPU time of other processes (and time stolen by a hypervisor), and how
 // often this process had to give up a core. The difference over a render tells whether its time can be trusted.
 struct ForeignLoad {
-    double cpu_ms = 0;  // CPU time of other processes in ms, to 10 ms
+    double cpu_ms = 0;  // CPU time of other processes in ms, in steps of 10 ms
     long involuntary_switches = 0;
 
     static ForeignLoad now();

@@ -14,7 +14,7 @@ struct GpuContext {
     std::string device = {}, compute_capability = {}, multiprocessors = {}, clock_mhz = {}, memory_clock_mhz = {};
     std::string memory_bus_bits = {}, memory_mib = {}, l2_bytes = {}, ecc = {}, mps = {}, driver = {}, runtime = {};
     std::string nvrtc = {}, cccl = {}, kernel_source_hash = {};
-    std::optional<std::string> devices = {}, nccl = {};  // only on hosts with several equal GPUs
+    std::optional<std::string> devices = {}, nccl = {};  // keys that only hosts with several equal GPUs have
 
     template <class Self, class Visit>
     static void fields(Self& self, const Visit& visit) {
@@ -46,7 +46,7 @@ struct MachineContext {
     std::string clock = {};  // method of measuring the CPU clock
     std::string threads = {}, cpu_quota = {}, thrust_version = {}, thrust_system = {};
     std::string google_benchmark_version = {};
-    std::optional<GpuContext> gpu = {};     // only for runs on a GPU
+    std::optional<GpuContext> gpu = {};     // context of the GPU, only for runs on a GPU
     std::optional<std::string> ranks = {};  // number of MPI ranks, only if there are several
 
     template <class Self, class Visit>
@@ -76,7 +76,7 @@ struct MachineContext {
     }
 };
 
-// The command that wrote the file, and how it ended. Each kind of file has some of these keys.
+// The command that wrote the result file, and how it ended. Each kind of result file has some of these keys.
 struct CallContext {
     std::optional<std::vector<std::string>> rank_hosts = {};  // host names of several MPI ranks
     std::optional<std::string> command_line = {}, suite = {}, backend = {}, status = {}, date = {};
@@ -124,7 +124,7 @@ struct BenchmarkContext {
     static constexpr const char* mhz_per_cpu_key = "mhz_per_cpu";
     static constexpr const char* load_avg_key = "load_avg";
 
-    // The context values for this machine at this moment; `date` is left empty.
+    // The context values for this machine at this moment; the field `date` is left empty.
     static BenchmarkContext now();
 
     template <class Self, class Visit>

@@ -12,11 +12,11 @@ namespace pt {
 
 struct Generator {
     std::string_view name, what;
-    std::string_view size, formula;  // what the size N counts, and the triangle count as a formula of N, in words
+    std::string_view size, formula;  // what a mesh's size N counts, and its triangle count as a formula of N, in words
     std::uint32_t least_size, most_size;
     std::uint64_t (*triangles)(std::uint32_t size);  // triangle count of the generated mesh
-    std::uint64_t (*left_out)(std::uint32_t size);   // number of degenerate triangles, left out at poles
-    bool closed;     // every edge is shared by two triangles, in opposite directions, and the volume inside is positive
+    std::uint64_t (*left_out)(std::uint32_t size);   // number of triangles left out since they are degenerate, at poles
+    bool closed;     // whether meshes have two triangles at each edge, in opposite directions, and a positive volume
     bool is_smooth;  // whether the mesh approximates a smooth surface, so that vertex normals are useful
     Mesh (*make)(std::uint32_t size);
 };

@@ -57,7 +57,7 @@ void check_binary_chunk(std::string_view content, const std::string& file) {
 void check_version(const tinygltf::Asset& asset, const std::string& file) {
     const bool has_least = !asset.minVersion.empty();
     const std::string& needed = has_least ? asset.minVersion : asset.version;
-    const double number = parse_number<double>(needed).value_or(0);  // a version such as "2.1" as a number
+    const double number = parse_number<double>(needed).value_or(0);  // glTF version, such as "2.1", as a number
     if (has_least ? number != 2.0 : !(number >= 2.0 && number < 3.0)) {
         throw InputError(file, has_least ? "asset.minVersion" : "asset.version", "\"" + needed + "\"",
                          has_least ? "2.0" : "2.0, or a later 2.x");
@@ -76,7 +76,7 @@ tinygltf::Model parse_gltf_model(std::string_view content, const std::string& fi
         check_binary_chunk(content, file);
     }
     tinygltf::TinyGLTF loader;
-    // The bytes of a glTF image in a data URI are kept, as they are stored nowhere else; images in a buffer stay there.
+    // The bytes of a glTF image in a data URI are kept, as they are stored nowhere else; bytes in a buffer stay there.
     loader.SetImageLoader(
         [](tinygltf::Image* image, const int, std::string*, std::string*, int, int, const unsigned char* bytes,
            int size, void*) {
@@ -248,7 +248,7 @@ GltfMeshMaker::AccessorView GltfMeshMaker::view(int index, int type, const std::
     view.count = accessor.count;
     view.component_type = accessor.componentType;
     view.stride = part.byteStride > 0 ? part.byteStride : static_cast<std::size_t>(std::max(size, 1));
-    // The accessor's terms are checked in this order so that no sum overflows: counts are known to be below 2^32 first.
+    // Counts are bounded by 2^32 before the accessor's other terms are checked, so that no product or sum overflows.
     const bool fits =
         size > 0 && accessor.count > 0 && accessor.count <= most_triangles * 3 && view.stride <= 4096 &&
         part.byteOffset <= buffer.data.size() && part.byteLength <= buffer.data.size() - part.byteOffset &&

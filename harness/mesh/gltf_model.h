@@ -2,7 +2,7 @@
 // (PTBENCH_HAS_TINYGLTF). Checks that accessors lie within their buffers, which tinygltf does not.
 #pragma once
 
-#include <fstream>  // tiny_gltf.h leaves it out with TINYGLTF_NO_FS
+#include <fstream>  // tiny_gltf.h lacks <fstream> with TINYGLTF_NO_FS
 #include <functional>
 #include <string>
 #include <string_view>

@@ -26,7 +26,7 @@ struct Mesh {
     MeshWarnings warnings;                  // warnings about the file that was read
 };
 
-// Texture coordinates of each triangle's corners, looked up in `places` by index. Empty if any index is out of range.
+// Texture coordinates of each triangle's corners: `triangles` has indices into `places`. Empty if one is out of range.
 std::vector<std::array<std::array<float, 2>, 3>> places_of_corners(
     std::span<const std::array<std::uint32_t, 3>> triangles, std::span<const std::array<float, 2>> places);
 

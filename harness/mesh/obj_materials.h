@@ -11,16 +11,16 @@
 
 namespace pt {
 
-// Material and group of an OBJ face, as the last usemtl and the last g (or o) gave them up to the line's end; either
-// may be empty. Both names with # and comments after names occur: try the whole name first, then `without_comment`.
+// Material and group of an OBJ face, named by the last usemtl and the last g (or o) before the face; either may be
+// empty. A name that contains # may end in a comment: look up the whole name first, then `without_comment`.
 struct ObjPart {
     std::string material, group;
 };
 
 struct ObjParts {
-    Mesh mesh;                           // the whole mesh, unchecked and without normals
+    Mesh mesh;                           // all triangles of the OBJ file, unchecked and without normals
     std::vector<ObjPart> parts;          // parts (material and group) in the order of their first faces
-    std::vector<std::uint32_t> part_of;  // for each triangle its index in `parts`
+    std::vector<std::uint32_t> part_of;  // index in `parts` of each triangle's part
     std::vector<std::string> libraries;  // names of MTL libraries, as mtllib lines give them
 };
 
@@ -30,7 +30,7 @@ ObjParts parse_obj_parts(std::string_view content, const std::string& file);
 // A mesh of only the triangles whose entry of `is_in` is true, and of the vertices that they use.
 Mesh part_of_mesh(const Mesh& mesh, const std::vector<bool>& is_in);
 
-// Strips the comment from a name in an OBJ or MTL file: everything from the first # that begins a word but the first.
+// Strips the comment from a name in an OBJ or MTL file: a word that begins with #, except the first, and all after it.
 std::string without_comment(const std::string& name);
 
 struct MtlLine {
@@ -42,8 +42,8 @@ struct MtlLine {
 struct MtlMaterial {
     std::string name;
     std::size_t line = 0;                  // line number of the material's newmtl
-    std::map<std::string, MtlLine> lines;  // lines of the material by lower-case keyword; the last of equal ones
-    std::vector<MtlLine> overruled;        // earlier lines of equal keyword that differ
+    std::map<std::string, MtlLine> lines;  // MTL lines by keyword in lower case; of several with one keyword the last
+    std::vector<MtlLine> overruled;        // earlier MTL lines that share a keyword with one in `lines` but differ
 };
 
 // Parses an MTL material library. Throws InputError of one line if the file is none.

@@ -58,7 +58,7 @@ private:
         }
     }
 
-    // The largest vertex (or normal) index so far and its line: checked last, as an index may refer to a later line.
+    // Largest vertex (or normal) index so far and its line: checked at the end, as vertices may come after faces.
     struct Pending {
         std::uint64_t count = 0;
         std::size_t line = 0;
@@ -156,13 +156,13 @@ private:
         if (const std::string remark = obj_remark(kind, word); !remark.empty()) {
             warn(line_, remark);
         } else if (!keeps_parts_) {
-            return;  // materials matter only if the mesh is split into parts
+            return;  // materials and groups matter only if the mesh is split into parts
         } else if (kind == ObjLine::material || kind == ObjLine::group) {
             (kind == ObjLine::material ? current_.material : current_.group) = rest_of_line();
             has_current_ = false;
         } else if (kind == ObjLine::library) {
             const std::size_t start = std::min(text_.find_first_not_of(" \t"), text_.size());
-            found_.libraries.emplace_back(text_.substr(start));  // file name of a library with all its spaces
+            found_.libraries.emplace_back(text_.substr(start));  // a library's file name may contain spaces
         } else if (kind == ObjLine::image && rest_of_line() != "off") {
             warn(line_, fmt::format("{} is passed over: images are those of the materials", word));
         }
@@ -187,7 +187,7 @@ private:
         }
     }
 
-    // Triangulates a polygon of `corners` corners anew, whose fan is stored in the mesh's triangles from `first` on.
+    // Triangulates a polygon of `corners` corners again, in place of its fan in the mesh's triangles from `first` on.
     void cut_polygon(std::size_t first, std::size_t corners, std::size_t line) {
         std::vector<std::array<float, 3>> places;
         for (std::size_t i = 0; i < corners; ++i) {
@@ -365,12 +365,12 @@ private:
     std::size_t at_ = 0, line_ = 0, lines_joined_ = 0;
     std::string_view text_;  // unread rest of the current OBJ line
     std::string joined_;
-    std::vector<ObjCorner> corners_;  // corners of the current face
+    std::vector<ObjCorner> corners_;  // corners of the current OBJ face
     std::vector<std::array<float, 3>> normals_;
-    std::vector<std::array<std::uint32_t, 3>> normal_triangles_;  // normals of triangles: indices into normals_
+    std::vector<std::array<std::uint32_t, 3>> normal_triangles_;  // indices into normals_ of each triangle's corners
     bool all_have_normals_ = true;
     std::vector<std::array<float, 2>> textures_;
-    std::vector<std::array<std::uint32_t, 3>> texture_triangles_;  // per triangle, indices into textures_
+    std::vector<std::array<std::uint32_t, 3>> texture_triangles_;  // indices into textures_ of each triangle's corners
     bool all_have_texture_ = true;
     Pending pending_vertex_, pending_normal_;
     std::vector<LatePolygon> late_polygons_;

@@ -148,7 +148,7 @@ public:
     }
 
 private:
-    // A polygon whose fan is stored in the mesh's triangles from `triangle` on.
+    // A polygon of a PLY face, whose fan is stored in the mesh's triangles from `triangle` on.
     struct Polygon {
         std::size_t triangle = 0, corners = 0;
         std::uint64_t face = 0;
@@ -171,7 +171,7 @@ private:
             const auto& triangle = mesh_.triangles[polygon.triangle + (i < 3 ? 0 : i - 2)];
             const std::uint32_t vertex = triangle[std::min<std::size_t>(i, 2)];
             if (vertex >= mesh_.vertices.size()) {
-                return;  // index out of range: check_mesh refuses the mesh
+                return;  // index beyond the vertices, for which check_mesh refuses the mesh
             }
             places.push_back(mesh_.vertices[vertex]);
         }
@@ -390,7 +390,7 @@ private:
             last = corner;
         }
         if (count > 3 && mesh_.vertices.empty()) {
-            late_polygons_.push_back(polygon);  // in this PLY file vertices follow after the faces
+            late_polygons_.push_back(polygon);  // triangulated later, as this PLY file has its vertices after the faces
         } else if (count > 3) {
             cut(polygon);
         }

@@ -14,7 +14,7 @@ constexpr double slight_of_extent = 0x1p-14, slight_of_edge = 0x1p-7;
 
 struct Extents {
     double low[3], high[3];
-    double side = 0;  // largest side of the bounding box
+    double side = 0;  // largest side of the mesh's bounding box
 };
 
 Extents extents_of(const Mesh& mesh) {

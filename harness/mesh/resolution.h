@@ -16,7 +16,7 @@ public:
     // Records a vertex before and after rounding. `place` is its number, as the reader counts.
     void add(const std::array<double, 3>& exact, const std::array<float, 3>& rounded, std::size_t place);
 
-    double largest() const { return largest_; }  // largest rounding error along one axis
+    double largest() const { return largest_; }  // largest rounding error of a vertex along one axis
     std::size_t place() const { return place_; }
 
 private:

@@ -27,7 +27,7 @@ DividedSphere icosahedron() {
             sphere.vertices.push_back(glm::normalize(corner));
         }
     }
-    const auto near = [&](std::uint32_t a, std::uint32_t b) {  // cosine between neighbours is 1/sqrt(5), else negative
+    const auto near = [&](std::uint32_t a, std::uint32_t b) {  // neighbours' cosine is 1/sqrt(5), others' negative
         return glm::dot(sphere.vertices[a], sphere.vertices[b]) > 0.4;
     };
     std::uint32_t edge_of[12][12] = {};
@@ -128,7 +128,7 @@ Mesh make_grid_sphere(std::uint32_t n, double bump, std::uint32_t frequency) {
                : i == n ? static_cast<std::uint32_t>(mesh.vertices.size() - 1)
                         : 1 + (i - 1) * 2 * n + j % (2 * n);
     };
-    for (std::uint32_t half = 0; half < 2; ++half) {  // OptiX probe's order: first halves of all quads first
+    for (std::uint32_t half = 0; half < 2; ++half) {  // OptiX probe's order: one triangle of each quad, then the other
         for (std::uint32_t i = 0; i < n; ++i) {
             for (std::uint32_t j = 0; j < 2 * n; ++j) {
                 const std::uint32_t a = vertex(i, j), b = vertex(i, j + 1), c = vertex(i + 1, j),
@@ -136,7 +136,7 @@ Mesh make_grid_sphere(std::uint32_t n, double bump, std::uint32_t frequency) {
                 if (half == 0 ? i > 0 : i + 1 < n) {
                     mesh.triangles.push_back(half == 0 ? std::array{a, b, c} : std::array{b, d, c});
                 } else {
-                    ++mesh.degenerate_left_out;  // two corners of the triangle are the pole
+                    ++mesh.degenerate_left_out;  // two corners of the triangle are a pole of the sphere
                 }
             }
         }

@@ -37,7 +37,7 @@ private:
     void add_cell(const std::array<std::uint32_t, 3>& cell) {
         for (int axis = 0; axis < 3; ++axis) {
             auto below = cell, above = cell;
-            --below[axis];  // an unsigned 0 wraps round to beyond the cube
+            --below[axis];  // an index below 0 wraps round, being unsigned, to one beyond the cube
             ++above[axis];
             if (below[axis] >= side_ || !is_left(below)) {
                 add_face(cell, (axis + 2) % 3, (axis + 1) % 3);
@@ -72,7 +72,7 @@ private:
     }
 
     std::uint32_t side_;
-    std::vector<std::uint32_t> vertex_at_;  // vertex index by lattice point
+    std::vector<std::uint32_t> vertex_at_;  // vertex index at each point of the sponge's lattice
     Mesh mesh_;
 };
 

@@ -14,10 +14,10 @@ namespace {
 struct RoundRow {
     double r, height, s;
 };
-constexpr double newell_share = 0.56;  // Newell's ratio s / r of control points; 0.5523 would be nearer to a circle
+constexpr double newell_share = 0.56;  // Newell's ratio s / r in quarter circles; 0.5523 would be nearer to a circle
 constexpr RoundRow round_row(double r, double height) { return {r, height, newell_share * r}; }
 
-// Profiles of round bodies, from the top down so that all patches face outward. Adjacent patches share a row.
+// Profiles of the teapot's round bodies, from the top down so that patches face outward. Adjacent patches share a row.
 constexpr RoundRow rim_and_body[] = {round_row(1.4, 2.4),  round_row(1.3375, 2.53125), round_row(1.4375, 2.53125),
                                      round_row(1.5, 2.4),  round_row(1.75, 1.875),     round_row(2.0, 1.35),
                                      round_row(2.0, 0.9),  round_row(2.0, 0.45),       round_row(1.5, 0.225),
@@ -128,7 +128,7 @@ Mesh make_teapot(std::uint32_t n) {
 }
 
 Mesh make_stadium(std::uint32_t n) {
-    constexpr float half_side = 326'250.0f;  // 10^5 times half the teapot's length of 6.525
+    constexpr float half_side = 326'250.0f;  // half the quad's side: 10^5 times half the teapot's length of 6.525
     Mesh mesh = make_teapot(n);
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     for (const auto& [x, z] : {std::pair{-1.0f, -1.0f}, {-1.0f, 1.0f}, {1.0f, 1.0f}, {1.0f, -1.0f}}) {

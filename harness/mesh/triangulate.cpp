@@ -14,7 +14,7 @@ namespace {
 
 // Tolerances for polygons that were convex or flat before their corners were rounded to single precision.
 constexpr double slight_area = 0x1p-16;
-constexpr double slight_height = 0.01;      // bend below which both ways to split a polygon look alike
+constexpr double slight_height = 0.01;      // share of a polygon's size below which a bend looks alike however split
 constexpr std::size_t most_corners = 4096;  // most polygon corners for the quadratic test for crossing edges
 constexpr std::uint64_t most_looks = std::uint64_t{1} << 28;  // limit on tests of corners for lying in an ear
 
@@ -32,7 +32,7 @@ double cross(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y 
 double turn(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) { return cross(b - a, c - a); }
 
 struct FanFacts {
-    glm::dvec3 normal{0.0};  // Newell's normal, of length twice the area
+    glm::dvec3 normal{0.0};  // polygon normal by Newell's method, of length twice the area
     double covered = 0;      // twice the summed area of all triangles of the fan
     double backward = 0;     // twice the area of fan triangles facing against the normal
     double angle = 0;        // sum of the fan's angles at the first corner

@@ -18,17 +18,17 @@ using LearningConfig =
     Config<float, (all_features | traversals) & ~set_of(Feature::adjoint_roulette), RunTimeAccelerator>;
 
 constexpr std::size_t paths_per_chunk = 128;
-// Weight, in records, of the average that is mixed into each estimate, since estimates from few records are noisy.
+// Weight of the overall mean in each estimate of radiance, in records, since estimates from few records are noisy.
 constexpr double records_of_the_mean = 32;
-constexpr std::uint32_t most_tiles = 16;  // image tiles with an estimate each, along each side of the image
-constexpr std::uint32_t most_steps = 64;  // path segments with an estimate each; later ones share the last
-// The share of vertices that may lie outside the grid on either side of each axis.
+constexpr std::uint32_t most_tiles = 16;  // image tiles per side of the image; each tile has an estimate of radiance
+constexpr std::uint32_t most_steps = 64;  // path segments with an estimate each; later segments share the last one
+// The share of recorded path vertices that may lie outside the grid of estimates, on either side of each axis.
 constexpr double left_out = 0.005;
 constexpr double least_estimate = 0x1p-20, most_estimate = 0x1p20;
 
 float sum_of(const Vec3<float>& colour) { return sum_of_channels(colour); }
 
-// Records a path at each vertex. At first `brought` is minus the radiance gathered up to the vertex.
+// Records each vertex of a learning path. Until the path ends, `brought` is minus the radiance gathered so far.
 struct Notes {
     template <class Config>
     static constexpr bool acts_in = true;
@@ -44,7 +44,7 @@ struct Notes {
     }
 };
 
-// Traces one learning path and puts its vertices into `records`.
+// Traces one learning path and puts a record of each of its vertices into `records`.
 void note_path(const SceneView<float>& scene, std::uint32_t pixel, std::uint32_t sample,
                std::vector<AdjointRecord>& records) {
     records.clear();
@@ -75,7 +75,7 @@ std::uint32_t pixel_of(std::uint64_t path, const RenderSettings& settings, const
     return static_cast<std::uint32_t>((path * pixels + ((hash * pixels) >> 32)) / settings.adjoint.paths);
 }
 
-// A ratio estimate, radiance gathered over throughput, into which a prior is mixed with a weight.
+// An estimate of radiance as a ratio: radiance gathered over throughput, into which a prior is mixed with a weight.
 class Estimate {
 public:
     void add(double brought, double carried) {
@@ -92,7 +92,7 @@ private:
 
 float bounded(double estimate) { return static_cast<float>(std::clamp(estimate, least_estimate, most_estimate)); }
 
-// Fits the grid of estimates around the vertices: low corner and cells per scene unit along each axis.
+// Fits the grid of radiance estimates around path vertices: low corner and cells per scene unit along each axis.
 template <class Real>
 void set_grid(AdjointCache<Real>& cache, const std::vector<AdjointRecord>& vertices) {
     const std::size_t stride = vertices.size() / 4096 + 1;
@@ -117,7 +117,7 @@ std::uint32_t place_of(const AdjointCache<Real>& cache, const AdjointRecord& ver
     return adjoint_place(cache, Vec3<Real>(vertex.position), normal);
 }
 
-// For each pixel, the image's mean radiance over that of the tile that contains the pixel.
+// A factor for each pixel: the image's mean radiance over that of the image tile that contains the pixel.
 std::vector<float> by_pixel(const std::vector<AdjointStart>& starts, const RenderSettings& settings, double mean) {
     const std::uint32_t columns = std::min(most_tiles, settings.width), rows = std::min(most_tiles, settings.height);
     const auto tile_of = [&](std::uint32_t x, std::uint32_t y) {
@@ -218,7 +218,7 @@ std::unique_ptr<const AdjointTable<Real>> adjoint_table(const AdjointRecords& re
         all.add(start.brought, 1);
     }
     const double mean = all.value(0, 0);
-    if (!(mean > 0)) {  // no radiance, or no vertices at all
+    if (!(mean > 0)) {  // the learning paths gathered no radiance, or have no vertices
         return nullptr;
     }
     auto table = std::make_unique<AdjointTable<Real>>();
@@ -243,7 +243,7 @@ LearnedAdjoint<Real> learned_adjoint(const Scene& scene, const RenderSettings& s
     if (settings.adjoint.paths == 0) {
         return learned;
     }
-    const SceneBuffers<float> trees(scene, settings, quick_acceleration(scene));  // builds the trees, for later too
+    const SceneBuffers<float> trees(scene, settings, quick_acceleration(scene));  // builds trees before timing starts
     const double cpu_start = process_cpu_ms();
     const auto start = std::chrono::steady_clock::now();
     learned.table = adjoint_table<Real>(learn_adjoint(scene, settings), settings);

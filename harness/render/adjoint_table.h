@@ -12,10 +12,10 @@
 
 namespace pt {
 
-// A vertex of a learning path, before the path scatters; colours are sums of their channels.
+// A vertex of a learning path, before the path scatters there; `carried` and `brought` are sums of colour channels.
 struct AdjointRecord {
     Vec3<float> position;  // vertex position relative to the eye
-    std::uint32_t side;    // nearest_side of the surface normal
+    std::uint32_t side;    // direction that the surface normal is nearest to (nearest_side)
     std::uint32_t segment;
     float carried;  // throughput of the path at this vertex
     float brought;  // radiance gathered from this vertex to the path's end
@@ -27,7 +27,7 @@ struct AdjointStart {
     float brought;
 };
 
-// Records of learning paths, one path after the other.
+// Records of learning paths: all vertices and starts, one path after the other.
 struct AdjointRecords {
     std::vector<AdjointRecord> vertices;
     std::vector<AdjointStart> starts;
@@ -38,7 +38,7 @@ AdjointRecords learn_adjoint(const Scene& scene, const RenderSettings& settings)
 
 template <class Real>
 struct AdjointTable {
-    AdjointCache<Real> cache{};  // kernels' view, with pointers into the vectors below
+    AdjointCache<Real> cache{};  // table as kernels see it, with pointers into the vectors below
     std::vector<float> by_place, by_segment, by_pixel;
 
     AdjointTable() = default;
@@ -54,7 +54,7 @@ std::unique_ptr<const AdjointTable<Real>> adjoint_table(const AdjointRecords& re
 // acceleration structures is not counted, as in a render.
 template <class Real>
 struct LearnedAdjoint {
-    std::unique_ptr<const AdjointTable<Real>> table;  // null if roulette needs no estimates or paths gathered nothing
+    std::unique_ptr<const AdjointTable<Real>> table;  // null if no estimates are needed or paths gathered no light
     double wall_ms = 0, cpu_ms = 0;
 
     const AdjointCache<Real>* cache() const { return table != nullptr ? &table->cache : nullptr; }

@@ -19,7 +19,7 @@ std::vector<RenderPart> parts_of(const RenderRequest& request);
 // queue, whose batches end at checkpoints, or with sums in single precision, which start anew.
 bool stops_change_film(const Variant& variant, Backend backend);
 
-// Whether the request has a callback that looks at the film between two parts.
+// Whether the render request has a callback that looks at the film between two parts.
 bool is_shown(const RenderRequest& request);
 
 // Passes the state of the render after `part` to the request's callback, if it has one.

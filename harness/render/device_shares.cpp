@@ -26,8 +26,8 @@ SampleRange SampleSource::share(std::uint32_t device) const {
     return partition_.is_by_rows ? samples_ : equal_share(samples_, device, devices_);
 }
 
-// The size of the next chunk: half of an equal share of what is left, so that all devices end together, but at least a
-// sixteenth of a device's share, up to 16 samples, so that the cost of launches does not show.
+// Number of samples that a device takes next from the shared counter: half of an equal share of those left, so that all
+// devices end together, but at least a sixteenth of a device's share, up to 16 samples, so that launches cost little.
 std::uint32_t SampleSource::chunk(std::uint32_t left) const {
     constexpr std::uint32_t least_samples = 16, least_share = 16;
     const std::uint32_t least = std::clamp(samples_.count / (least_share * devices_), 1u, least_samples);

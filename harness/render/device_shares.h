@@ -27,23 +27,23 @@ struct SampleRange {
 // Part number `taker` of `takers` equal parts of the samples; the first parts have one sample more where needed.
 SampleRange equal_share(const SampleRange& samples, std::uint32_t taker, std::uint32_t takers);
 
-// The number of devices that get work: at most the number of samples, or of rows.
+// The number of devices that get work in a render: at most the number of samples or, by rows, of image rows.
 std::uint32_t devices_at_work(const PartitionTraits& partition, std::uint32_t devices, std::uint32_t samples,
                               std::uint32_t height);
 
 // The image rows of one device: all rows, or where the partition is by rows every devices-th row.
 Rows rows_of(const PartitionTraits& partition, std::uint32_t device, std::uint32_t devices);
 
-// Hands out the samples of one part of a render to devices. By partition a device gets its contiguous share once, or
-// all samples once for its own rows, or, chunk by chunk, a fraction of what is left of a shared counter. May be called
-// by all devices at the same time.
+// Hands out the samples of one part of a render to devices. Depending on the partition, a device gets its contiguous
+// share of them once, or all of them once for its own image rows, or, chunk by chunk, a fraction of those that a shared
+// counter has left. May be called by all devices at the same time.
 class SampleSource {
 public:
     SampleSource(const PartitionTraits& partition, std::uint32_t devices, const SampleRange& samples);
 
     // The next range of samples that a device shall render; nothing if it has no work left.
     std::optional<SampleRange> next(std::uint32_t device);
-    // The most samples per pixel that `next` may hand out at once.
+    // The most samples per pixel that one call of `next` may hand out.
     std::uint32_t most_at_once() const;
 
 private:
@@ -55,7 +55,7 @@ private:
     SampleRange samples_;
     std::mutex mutex_;
     std::uint32_t taken_ = 0;    // samples handed out from the shared counter
-    std::vector<bool> has_had_;  // by device: whether the device has had its share of samples
+    std::vector<bool> has_had_;  // for each device whether it has had its share of samples
 };
 
 }  // namespace pt

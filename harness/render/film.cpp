@@ -17,12 +17,12 @@ std::string faults_text(const FilmFaults& faults) {
 
 double film_scale(double bound, std::uint64_t samples) {
     int bound_exponent = 0;
-    std::frexp(bound, &bound_exponent);  // yields the exponent with bound < 2^bound_exponent
+    std::frexp(bound, &bound_exponent);  // finds the exponent of the least power of two above `bound`
     int sample_exponent = 16;
     while (sample_exponent < 62 && (std::uint64_t{1} << sample_exponent) < samples) {
         ++sample_exponent;
     }
-    // The exponent is limited so that the scale stays finite for radiances below the range of float.
+    // The scale's exponent is limited, so that the scale stays finite for bounds below the range of float.
     constexpr int largest_exponent = 960;
     return std::ldexp(1.0, std::min(62 - 6 - sample_exponent - bound_exponent, largest_exponent));
 }
@@ -37,8 +37,8 @@ Film::Film(std::uint32_t width, std::uint32_t height, double bound, std::uint64_
 
 FilmView Film::view() {
     FilmView view{.sums = sums_.data(), .faults = &faults_, .scale = scale_, .limit = limit_};
-    // With scales in this range, the product of a sample and the scale overflows or underflows single precision only
-    // where it is beyond the limit, or rounds to 0.
+    // With a film scale in this range, the product of a radiance and the scale overflows or underflows single precision
+    // only where it is beyond the film's limit, or rounds to 0.
     if (scale_ >= 0x1p-60 && scale_ <= 0x1p100) {
         view.single_scale = static_cast<float>(scale_);
         const float rounded = static_cast<float>(limit_);

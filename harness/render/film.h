@@ -18,7 +18,7 @@ public:
     FilmView view();
     std::uint32_t width() const { return width_; }
     std::uint32_t height() const { return height_; }
-    // Samples per pixel by which pixel() and radiance() divide the sums.
+    // Samples per pixel that the sums hold, by which pixel() and radiance() divide.
     std::uint64_t samples() const { return samples_; }
     // Sets the number of samples per pixel added so far, if more will follow; scale and limit stay unchanged.
     void set_samples(std::uint64_t samples) { samples_ = samples; }
@@ -31,7 +31,7 @@ public:
     // Mean radiance of a pixel over the film's samples.
     Vec3d pixel(std::uint32_t index) const;
     Vec3d mean() const;
-    // Hash of the sums as 16 hex digits: FNV-1a over words, with the high bits folded in. Equal hashes mean equal bits.
+    // Hash of the film's sums, 16 hex digits: FNV-1a over words, high bits folded in. Equal hashes mean equal bits.
     std::string hash() const;
     // The film's mean radiance as linear RGB, row-major from the top.
     std::vector<float> radiance() const;

@@ -18,7 +18,7 @@ struct FirstHits {
     std::vector<float> coverage;  // share of a pixel's camera rays that hit a surface
 };
 
-// Limit on the camera rays per pixel; the first samples of longer renders stand for all.
+// Most camera rays per pixel that first hits are averaged over; renders of more samples use only the first of them.
 inline constexpr std::uint32_t most_first_hit_rays = 256;
 
 // Traces the camera rays of the request's first samples (at most most_first_hit_rays) in the variant's precision and

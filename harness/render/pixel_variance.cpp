@@ -43,7 +43,7 @@ std::vector<float> PixelVariance::of_mean() const {
     if (batches_ < 2) {
         throw std::logic_error("the variance of a single batch");
     }
-    // A batch of n samples has n times less variance than a sample, so a sample's variance is squares_ / (batches - 1).
+    // A batch of n samples has n times less variance than one sample, whose variance is thus squares_ / (batches - 1).
     const double factor = 1 / (static_cast<double>(batches_ - 1) * static_cast<double>(samples_));
     std::vector<float> values(squares_.size());
     std::transform(squares_.begin(), squares_.end(), values.begin(),

@@ -17,7 +17,7 @@ namespace pt {
 
 namespace {
 
-// One queue per layout for the whole process, so that a timed render finds its memory allocated.
+// One path queue per layout for the whole process, so that a timed render finds its memory allocated.
 PathQueue& queue_for(const Variant& variant) {
     static std::map<std::string, PathQueue> queues;
     const auto [position, inserted] = queues.try_emplace(variant[axes::layout]);
@@ -67,7 +67,7 @@ RenderResult render_in(const Scene& scene, const RenderRequest& request, const K
         wake_threads();
         const double cpu_start = process_cpu_ms();
         const auto start = std::chrono::steady_clock::now();
-        // A render's time includes allocating and filling its first-bounce cache; queues stay from render to render.
+        // A render's time includes allocating and filling its first-bounce cache; path queues outlive renders.
         if (cache.rays > 0 && job.cache == nullptr) {
             cache.hits.resize(std::size_t{settings.width} * settings.height * cache.rays);
             job.cache = &cache;
@@ -205,8 +205,8 @@ std::string KernelChoice::note() const {
 KernelChoice choose_kernel(const Scene& scene, const Variant& variant, Backend backend) {
     const Registry& registry = Registry::instance();
     const FeatureSet needed = features_of(scene) | features_asked(variant, backend);
-    // On CUDA a kernel is compiled for exactly the features needed. A shortcut feature gives the bits of the plain
-    // formulas only, so it is left out with others.
+    // On CUDA a kernel is compiled for exactly the features needed. Shortcuts give the bits of the plain formulas, so
+    // they are left out of kernels with other formulas.
     const FeatureSet shortcuts_here = (needed & formulas) == 0 ? shortcuts_of(scene) : no_features;
     KernelOffer offer{needed,
                       shortcuts_here,
@@ -247,7 +247,7 @@ bool set_cuda_render(RenderRequested render) {
 }
 
 RenderResult render(const Scene& scene, const RenderRequest& request) {
-    (void)parts_of(request);  // throws for invalid checkpoints before anything is rendered
+    (void)parts_of(request);  // throws if checkpoints are invalid, before anything is rendered
     if (request.backend == Backend::cuda) {
         return cuda_render()(scene, request);
     }

@@ -14,7 +14,7 @@ namespace pt {
 // The state of a render after some of its samples; valid only during the callback.
 struct Checkpoint {
     std::uint32_t samples = 0;  // samples per pixel rendered so far
-    double wall_ms = 0;         // times so far, as in RenderResult, without callbacks
+    double wall_ms = 0;         // times in ms so far, as in RenderResult, without those of callbacks
     double device_ms = 0;
     double cpu_ms = 0;
     const Film& film;  // film of the samples so far, at the scale of the whole render
@@ -23,7 +23,7 @@ struct Checkpoint {
 struct RenderRequest {
     Variant variant;
     Backend backend = Backend::cpu;
-    RenderSettings settings;  // settings that the variant determines are replaced (settings_for)
+    RenderSettings settings;  // render settings; those that follow from the variant are replaced (settings_for)
     std::uint32_t first_sample = 0;
     std::uint32_t samples = 1;  // samples per pixel to render
     bool instrument = false;    // measures stages and live paths, which falsifies the render's time
@@ -47,7 +47,7 @@ struct CudaFacts {
     double compile_seconds = 0;        // time spent in NVRTC or on reading the kernel cache
     bool from_cache = false;           // whether all modules were in the kernel cache or loaded already
     double prepare_ms = 0;             // time for allocation, upload and graph capture
-    std::size_t device_bytes = 0;      // device memory of the cell's arena
+    std::size_t device_bytes = 0;      // device memory that the render uses: arena, and meshes with their trees
     std::size_t path_bytes = 0;        // device memory per path in the queue, including compaction and sorting
     std::size_t path_state_bytes = 0;  // part of `path_bytes`: one copy of a path's state
     std::uint32_t threads = 0;         // threads per thread block
@@ -66,8 +66,8 @@ struct DeviceFacts {
     std::uint32_t count = 1;
     // For each device the time from the common start to the end of its own work, without the reduction; 0 if idle.
     std::vector<double> own_ms;
-    double slowest_ms = 0;  // time from the common start until the last device has rendered
-    double reduce_ms = 0;   // time from then until the first device has the films' sum
+    double slowest_ms = 0;  // time from the common start until the last device has rendered its share
+    double reduce_ms = 0;   // time from the end of slowest_ms until the first device has the sum of all films
 };
 
 struct RenderResult {
@@ -82,14 +82,14 @@ struct RenderResult {
     CudaFacts cuda = {};         // facts of a render on CUDA
     MeshFacts meshes = {};       // facts about meshes; zero triangles if the scene has none
     HealthCounters health = {};  // counters of an inspecting integrator; else zero paths
-    DeviceFacts devices = {};    // for several devices: wall_ms is slowest_ms + reduce_ms + learning for roulette
+    DeviceFacts devices = {};    // facts of several devices: wall_ms is slowest_ms + reduce_ms + learning for roulette
 };
 
 // The kernel with which a variant renders a scene: the features needed, and those compiled into the kernel.
 struct KernelChoice {
     FeatureSet needed, compiled;
     RenderFunction render;                        // render function on the CPU backend
-    RenderIn<double> render_in_double = nullptr;  // replaces `render` on the CPU with precision=double
+    RenderIn<double> render_in_double = nullptr;  // function for precision=double on the CPU, in place of `render`
     // How well the kernel fits the scene: "exact", or "has .. for nothing" with the features that the scene lacks.
     std::string note() const;
 };
@@ -104,11 +104,11 @@ inline constexpr std::uint64_t most_by_brute_force = 100'000;
 // The variant whose film this variant must equal bit for bit on a scene (Registry::reference). For scenes with more
 // than most_by_brute_force triangles, accelerators are compared with one of themselves.
 Variant reference_on(const Scene& scene, const Variant& variant, Backend backend);
-// The variants that verification renders: the variant, its exact twin, the reference, and those of claims about means.
+// The variants that verification renders: the given one, its exact twin, its reference, and those of claims on means.
 std::vector<Variant> rendered_to_check(const Scene& scene, const Variant& variant, Backend backend);
 // Largest number of objects with meshes for which testing each in turn is the reference; beyond, a tree over them is.
 inline constexpr std::ptrdiff_t most_objects_in_turn = 16;
-// A reference with a tree accelerator wherever there are meshes, for films that take long to render.
+// The reference variant for films that take long to render: with a tree accelerator wherever there are meshes.
 Variant fast_reference_on(const Scene& scene, const Variant& variant, Backend backend);
 
 // A CPU accelerator that is fast on large meshes; all accelerators give the same hits.
@@ -117,7 +117,7 @@ Acceleration quick_acceleration(const Scene& scene);
 // The settings of a render request, completed by what its variant determines.
 RenderSettings settings_for(const RenderRequest& request, const KernelChoice& kernel);
 
-// What an inspecting integrator must know of a scene, without counters; `file_index` is by object number.
+// Data on a scene for inspecting integrators, without counters; `file_index` maps object numbers to Scene::objects.
 HealthRequest health_request(const Scene& scene, const std::vector<std::uint32_t>& file_index);
 
 // Renders the request. Precondition: why_not_applicable(variant, features) is empty. Throws MachineError if memory runs

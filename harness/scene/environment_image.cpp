@@ -120,7 +120,7 @@ private:
             refuse_line("no VIEW: an equirectangular image of all round, which no view of Radiance is");
         }
     }
-    // Records a factor (EXPOSURE or COLORCORR) of an .hdr file. Returns false if it cannot be divided out.
+    // Records a factor (EXPOSURE or COLORCORR) of an .hdr file's texels. Returns false if it cannot be divided out.
     bool multiply(const std::array<double, 3>& factor) {
         bool is_good = true;
         for (std::size_t i = 0; i < 3; ++i) {

@@ -9,8 +9,8 @@ namespace {
 
 constexpr double all_words = 0x1p32;
 
-// Divides the 2^32 values of a 32-bit random number into intervals in proportion to the weights, none of them empty
-// (equal intervals if all weights are 0), and returns where each begins.
+// Divides the 2^32 values of a random word into intervals in proportion to the weights, none of them empty (equal
+// intervals if all weights are 0), and returns the first value of each interval.
 std::vector<std::uint32_t> beginnings_of(const std::vector<double>& weights) {
     double total = 0;
     for (const double weight : weights) {
@@ -18,7 +18,7 @@ std::vector<std::uint32_t> beginnings_of(const std::vector<double>& weights) {
     }
     const bool is_known = total > 0;
     const auto count = static_cast<double>(weights.size());
-    const double spread = all_words - count;  // random words left after one for each weight
+    const double spread = all_words - count;  // random words to be shared out after each weight has one
     std::vector<std::uint32_t> beginnings;
     double before = 0;
     for (std::size_t i = 0; i < weights.size(); ++i) {
@@ -54,7 +54,7 @@ void set_choice(EnvironmentMap<Real>& map, std::uint32_t lights, bool uniformly)
     const double share = map.object_share;
     map.inverse_probability = static_cast<Real>(all_words / (all_words - share));
     map.inverse_object_probability = static_cast<Real>(share > 0 ? all_words / share : 0.0);
-    // The factor that rescales a random word after emitters were chosen over the environment must fit 32 bits.
+    // The factor that stretches random words below object_share to 32 bits must itself fit 32 bits.
     map.stretch = static_cast<std::uint32_t>(share > 0 ? std::min(0x1p31 * (all_words / share), all_words - 1) : 0.0);
 }
 

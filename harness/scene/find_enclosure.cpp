@@ -13,10 +13,10 @@ namespace pt {
 namespace {
 
 constexpr std::uint32_t nobody = 0xffffffffu;
-constexpr std::size_t most_boxes = 32;  // boxes that may be walls: AxisAlignedEnclosure::walls has a bit for each
+constexpr std::size_t most_boxes = 32;  // no walls are sought among more boxes: AxisAlignedEnclosure::walls has 32 bits
 constexpr std::size_t most_candidates = 4096;  // limit on combinations of walls, so that large scenes load fast
 
-// The two axis-aligned boxes that are the walls of an enclosure on one axis; nobody: that side is open.
+// The two axis-aligned boxes that are an enclosure's walls on one axis; `nobody` stands for an open side.
 struct Sides {
     std::uint32_t low = nobody, high = nobody;
 };
@@ -57,14 +57,14 @@ private:
         return scene_.velocity[first_of<ShapeKind::axis_box>(scene_) + i] == Vec3<Real>(Real(0));
     }
 
-    // A box may be a wall only if its thinnest side is along the axis, which keeps the search for walls short.
+    // A box may be a wall on an axis only if it is thinnest along that axis, which keeps the search for walls short.
     bool may_be_wall(std::uint32_t i, int axis) const {
         const Vec3<Real> size = box(i).high - box(i).low;
         return size[axis] > Real(0) && size[axis] < size[(axis + 1) % 3] && size[axis] < size[(axis + 2) % 3] &&
                is_at_rest(i);
     }
 
-    // Candidates for the walls on one axis: pairs of boxes that face each other, and single boxes.
+    // Candidates for the enclosure's walls on one axis: pairs of boxes that face each other, and single boxes.
     std::vector<Sides> sides_on(int axis) const {
         std::vector<Sides> found;
         std::vector<std::uint32_t> walls;
@@ -113,7 +113,7 @@ private:
         return enclosure;
     }
 
-    // Sets the extent of the enclosure along one axis. Its open side lies as far out as any wall reaches.
+    // Sets the enclosure's extent along one axis. A side without a wall lies as far out as any wall reaches.
     void set_sides(AxisAlignedEnclosure<Real>& enclosure, int axis, const Sides& sides,
                    const std::vector<std::uint32_t>& walls) const {
         enclosure.low[axis] = sides.low != nobody ? box(sides.low).high[axis] : box(walls.front()).low[axis];

@@ -39,7 +39,7 @@ InstanceBoxes::InstanceBoxes(const MeshInstance<Real>& instance, const Box& own,
 // Inverts an instance's transformation by cofactors of its matrix rows as rounded for kernels.
 void InstanceBoxes::set_inverse() {
     const auto row = [&](int i) { return Vec3d(row_[i][0], row_[i][1], row_[i][2]); };
-    // Rows are normalised first, so that their products neither overflow nor underflow.
+    // Matrix rows are normalised first, so that products of their entries neither overflow nor underflow.
     double length[3];
     Vec3d unit[3];
     for (int i = 0; i < 3; ++i) {
@@ -154,7 +154,7 @@ double farthest_origin(const SceneView<Real>& scene, double last_time) {
 #define PT_ADD_KIND(name, array, Type) add(scene.array, first_of<ShapeKind::name>(scene));
     PT_SHAPES(PT_ADD_KIND)
 #undef PT_ADD_KIND
-    return farthest * 1.001;  // covers the roundings by which a ray origin is pulled onto its surface
+    return farthest * 1.001;  // the factor covers roundings by which a ray origin is pulled onto its surface
 }
 
 template InstanceBoxes::InstanceBoxes(const MeshInstance<float>&, const Box&, const Sweep&);

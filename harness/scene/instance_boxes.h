@@ -37,11 +37,11 @@ private:
     // Extends a bounding box over the instance's motion and grows it by its margins, rounded outward.
     Box swept(const Vec3d& low, const Vec3d& high, double margin_of_origins) const;
 
-    double row_[3][3], inverse_[3][3];  // maps from scene space into the instance's own, and back
+    double row_[3][3], inverse_[3][3];  // matrix from scene space into the instance's own, and its inverse
     Vec3d offset_;
     Box own_;
     Sweep sweep_;
-    Vec3d margin_;  // margin of a box for ray origins at 0
+    Vec3d margin_;  // margin of the instance's bounding boxes by axis, for ray origins at 0
     double margin_by_origin_ = 0;
 };
 

@@ -21,7 +21,7 @@ Vec3d turned_from_z(const Vec3d& v, const Vec3d& direction) {
     return v + across + cross(axis, across) / (1 + direction.z);
 }
 
-// Directions from a sphere of the sphereflake to its nine children, where +z points away from its own parent.
+// Directions from a sphere of the sphereflake to its nine children; +z points away from the sphere's parent.
 std::vector<Vec3d> directions_of_children() {
     std::vector<Vec3d> directions;
     const auto add = [&](double degrees, double level, double height) {

@@ -23,7 +23,7 @@ std::vector<Copy> read_instances(const JsonValue& value, double scale);
 // Proposal for Standard Graphics Environments", IEEE CG&A 7 (11), 1987.
 std::vector<Copy> sphereflake(std::uint32_t levels);
 
-// Places side x side copies on a grid in the plane y = 0 round the origin, `spacing` apart, each turned at random.
+// Copies on a side x side grid in the plane y = 0, `spacing` apart, each rotated about y by a random angle.
 std::vector<Copy> field(std::uint32_t side, double spacing, std::uint64_t seed);
 
 SceneObject copied(const SceneObject& object, const Copy& copy);

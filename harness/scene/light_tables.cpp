@@ -59,8 +59,8 @@ std::vector<Vec3d> shown_shares(std::span<const LightExtent> lights) {
     return shares;
 }
 
-// Converts probabilities to whole numbers that add up to one full slot of the alias table per light. The rounding error
-// goes to the largest.
+// Converts lights' selection probabilities to whole numbers that add up to one full slot of the alias table per light.
+// The rounding error goes to the largest.
 std::vector<std::uint64_t> slot_masses(const std::vector<double>& shares) {
     const double total = static_cast<double>(shares.size()) * static_cast<double>(whole_slot);
     std::vector<std::uint64_t> masses;
@@ -143,9 +143,9 @@ private:
     };
 
     // Scale of the projected areas in light tree nodes: the square of the lights' extent, rounded to a power of two, so
-    // that sums of estimated contributions are near 1 where Shares must resolve them. Products of scale and distance
-    // must stay in float's range, so for an extent below 1 the scale is the extent itself, and from 2^39 on 2^115 over
-    // the extent.
+    // that sums of estimated contributions are near 1, where Shares (kernels/light_selection.h) resolve them. Products
+    // of scale and distance must stay in float's range, so for an extent below 1 the scale is the extent itself, and
+    // from 2^39 on 2^115 over the extent.
     static double scale_for(const Bounds<double>& bounds) {
         const Vec3d size = bounds.high - bounds.low;
         const double extent = std::max({size.x, size.y, size.z});
@@ -196,8 +196,8 @@ private:
         }
     }
 
-    // Splits a node's lights into up to 16 children by repeatedly splitting the part of highest cost. If one child
-    // could not hold all its lights within the levels left, all parts are halved instead.
+    // Splits a light tree node's lights into up to 16 children by repeatedly splitting the part of highest cost. If a
+    // child could not hold so many lights within the levels left, all parts are halved instead.
     std::vector<Range> divide(Range range, std::uint32_t level) {
         constexpr std::uint32_t most = LightNode<Real>::most_children;
         const std::uint64_t below = std::uint64_t{1} << (4 * (LightNode<Real>::most_levels - 1 - level));
@@ -303,7 +303,7 @@ private:
     LightTables<Real>* tables_;
     std::vector<std::uint32_t> order_;
     // Scale of the projected areas in light tree nodes. Contributions fall with the squared distance, and in some units
-    // of length their sums would be so near 0 or infinity that Shares could not resolve them.
+    // of length their sums would be so near 0 or infinity that Shares could not make probabilities of them.
     double scale_ = 1;
 };
 

@@ -29,8 +29,8 @@ struct BeyondMitsuba {
 struct MitsubaBsdf {
     enum class Type { diffuse, conductor, dielectric, none };
     Type type = Type::diffuse;
-    std::optional<Vec3d> colour;          // colour that is reflected or, by a boundary, transmitted
-    const SceneTexture* image = nullptr;  // texture in place of the colour, or null
+    std::optional<Vec3d> colour;          // colour that the surface reflects or, as a boundary, transmits
+    const SceneTexture* image = nullptr;  // texture that takes the place of the colour; null: none
 };
 
 // What Mitsuba cannot express of a material with rough microfacets: its masking term is another formula.
@@ -41,8 +41,8 @@ struct MaterialKind {
     SceneMaterial (*read)(const JsonValue& value) = nullptr;
     // Feature flags that kernels need for the material, beyond the kind's own and Feature::emission.
     FeatureSet (*extra_features)(const SceneMaterial& material) = [](const SceneMaterial&) { return no_features; };
-    // Fills in the parameters of the kind, of which a kind with the trait `by_surface` has none. `absorbs` and the
-    // fields that every material has are filled in already.
+    // Fills the kind's parameters into the packed material; a kind with the trait `by_surface` has none. `absorbs` and
+    // the fields that every material has are filled in already.
     void (*pack_single)(const SceneMaterial& material, Material<float>& packed) = [](const SceneMaterial&,
                                                                                      Material<float>&) {};
     void (*pack_double)(const SceneMaterial& material, Material<double>& packed) = [](const SceneMaterial&,
@@ -56,9 +56,9 @@ struct MaterialKind {
     bool (*needs_inside)(const SceneMaterial& material) = [](const SceneMaterial&) { return false; };
     // Whether the material's microfacets have no effect, so that a roughness texture need not be looked up.
     bool (*ignores_roughness)(const SceneMaterial& material) = [](const SceneMaterial&) { return false; };
-    // Upper bound on the factor by which one path vertex multiplies the throughput, where it can exceed 1.
+    // Upper bound on the factor by which the throughput grows at a path vertex on the material; above 1 for some kinds.
     double (*largest_gain)(const SceneMaterial& material) = [](const SceneMaterial&) { return 1.0; };
-    bool reflects_all_at_grazing = false;  // whether grazing light is reflected fully, whatever the colour
+    bool reflects_all_at_grazing = false;  // whether the material reflects all grazing light, whatever its colour
     // The share of light that every bounce off the material reflects, or nothing if its lobes reflect different shares.
     std::optional<Vec3d> (*even_reflectance)(const SceneMaterial& material) = [](const SceneMaterial&) {
         return std::optional<Vec3d>();
@@ -113,7 +113,7 @@ template <class Real>
 Boundary<Real> leaving_boundary(double ior);
 inline constexpr double largest_radiance = 1e30;
 Vec3d read_vector(const JsonValue& value, double low, double high, const std::string& allowed);
-Vec3d read_fractions(const JsonValue& value);  // reads a vector of numbers from 0 to 1
+Vec3d read_fractions(const JsonValue& value);  // reads a vector of three numbers from 0 to 1
 Vec3d read_radiance(const JsonValue& value);
 Vec3d read_sigma(const JsonValue& value);
 double read_ior(const JsonValue& value);

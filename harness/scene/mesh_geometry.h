@@ -10,8 +10,8 @@
 
 namespace pt {
 
-// How trees over meshes are built: the names of the accelerator, builder and levels, which are part of the cache key,
-// and their hooks.
+// How trees over meshes are built: the accelerator, builder and levels by name, which are part of the cache key, and by
+// their hooks.
 struct Acceleration {
     std::string accelerator, builder;
     AcceleratorHook accelerator_hook;
@@ -38,10 +38,10 @@ struct MeshTree {
     std::vector<LeafTriangle> leaves;
     EncodedTree encoded;
     NativeMesh native;
-    double build_ms = 0;      // time to build the tree
+    double build_ms = 0;      // host time to build the tree
     double encode_ms = 0;     // time to convert the tree to the accelerator's format
     double sah_cost = 0;      // SAH cost of the builder's tree; 0: no tree
-    std::uint64_t bytes = 0;  // bytes of nodes, leaves and native data
+    std::uint64_t bytes = 0;  // bytes of the mesh's tree: nodes, leaves and native data
 
     std::size_t kept_bytes() const { return bytes; }
 };
@@ -58,8 +58,8 @@ struct MeshFacts {
     std::uint64_t triangles = 0;
     std::uint64_t nodes = 0;
     std::uint64_t node_bytes = 0;
-    std::uint64_t leaf_bytes = 0;  // bytes of leaf triangles, duplicates included
-    double build_ms = 0;           // host time to build all trees; 0: no tree
+    std::uint64_t leaf_bytes = 0;  // bytes of triangles in leaves, duplicates included
+    double build_ms = 0;           // host time to build the trees of all meshes; 0: no tree
     double encode_ms = 0;
     double sah_cost = 0;  // SAH cost of the largest mesh's tree
     // Nodes of the tree of the axis `levels`, over objects or over all triangles; 0: there is no such tree.

@@ -9,12 +9,12 @@ namespace pt {
 
 struct SceneTree {
     std::vector<ObjectNode> nodes;
-    float margin = 0;  // margin of its nodes' bounding boxes (ObjectTree::margin)
+    float margin = 0;  // growth of nodes' boxes, in multiples of a ray origin's largest coordinate (ObjectTree::margin)
     EncodedTree flat;
     std::vector<FlatSlot> slots;
-    double build_ms = 0;               // time to compute bounding boxes and build the tree
+    double build_ms = 0;               // host time to compute bounding boxes and build the tree
     double encode_ms = 0;              // time to convert the tree to the accelerator's format
-    std::vector<MeshGeometry> meshes;  // meshes that are kept alive as long as the tree
+    std::vector<MeshGeometry> meshes;  // the scene's meshes, kept alive as long as the tree
 
     std::uint64_t node_count() const { return nodes.size() + flat.node_count; }
     std::uint64_t node_bytes() const {

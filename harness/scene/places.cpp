@@ -102,7 +102,7 @@ bool is_shipped(const Scene& scene) {
         const fs::path below = fs::path(scene.file).lexically_relative(fs::absolute(home_folder() / "scenes"));
         return !below.empty() && *below.begin() != "..";
     } catch (const InputError&) {
-        return false;  // there is no home folder
+        return false;  // without a home folder there are no shipped scenes
     }
 }
 

@@ -61,7 +61,7 @@ struct SceneMaterial {
     std::uint32_t max_scatterings = 1000000;
 };
 
-// A shape by the name that scene files use. Several ShapeKinds can share a name; the first of them stands for it.
+// A shape by its name in scene files. Several ShapeKinds can share a name; the first of them stands for all.
 struct Shape {
     ShapeKind first_kind;
 
@@ -79,7 +79,7 @@ struct SceneMesh {
     std::string source;  // mesh file as the scene names it, or generator and size
     std::vector<Triangle<float>> triangles;
     std::uint32_t degenerate_left_out = 0;
-    std::vector<std::string> warnings;  // "PLACE: TEXT": what its file has that is not read as it stands
+    std::vector<std::string> warnings;  // "PLACE: TEXT" for each part of the mesh file that is not read as it stands
     Box bounds;
     bool is_closed = false;                      // whether each edge is shared by two triangles, in opposite directions
     std::string hash;                            // hash of the triangles: 16 hex digits

@@ -187,7 +187,7 @@ View<T> view_of(const std::vector<T>& values) {
     return {values.data(), static_cast<std::uint32_t>(values.size())};
 }
 
-// Appends values to an array and returns the index of the first of them.
+// Appends values to an array and returns the index that the first value has there.
 template <class T>
 std::uint32_t append(std::vector<T>& array, const std::vector<T>& values) {
     const auto first = static_cast<std::uint32_t>(array.size());
@@ -442,7 +442,7 @@ double gain_of(const Scene& scene) {
     return gain;
 }
 
-// Upper bound on the radiance from emitters and from an environment that is not light-sampled.
+// Upper bound on the radiance of a sample from emitters that paths hit and an environment not light-sampled.
 double bound_on_sources(const Scene& scene, std::uint32_t depth) {
     double brightest = brightest_channel(scene.environment);
     double brightest_reflector = 0;
@@ -456,7 +456,7 @@ double bound_on_sources(const Scene& scene, std::uint32_t depth) {
         albedo =
             std::max({albedo, brightest_channel(material.albedo), brightest_channel(material.reflectance), grazing});
     }
-    // A path can hit only reflecting emitters more than once: a geometric series, cut off at the path depth.
+    // A path can hit only emitters that reflect more than once: a geometric series, cut off at the path depth.
     const double series =
         albedo < 1 ? std::min(1 / (1 - albedo), static_cast<double>(depth)) : static_cast<double>(depth);
     return (brightest + brightest_reflector * series) * gain_of(scene);

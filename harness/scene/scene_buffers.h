@@ -16,7 +16,7 @@ namespace pt {
 
 // Settings of adjoint-driven Russian roulette and splitting (harness/render/adjoint_table.h).
 struct AdjointSettings {
-    std::uint32_t paths = 0;     // training paths of the adjoint estimate; 0: no estimate
+    std::uint32_t paths = 0;     // learning paths of the adjoint estimate; 0: no estimate
     std::uint32_t cells = 8;     // cells of the adjoint grid along each axis
     std::uint32_t window = 5;    // ratio of the weight window's upper to lower bound
     std::uint32_t branches = 1;  // most branches of a path at a vertex; 1: no splitting
@@ -96,7 +96,7 @@ private:
     std::vector<std::uint32_t> file_index_;
     std::vector<std::uint32_t> shown_by_;  // number of objects that show each mesh
     std::vector<MeshGeometry> meshes_;
-    std::vector<LightExtent> light_extents_;  // bounds and power of each of arrays_.lights
+    std::vector<LightExtent> light_extents_;  // bounding box and power of each light in arrays_.lights
     std::shared_ptr<const SceneTree> tree_;
     std::vector<ObjectNormals<Real>> object_normals_;
     std::vector<CornerNormals> corner_normals_;

@@ -43,7 +43,7 @@ void read_shutter(const JsonValue& value, SceneCamera& camera) {
     }
 }
 
-// Checks an object's position at shutter open and close; in between, it moves on a straight line.
+// Checks where an object is when the shutter opens and when it closes; in between it moves on a straight line.
 void check_motion(const Scene& scene, const SceneObject& object, std::size_t index, const std::string& file) {
     for (const double time : {scene.camera.shutter_open, scene.camera.shutter_close}) {
         const Vec3d centre = object.translate + object.velocity * time;
@@ -67,7 +67,7 @@ SceneCamera read_camera(const JsonValue& value) {
     if (!(dot(forward, forward) >= least_square)) {
         object.at("look_at").fail("a point other than camera.eye, at least 1e-18 away");
     }
-    // An `up` vector shorter than this has a square that leaves the range of double.
+    // A camera's `up` shorter than the shortest length in a scene is refused as if it were 0.
     if (!(dot(camera.up, camera.up) >= least_square)) {
         object.at("up").fail("a direction that is not 0: a vector of length 1e-18 or more");
     }
@@ -130,7 +130,7 @@ std::string names_of(const std::vector<SceneMaterial>& materials) {
                        materials.size() > most ? fmt::format(" and {} more", materials.size() - most) : "");
 }
 
-// Checks of an object that need the whole scene; `index` is the object's place in the file.
+// Checks of an object that need the whole scene; `index` is the object's number in the file's list of objects.
 void check_object(const Scene& scene, const SceneObject& object, std::size_t index, const std::string& file) {
     check_motion(scene, object, index, file);
     const bool is_body = has_trait(scene.materials[object.material].type, material_trait::has_walks);
@@ -187,7 +187,7 @@ std::shared_ptr<const SceneMesh> read_mesh_of(const JsonObject& object, const Js
                            [&](const std::filesystem::path& file) { return mesh_from_file(file, with_normals); });
 }
 
-// Adds a mesh to the scene unless the scene has it already, and returns its index.
+// Adds a mesh to the scene unless the scene has it already, and returns the mesh's index in Scene::meshes.
 std::uint32_t index_of(const std::shared_ptr<const SceneMesh>& mesh, Scene& scene) {
     const auto known = std::find(scene.meshes.begin(), scene.meshes.end(), mesh);
     const auto index = static_cast<std::uint32_t>(known - scene.meshes.begin());

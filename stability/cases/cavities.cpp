@@ -7,7 +7,7 @@
 namespace pt::stability::cavities {
 namespace {
 
-// A scene with a camera away from the centre.
+// A scene whose camera is inside a closed space around the origin, away from its centre.
 SceneText inside(const std::string& name, std::uint32_t depth) {
     SceneText scene(name);
     scene.camera({0.25, 0.5, -0.125}, {0.5, -0.25, 1}).image(8, 8, 90, true).depth(depth);
@@ -67,8 +67,8 @@ std::vector<Twins> pure_mixes(const Values&) {
              .changed = room_with_ball(true, true)}};
 }
 
-// The sphere of pbrt's test scenes, with radiance 1 everywhere: a lamp of power pi times 4 pi replaces the point light,
-// and for a = 0 the walls emit.
+// The sphere of pbrt's test scenes, with wall albedo 0.5 and radiance 1 everywhere: at its centre a lamp of radius a
+// with power pi times 4 pi replaces the point light, or for a = 0 the wall emits.
 std::vector<Rendering> pbrt_sphere(const Values& v) {
     const double a = v["a"];
     SceneText scene("pbrt_sphere");
@@ -89,7 +89,7 @@ std::vector<Rendering> pbrt_sphere(const Values& v) {
 std::vector<Rendering> lamp(const Values& v) {
     SceneText scene("lamp");
     const double a = v["a"];
-    // The camera looks along a chord that misses the lamp.
+    // The camera looks along a chord of the sphere that misses the lamp at its centre.
     scene.camera({0, 0, -0.5}, {1, 0, -0.5}).image(1, 1, 1, false).depth(v.whole("depth"));
     scene.sphere(scene.diffuse(Vec3d(v["albedo"])), {0, 0, 0}, 2);
     scene.sphere(scene.emitter(Vec3d(1.0)), {0, 0, 0}, 2 * a);

@@ -11,7 +11,7 @@ namespace {
 
 struct Pile {
     int plates = 1;
-    double excess = 0.5;  // refractive index - 1
+    double excess = 0.5;  // refractive index of the plates - 1
     double thickness = 0.125, gap = 0.125, cosine = 1;
     double tau = 0;  // optical depth of absorption of a plate along its normal
 };
@@ -65,7 +65,7 @@ std::vector<Rendering> nearly_no_plate(const Values& v) {
     return {pile_of_plates({.excess = v["excess"], .cosine = v["cosine"]}, 1u << 16)};
 }
 
-// A scene with one camera ray towards the unit ball, at distance `impact` from its axis, under radiance 1.
+// A scene with a single camera ray towards the unit ball, which misses the ball's centre by `impact`, in radiance 1.
 SceneText ball(double impact, std::uint32_t depth) {
     SceneText scene("ball");
     scene.camera({impact, 0, -4}, {impact, 0, 0}).depth(depth).environment(1);
@@ -93,7 +93,7 @@ std::vector<Rendering> cut_off(const Values& v) {
     const long double r = reflectance(static_cast<long double>(v["ior"]) - 1, cosine_at(v["impact"]));
     const long double lost = (1 - r) * std::pow(r, static_cast<long double>(hits));
     const std::uint64_t paths = 1u << 16;
-    // Tolerance for the rounding of the impact parameter, times the slope of the reflectance.
+    // Tolerance for the rounding of the ray's impact parameter, times the slope of the ball's reflectance in it.
     const double slope = static_cast<double>(v["impact"] / cosine_at(v["impact"])) * 4 * 0x1p-22;
     return {{.scene = scene.json(),
              .quick_paths = paths,
@@ -120,8 +120,8 @@ std::vector<Rendering> absorbing_ball(const Values& v) {
              .quantities = {mean_is("radiance", static_cast<double>(exact), chance_tolerance(exact, paths, slope))}}};
 }
 
-// The mean number of segments of a path is 3 for any index: 2 for the share R that is reflected, and for the share 1 -
-// R that enters 1 before, 1 / (1 - R) inside and 1 after the ball. Under total reflection it is 2.
+// A path that meets the ball has 3 segments on average, for any index: 2 if reflected, with probability R, else 1
+// before, 1 / (1 - R) inside and 1 after the ball. Under total reflection it has 2.
 std::vector<Rendering> extreme_index(const Values& v) {
     SceneText scene = ball(v["impact"], without_end);
     scene.sphere(scene.dielectric(v["ior"]), {0, 0, 0}, 2);

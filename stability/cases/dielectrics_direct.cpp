@@ -26,7 +26,7 @@ long double excess_of(double ior, bool leaving) {
     return leaving ? -excess / (1 + excess) : excess;
 }
 
-// How much the reflectance changes if index and cosine change by `rounding`; unbounded near the critical angle.
+// How much a reflectance changes if index and cosine change by `rounding`; unbounded near the critical angle.
 long double spread(long double excess, long double cosine, long double rounding) {
     const long double moved = (std::abs(excess) + excess * excess) * rounding;
     return std::abs(reflectance(excess + moved, cosine) - reflectance(excess - moved, cosine)) +
@@ -41,7 +41,7 @@ double worst_reflectance(double ior, bool leaving, bool is_quick) {
     const int steps = is_quick ? 20000 : 1000000;
     double worst = 0;
     for (int i = 0; i <= steps; ++i) {
-        // Half of the cosines are uniform in [0, 1], half logarithmic from 1e-8.
+        // Half of the cosines of incidence are uniform in [0, 1], the others logarithmic from 1e-8 on.
         const double share = static_cast<double>(i) / steps;
         const auto cosine = static_cast<Real>(i % 2 == 0 ? share : std::pow(10.0, -8 * share));
         const long double exact = reflectance(excess, cosine);
@@ -73,7 +73,7 @@ double diffuse_average(double ior, bool leaving) {
     using Real = typename Kernel::Real;
     const Boundary<Real> boundary = boundary_of<Real>(ior, leaving);
     const long double n = ior;
-    // From within, the integrand has a root at the critical angle.
+    // From within, light is fully reflected up to the critical angle, where the reflectance has a square root.
     const long double critical = leaving ? std::sqrt((n - 1) * (n + 1)) / n : 0;
     long double sum = critical * critical;
     for (const Node& node : graded_nodes(critical, 1, 40)) {
@@ -158,9 +158,9 @@ std::vector<Measurement> whispering_gallery(const Values& v, const DirectSetting
     return with_kernel(setting, [&]<class Kernel>() {
         const double b = v["impact"], radius = v["radius"];
         SceneText text("gallery");
-        // The eye, which is the origin of the kernels' coordinates, is at the centre of the sphere.
+        // The eye, which is the origin for kernels, is at the centre of the sphere that reflects the ray.
         text.sphere(text.dielectric(1.5), {0, 0, 0}, 2 * radius);
-        // The path starts at the middle of a chord that lies in no coordinate plane.
+        // The ray starts at the middle of a chord of the sphere that lies in no coordinate plane.
         const Frame<double> frame(normalize(Vec3d(1, 2, 3)));
         Billiard<Kernel> billiard(text, frame.to_world({b * radius, 0, 0}), frame.to_world({0, 0.8, 0.6}));
         double worst = 0;

@@ -13,7 +13,7 @@ std::vector<Rendering> light_pipe(const Values& v) {
     const Vec3d direction(std::sin(theta) * std::cos(azimuth), std::sin(theta) * std::sin(azimuth), std::cos(theta));
     SceneText scene("light_pipe");
     scene.camera({0, 0, 0}, direction, {0, 1, 0}).depth(without_end);
-    const Vec3d aim = direction * (1 / direction.z) - Vec3d(0.125, -0.25, 0);  // centre of the rod's front face
+    const Vec3d aim = direction * (1 / direction.z) - Vec3d(0.125, -0.25, 0);  // centre of the glass rod's front face
     scene.box(scene.dielectric(v["ior"]), {aim.x, aim.y, 1 + length / 2}, {1, 1, length});
     scene.quad(scene.emitter(lamp_behind), {0, 0, length + 2}, 1e6, 1e6, {90, 0, 0});
     scene.quad(scene.emitter(lamp_before), {0, 0, -1}, 1e6, 1e6, {90, 0, 0});

@@ -9,7 +9,7 @@
 namespace pt::stability::film {
 namespace {
 
-// The value of sample i that is added to the film, by the parameter `content` of the case film_sum.
+// The value of sample i that the case film_sum adds to the film, by the case's parameter `content`.
 double sample_value(std::uint32_t content, std::uint32_t i) {
     const double u = unit_interval<double>(pcg4d({i, 43, 0, 0}).x);
     switch (content) {
@@ -20,7 +20,7 @@ double sample_value(std::uint32_t content, std::uint32_t i) {
         case 2:
             return u;
         case 3:
-            return pcg4d({i, 43, 1, 0}).x < 42950u ? 1e5 : 0.18 * u;  // one value in 1e5 is bright
+            return pcg4d({i, 43, 1, 0}).x < 42950u ? 1e5 : 0.18 * u;  // one sample in 1e5 has the value 1e5
         default:
             return i == 0 ? 1e6 : 1e-3 * u;
     }
@@ -65,7 +65,7 @@ std::vector<Measurement> jitter(std::uint32_t width, std::uint32_t x, std::uint3
     camera.right = {Real(1), Real(0), Real(0)};
     camera.up = {Real(0), Real(1), Real(0)};
     camera.forward = {Real(0), Real(0), Real(1)};
-    camera.pixel_size = Real(2) / static_cast<Real>(width);  // makes the field of view 90 degrees
+    camera.pixel_size = Real(2) / static_cast<Real>(width);  // makes the camera's field of view 90 degrees
     camera.width = width;
     camera.height = 1;
     camera.jitter = 1;
@@ -165,7 +165,7 @@ double moving_box_coverage(const Values& v) {
     return v.is_set("late") ? (to - from) * (to + from) : to - from;
 }
 
-// The rounding error of the times at which both ends of the moving box pass, in roundings.
+// Error of moving_box_coverage, in roundings, from the times at which both ends of the box pass.
 double moving_box_rounding(const Values& v) {
     const double at = std::min(1.0, v["x"] / v["v"]);
     return 4 * at * (1 + at);
@@ -214,18 +214,18 @@ std::vector<Measurement> motion_grid(const Values& v, const DirectSetting& setti
                            "a moment at both ends, and the roundings of time and way"}}};
 }
 
-// An edge that crosses every pixel of a column at the same place; and a single pixel with a horizontal edge.
+// A column of pixels that a quad's edge crosses all at the same place, and a single pixel with a horizontal edge.
 std::vector<Rendering> pixel_edge(const Values& v) {
     constexpr std::uint32_t rows = 64;
     const double share = v["share"];
-    const double pixel = 2.0 / rows;  // pixel height for 90 degrees, at distance 1
+    const double pixel = 2.0 / rows;  // height of a pixel at distance 1, for a field of view of 90 degrees
     const Tolerance tolerance{0x1p-24 + 0x1p-18 * rows, 0x1p-32 + 0x1p-47 * rows,
                               "the steps of the random numbers, and a quad's edge that reaches out by 16 roundings"};
     SceneText column("pixel_edge");
     column.image(1, rows, 90, true);
     column.quad(column.emitter(Vec3d(1.0)), {(share - 0.5) * pixel - 2, 0, 1}, 4, 4, {90, 0, 0});
     Rendering upright = one_segment(column, coverage(share, tolerance));
-    // The variance is taken about the pixels' own mean, since the widened edge of a quad shifts all pixels alike.
+    // The pixels' variance is taken about their own mean, since the widened edge of the quad shifts all pixels alike.
     const auto variance = [](const RenderResult& result) {
         const double mean = mean_radiance(result);
         double squares = 0;

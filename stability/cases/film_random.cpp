@@ -52,7 +52,7 @@ std::uint64_t light_faults(const Body& body, Real u, Real v, Real w) {
                       std::isfinite(point.inverse_density)
                   ? 0
                   : 1;
-    // Observers of the light: far away, near by, and inside.
+    // Points from which the light is sampled: far away, near by, and inside.
     for (const Vec3<Real>& observer : {Vec3<Real>(0, -1000, 0), Vec3<Real>(0.25, Real(-1.0009765625), 0.125),
                                        Vec3<Real>(3, 2, 1), Vec3<Real>(0.125, 0, 0.25)}) {
         const DirectionSample<Real> direction = sample_direction(body, observer, u, v, w);
@@ -143,7 +143,7 @@ RandomWords words_of(Source source, const RandomSeed& seed, const RandomKey& key
     }
 }
 
-// The variance over pixels of (mean - 1/2) sqrt(12 N), which is 1 for independent samples.
+// Variance over pixels of the scaled mean (mean - 1/2) sqrt(12 N) of N random numbers; 1 if these are independent.
 double dispersion(Source source, const RandomSeed& seed, std::uint32_t bounce, std::uint32_t pixels,
                   std::uint32_t samples) {
     double squares = 0;
@@ -157,7 +157,7 @@ double dispersion(Source source, const RandomSeed& seed, std::uint32_t bounce, s
     return squares / pixels;
 }
 
-// Counts keys of a grid whose four random words equal those of another key.
+// Counts keys (pixel, sample, bounce, block) whose four random words equal those of another key of the grid tested.
 std::uint64_t repeated_words(Source source, const RandomSeed& seed, std::uint32_t samples) {
     std::vector<std::array<std::uint32_t, 4>> all;
     for (std::uint32_t pixel = 0; pixel < 64; ++pixel) {

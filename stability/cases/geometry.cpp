@@ -19,8 +19,8 @@ SceneText ground_text(const Values& v) {
     return text;
 }
 
-// Where a ray from the origin hits the sphere below: distance t and cosine to the normal. With the centre on the y axis
-// the distance to the sphere is a difference of two numbers.
+// Where a ray from the origin hits the ground sphere below: distance t, and cosine to the normal. With the centre on
+// the y axis, t is a difference of two numbers.
 struct GroundHit {
     long double t, cosine;
 };
@@ -36,12 +36,12 @@ GroundHit exact_ground_hit(const Values& v, const Vec3l& direction) {
 template <class Real, FeatureSet formula>
 std::vector<Measurement> huge_sphere_in(const Values& v, const DirectSetting& setting) {
     const RayScene<Real, formula> scene(ground_text(v));
-    const long double dip = sqrtl(v["height"] * (2 * v["radius"] + v["height"])) / v["radius"];  // horizon's tangent
+    const long double dip = sqrtl(v["height"] * (2 * v["radius"] + v["height"])) / v["radius"];  // tan of horizon's dip
     RayRandom random(13);
     double off_tangent = 0, near_tangent = 0;
     for (int i = 0; i < (setting.is_quick ? 20000 : 1000000); ++i) {
         const bool is_near = i % 2 != 0;
-        // Far rays hit the ground at cosines above 0.1; near ones start just below the horizon.
+        // Far rays hit the ground at cosines above 0.1; rays near the tangent start just below the horizon.
         const double lowest = is_near ? 1.001 * std::atan(static_cast<double>(dip)) : std::asin(0.1);
         const double highest = is_near ? std::max(0.1, 1.1 * lowest) : 0.5 * pi<double>;
         const double angle = lowest * std::pow(highest / lowest, random.uniform(0, 1));
@@ -113,14 +113,14 @@ std::vector<Rendering> ground_view(const Values& v) {
 std::vector<Rendering> far_sphere(const Values& v) {
     const double distance = v["distance"];
     const Vec3d view = Vec3d(2, 3, 6) * (1 / 7.0);
-    const double radius = 1 / std::sqrt((distance - 1) * (distance + 1));  // radius of the disc at distance 1
+    const double radius = 1 / std::sqrt((distance - 1) * (distance + 1));  // radius of the sphere's disc at distance 1
     const double half = 1.25 * radius;
     SceneText text("far_sphere");
     text.camera({0, 0, 0}, view).image(16, 16, 2 * std::atan(half) * 180 / pi<double>, true);
     text.sphere(text.emitter(Vec3d(1.0)), view * distance, 2);
     const double covered = pi<double> * radius * radius / (4 * half * half);
     const auto blur = [&](bool is_double) {
-        // A rim blurred symmetrically by e radii adds e^2 to the area of the disc.
+        // If rounding blurs the rim of the sphere's disc evenly by e radii, its area grows by the share e^2.
         const double rim = 8 * round_off(is_double) * distance;
         return covered * (rim * rim + 4 * round_off(is_double)) + 0x1p-40;
     };
@@ -135,11 +135,10 @@ std::vector<Rendering> far_sphere(const Values& v) {
 
 struct StartedRays {
     std::uint64_t self_hits = 0, inward = 0;
-    double worst_chord = 0;  // error of a chord, in radii
+    double worst_chord = 0;  // largest error of a chord's length, in radii of the body
 };
 
-// Traces rays in all directions from hit points on the only object. `body`: that object in the precision of
-// intersection.
+// Traces rays in all directions from hit points on the only object, `body` in the precision of intersection.
 template <class Rays, class Body>
 StartedRays start_rays(const Rays& scene, const Body& body, const Vec3d& centre, double radius, int count) {
     using Real = typename Rays::Real;

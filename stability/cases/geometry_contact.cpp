@@ -34,7 +34,7 @@ std::vector<Rendering> grazing(const Values& v) {
     SceneText text("grazing");
     text.camera({0, 0, 0}, turned(0, 1), turned(1, 0)).image(4, rows, 2 * std::atan(half) * 180 / pi<double>, false);
     text.quad(text.emitter(Vec3d(0.5)), turned(-height, 0.5), 4, 1, {v["tilt"], 0, 0});
-    // Counts the rows of pixels whose centres look below the far edge.
+    // Counts the rows of pixels whose centres look at the quad, below its far edge.
     double covered = 0;
     for (std::uint32_t row = 0; row < rows; ++row) {
         const double y = half * (1 - (2 * row + 1.0) / rows);
@@ -62,7 +62,7 @@ std::function<double(const RenderResult&)> misjudged(const Vec3d& forward, const
         const Vec3l right = normalize(cross(ahead, Vec3l(up)));
         const Vec3l above = cross(right, ahead);
         return pixels_where([&](std::uint32_t i, double radiance) {
-            const long double pixel = 2.0L / height;  // size of a pixel at 90 degrees
+            const long double pixel = 2.0L / height;  // pixel size at distance 1, for a field of view of 90 degrees
             const long double x = (i % width + 0.5L - width / 2.0L) * pixel;
             const long double y = (i / width + 0.5L - height / 2.0L) * pixel;
             const long double cosine = dot(normalize(right * x - above * y + ahead), normalize(Vec3l(out)));
@@ -102,7 +102,7 @@ std::vector<Rendering> eye_touches(const Values& v) {
             touched("an ellipsoid", text.ellipsoid(text.diffuse(Vec3d(0.0)), {0, -size, 0}, {4 * size, 2 * size, size}),
                     {0, 1, 0}));
     }
-    // Adds a view from an eye inside a lamp.
+    // Adds a rendering whose eye is inside a lamp.
     SceneText text("eye_touches");
     text.image(16, 16, 120, true).sphere(text.emitter(Vec3d(0.75)), {size / 4, size / 2, -size / 8}, 2 * size);
     renderings.push_back(
@@ -113,7 +113,7 @@ std::vector<Rendering> eye_touches(const Values& v) {
     return renderings;
 }
 
-// An eye on a sphere whose radius has no exact inverse, in the direction of the unit vector (2, 3, 6) / 7.
+// An eye on a sphere whose radius has no exact inverse, seen from the centre in the direction (2, 3, 6) / 7.
 std::vector<Rendering> eye_touches_at_slant(const Values& v) {
     const double size = v["size"];
     SceneText text("eye_at_slant");
@@ -121,7 +121,7 @@ std::vector<Rendering> eye_touches_at_slant(const Values& v) {
     return {touched("a sphere", text.sphere(text.diffuse(Vec3d(0.0)), out * -size, 14 * size), out)};
 }
 
-// The known limit of an eye on an ellipsoid; the position is exact where the size is a power of two.
+// The known limit of an eye on an ellipsoid, in double: with a size that is a power of two, its position is exact.
 std::string eye_on_ellipsoid(const Values& v, const VariantTraits& variant) {
     int exponent = 0;
     if (variant.precision.is_single() || std::frexp(v["size"], &exponent) == 0.5) {
@@ -133,19 +133,19 @@ std::string eye_on_ellipsoid(const Values& v, const VariantTraits& variant) {
 
 // ---- Case S18: surfaces in contact.
 
-// A view with enough pixels to fill an integrator's queue, all of which see the same point.
+// A view that sees the same point in all pixels, which are enough to fill an integrator's queue.
 SceneText& narrow_view(SceneText& text) { return text.image(16, 16, 1e-6, false); }
 
 constexpr const char* contact_origin = "roundings of 1 - |p|^2 move the tangent by 4 u / 2 x: 16 u of the light";
 
-// A point of a plane at distance x from the contact with a black unit sphere, under a white sky.
+// The radiance of a plane at distance x from its contact with a black unit sphere, under a white sky.
 Rendering sphere_on_plane(double x, double albedo) {
     SceneText text("contact");
     text.camera({x + x * std::cos(x), x * std::sin(x), 0}, {x, 0, 0}).depth(2).environment(1);
     narrow_view(text);
     text.quad(text.diffuse(Vec3d(albedo)), {0, 0, 0}, 64, 64);
     text.sphere(text.diffuse(Vec3d(0.0)), {0, 1, 0}, 2);
-    // The quad has an edge, but no point of the quad sees what lies below its plane.
+    // The quad may stand for an endless plane, since no point of it sees what lies below the plane.
     const double exact = -albedo * std::expm1(-1.5 * std::log1p(x * x));
     return {.scene = text.json(),
             .quick_paths = 1u << 17,
@@ -163,7 +163,7 @@ double covered_over_horizon(long double d, long double w) {
                                pi<long double>);
 }
 
-// A point of a unit sphere at the angle x from the contact with a black unit sphere.
+// The radiance of a unit sphere at the angle x from its contact with a black unit sphere, under a white sky.
 Rendering sphere_on_sphere(double x, double albedo) {
     SceneText text("contact");
     const Vec3d point(std::sin(x), std::cos(x), 0), tangent(std::cos(x), -std::sin(x), 0);
@@ -180,7 +180,7 @@ Rendering sphere_on_sphere(double x, double albedo) {
                                    {16 * 0x1p-24 * albedo, 16 * 0x1p-53 * albedo + 0x1p-40, contact_origin})}};
 }
 
-// The image of the sphere and the plane from afar, everywhere darker than under the open sky.
+// An image of a sphere on a plane from afar, which must be darker everywhere than under the open sky.
 Rendering contact_image(double albedo) {
     SceneText text("contact");
     text.camera({0, 1, -4}, {0, 0.5, 0}).image(32, 32, 50, true).depth(2).environment(1);
@@ -245,7 +245,7 @@ std::vector<Rendering> degenerate(const Values& v) {
     const std::string wall = text.diffuse(Vec3d(0.5), Vec3d(0.5));
     text.sphere(wall, {0, 0, 0}, 4);
     text.sphere(wall, {0.5, 0.25, 0.5}, thin);
-    const double thinnest = std::max(thin, 1e-12);  // limits the ratio of the ellipsoid's axes
+    const double thinnest = std::max(thin, 1e-12);  // scene files limit the ratio of an ellipsoid's axes
     text.ellipsoid(wall, {0, 0, 0.5}, {thinnest, 1, 1}, {10, 20, 30});
     text.ellipsoid(wall, {0.5, 0, 0}, {thinnest, 1, thinnest});
     text.box(wall, {0, -0.5, 0}, {1, thin, 1}).box(wall, {-0.5, 0, 0}, {thin, thin, 1});

@@ -10,8 +10,7 @@ namespace {
 
 // ---- Case S21: boxes hit at their edges.
 
-// A ray to a point on an edge. Its numbers are multiples of 2^-11 below 16, so its line passes through the point
-// exactly.
+// A ray whose line passes exactly through a point on an edge, since its numbers are multiples of 2^-11 below 16.
 template <class Real>
 struct EdgeRay {
     Vec3<Real> origin, direction;
@@ -23,7 +22,7 @@ Vec3<Real> grid_point(RayRandom& random, double half, double step) {
     return {on_grid(), on_grid(), on_grid()};
 }
 
-// A ray from outside to a point on an edge of the box around 0. in_plane: the ray runs along a face at that edge.
+// A ray from outside to a point on an edge of the box around 0. `in_plane`: the ray runs along a face at that edge.
 template <class Real>
 EdgeRay<Real> ray_through_edge(RayRandom& random, const Vec3d& half, bool in_plane) {
     const int axis = static_cast<int>(random.below(3));
@@ -98,7 +97,7 @@ std::vector<Rendering> face_row(const Values& v) {
                               .full_paths = 16 * width * height,
                               .quantities = {exactly(name, mean_radiance, exact, {1e-7, 1e-12, "one row is 0.03"})}});
     };
-    // The box covers the lower half of the image and the row along its top face.
+    // The eye is level with the box's top: the box covers the lower half of the image and the row along its top face.
     add("part of the image that a box seen along its top face covers", -64, 128, 17);
     add("part of the image that a box without thickness covers", 0, v["thickness"], 1);
     return renderings;
@@ -145,7 +144,7 @@ double leaks(const SceneText& text, const Vec3d& centre, int tiles, int count) {
     double missed = 0;
     for (int i = 0; i < count; ++i) {
         const Vec3<Real> origin = rounded<Real>(centre + random.in_cube(0.9));
-        // The ray is aimed at a vertex of the wall's grid, or at a point on a grid line.
+        // Rays are aimed at vertices of a wall's grid of tiles, or at points on grid lines.
         const int axis = static_cast<int>(random.below(3));
         const auto line = [&] { return -1 + 2.0 * random.below(static_cast<std::uint32_t>(tiles) + 1) / tiles; };
         Vec3d target(0.0);
@@ -190,8 +189,7 @@ std::string tiles_part(const Values& v, const VariantTraits& variant) {
                       "themselves, so that neighbours' edges differ by a rounding, and of 1e8 rays along edges one or "
                       "two slip through; cure: vertices that tiles share";
     }
-    // Near the eye the rounding of the ray interval in single precision covers the gap between tiles; in double it does
-    // not.
+    // Near the eye, the rounding of the ray interval covers the gap between tiles in single precision, not in double.
     if (held_in_float || (variant.precision.is_single() && v["offset"] < 4)) {
         return "";
     }

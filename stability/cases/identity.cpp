@@ -29,7 +29,7 @@ Json menagerie(std::uint32_t depth = 6) {
     return text.json();
 }
 
-// A sphere in contact with a plane, whose penumbra ends at the limits of precision.
+// A sphere that touches a plane: the penumbra at the contact ends at the limits of precision.
 Json contact() {
     SceneText text("contact");
     text.camera({0, 0.125, -2}, {0, 0, -0.25}).image(24, 16, 10, true).depth(3).environment(1);
@@ -85,7 +85,7 @@ std::vector<Twins> coincident_in_order(const Values& v) {
     return {{.change = "coincident quads swapped", .reference = text.json(), .changed = swapped}};
 }
 
-// Adds objects that no path hits: a speck of solid angle 1e-18, and objects of all kinds around a closed room.
+// Adds objects that no path hits: a speck of solid angle 1e-18, or objects of all kinds around a closed room.
 std::vector<Twins> with_unseen(const Values& v) {
     SceneText room("room");
     room.camera({0, 1, -1.5}, {0, 0.75, 0}).image(24, 16, 80, true).depth(5);
@@ -133,8 +133,8 @@ std::vector<Twins> in_parts(const Values&) {
             {.change = "eight runs", .reference = scene, .changed = scene, .parts = {1, 1, 1, 1, 1, 1, 1, 1}}};
 }
 
-// Adds features without effect: zero velocities, an aperture of 0, and a shutter that opens for no time. The two scenes
-// may be rendered by different kernels.
+// Adds features without effect to a scene: zero velocities, an aperture of 0, and a shutter that opens for no time. The
+// scenes with and without them may be rendered by different kernels.
 std::vector<Twins> with_idle_features(const Values&) {
     Json still = menagerie();
     for (Json& object : still["objects"]) {

@@ -21,13 +21,13 @@ std::vector<Rendering> disk(const Values& v) {
     const double r = v["r"], h = v["h"], offset = v["offset"], flatness = v["flatness"];
     SceneText scene = receiver("disk", 0.25 * h);
     scene.ellipsoid(scene.emitter(Vec3d(1.0)), {offset, h, 0}, {2 * r, 2 * h * flatness, 2 * r});
-    // In the ellipsoid's frame the point is h / (half thickness) away, which magnifies rounding errors by as much.
+    // Where the ellipsoid is a unit sphere, the receiver is h / (half thickness) away, which magnifies rounding errors.
     return lit(scene, flat_ellipsoid_irradiance(r, h * flatness, h, offset),
                {1e-5 + 0x1p-22 / flatness, 1e-12 + 0x1p-51 / flatness,
                 "numerics.md S7, and four roundings of the distance in half thicknesses"});
 }
 
-// A camera height half way along the normal to the sphere's surface or, if far, half way to the sphere's centre.
+// Camera height: half way up the normal to the lamp's sphere or, if that is far or missed, half way to its centre.
 double height_within_gap(double distance, double angle) {
     const double b = distance * std::cos(angle), discriminant = b * b - (distance * distance - 1);
     double gap = std::max(distance, 1.0);
@@ -44,7 +44,7 @@ std::vector<Rendering> sphere(const Values& v) {
     SceneText scene = receiver("sphere_light", height_within_gap(distance, angle));
     scene.sphere(scene.emitter(Vec3d(1.0)), {distance * std::sin(angle), distance * std::cos(angle), 0}, 2);
     const double irradiance = sphere_irradiance(distance, angle);
-    // How much the irradiance changes by a rounding of the centre's coordinates, which changes the distance.
+    // How much the irradiance changes by a rounding of the lamp's centre, which changes its distance.
     const double step = 0x1p-20 * distance;
     const double slope =
         std::abs(sphere_irradiance(distance + step, angle) - sphere_irradiance(distance - step, angle)) / (2 * step);
@@ -78,7 +78,7 @@ std::vector<Measurement> cone(double sine_squared, bool is_naive) {
         widest = std::max(widest, std::sqrt((d.x * d.x + d.z * d.z) / dot(d, d) / static_cast<double>(s2)));
     }
     const auto ratio = [](long double a, long double b) { return static_cast<double>(a / b); };
-    const long double below = one_minus_cosine * (1 - 0.5L / steps);  // 1 - cosine at the largest u of the grid
+    const long double below = one_minus_cosine * (1 - 0.5L / steps);  // 1 - cosine of the widest direction of the grid
     const Tolerance digits{1e-6, 1e-14, "numerics.md S9: 1e-6 in single precision; 64 roundings in double"};
     return {{.quantity = "solid angle over its exact value",
              .measured = ratio(measure, solid_angle),
@@ -107,7 +107,7 @@ std::vector<Rendering> far_light_image(const Values& v) {
     return lit(scene, sphere_irradiance(1 / sine, 0), {1e-5, 1e-12, "numerics.md S9 and S5"});
 }
 
-// Two spheres of the same irradiance; the far one is distance^2 times as bright.
+// A receiver under two spherical lamps of the same irradiance; the far one is distance^2 times as bright.
 std::vector<Rendering> two_lights(const Values& v) {
     constexpr double radius = 0.25, angle = 0.5;
     const double far = v["distance"];

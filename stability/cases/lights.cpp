@@ -25,9 +25,9 @@ std::vector<Rendering> lit_by(std::uint32_t lamps, const SceneText& scene, doubl
     return lit(scene, irradiance, {1e-5, 1e-12, origin}, 1e6 / share, 3e7 / share);
 }
 
-// Balls at distance 1, at heights from 1/2 to 1 and spread by the golden angle so that none hides another: centres are
-// more than 1 / sqrt(count) apart, diameters half of that. The brightest is 1, and powers fall uniformly on a
-// logarithmic scale, in an order unrelated to position.
+// Lamps: balls at distance 1, at heights from 1/2 to 1 and spread by the golden angle so that none hides another:
+// centres are more than 1 / sqrt(count) apart, diameters half of that. The brightest has power 1, and powers fall
+// uniformly on a logarithmic scale, in an order unrelated to position.
 struct ManyBalls {
     std::uint32_t count;
     double decades;
@@ -142,12 +142,12 @@ std::vector<Measurement> texture_edge(const Values& v, const DirectSetting& sett
         }
         double worst = 0, least = 1, most = 0;
         for (std::uint32_t i = 0; i < 4096; ++i) {
-            // `halves` counts half texels from the image's left edge, up to one texel beyond the right edge: half of
-            // the lookups lie exactly on an edge or a centre.
+            // `halves`: place of a lookup in half texels from the image's left edge, up to one texel beyond the right
+            // edge. Half of the lookups lie exactly on an edge or centre of a texel.
             const std::uint32_t halves = (i * 2654435761u >> 8) % (2 * count + 4);
             const double beside = i % 2 == 0 ? 0 : static_cast<double>(i) / 4096;
             const auto at = static_cast<Real>((halves + beside) / (2.0 * count));
-            // The exact value is computed at the rounded position.
+            // The exact value is computed at the lookup's place as rounded for the kernel.
             const long double place = static_cast<long double>(at) * count - 0.5L;
             const long double below = std::floor(place), share = place - below;
             const auto parity = static_cast<std::int64_t>(below) & 1;
@@ -178,7 +178,7 @@ std::vector<Measurement> texture_edge(const Values& v, const DirectSetting& sett
 
 std::string limit_of_many(const Values& v, const VariantTraits& variant) {
     const ManyBalls balls = balls_of(v);
-    // The brightest lamps of one octave of power, which are few, give half of the light.
+    // The lamps within one octave of the brightest one's power, which are few, give half of the light.
     const double share =
         balls.radius() * balls.radius() * std::max(1.0, balls.count * 0.3 / std::max(0.3, v["decades"]));
     return rare_or_dim(variant, share, 1, receiver_albedo * balls.irradiance() / pi<double>);

@@ -11,7 +11,7 @@
 namespace pt::stability::media {
 namespace {
 
-constexpr double half_quantum = 0x1p-40;  // rounding of a film with radiance 1 and 2^16 samples
+constexpr double half_quantum = 0x1p-40;  // largest rounding error of a film with radiance 1 and 2^16 samples
 
 std::vector<Rendering> absorbing_chord(const Values& v) {
     const double b = v["impact"], sigma = v["t"] / 2;
@@ -19,7 +19,7 @@ std::vector<Rendering> absorbing_chord(const Values& v) {
     scene.camera({b, 0, -5}, {b, 0, 0}).depth(3).environment(1);
     scene.sphere(scene.dielectric(1, Vec3d(sigma)), {0, 0, 0}, 2);
     const double cosine = std::sqrt((1 - b) * (1 + b)), exact = std::exp(-v["t"] * cosine);
-    // The chord has an error of some roundings of its distance of 5 radii, magnified by 1 / cosine towards the limb.
+    // The chord's error is some roundings of the eye's distance of 5 radii, magnified by 1 / cosine towards the limb.
     const double roundings = 32 * (1 + 5 * sigma / cosine) * exact;
     return {{.scene = scene.json(),
              .quick_paths = 16,
@@ -30,8 +30,8 @@ std::vector<Rendering> absorbing_chord(const Values& v) {
                                             "film's quantum"})}}};
 }
 
-// A wide slab below the eye, above black. `mu`: cosine of incidence; with 0 the camera looks at a small white quad that
-// faces the slab and scatters diffuse light onto it.
+// A wide slab below the eye, with nothing but black behind. `mu`: cosine of incidence; with 0 the camera looks at a
+// small white quad that faces the slab and scatters diffuse light onto it.
 SceneText slab_scene(double depth, double albedo, double g, double mu, double sigma, std::uint32_t cap) {
     SceneText scene("slab");
     const double thickness = depth / sigma, above = 0.0625 / sigma, width = 1e5 * (1 + depth) / sigma;
@@ -46,7 +46,7 @@ SceneText slab_scene(double depth, double albedo, double g, double mu, double si
     return scene;
 }
 
-// Adds a wide quad so close below the slab that no light passes by.
+// Adds a wide quad just below the slab, so that no light passes by its edges.
 void add_below(SceneText& scene, const std::string& material, double depth, double sigma) {
     const double width = 4e5 * (1 + depth) / sigma;
     scene.quad(material, {0, -(depth * (1 + 0x1p-10) + 0.0625) / sigma, 0}, width, width);
@@ -69,7 +69,7 @@ std::vector<Rendering> half_space(const Values& v) {
     scene.environment(1);
     const HFunction h(w);
     const double exact = mu > 0 ? h.plane_albedo(mu) : h.diffuse_albedo();
-    // Rounding error of the throughput, which every collision rounds once.
+    // Error of the throughput in roundings: one for every collision.
     const double roundings = mean_collisions(w, mu) * exact;
     const std::uint64_t paths = paths_for(2 * depth);
     return {{.scene = scene.json(),
@@ -183,18 +183,18 @@ std::vector<Twins> clear_twins(const Values& v) {
     return {{.change = "a body without medium instead of glass", .reference = scene(false), .changed = scene(true)}};
 }
 
-// An opaque ball: if the free path is short against the radius, the surface reflects like a half space.
+// A ball that is opaque: if the free path is short against the radius, its surface reflects like a half space.
 std::vector<Rendering> opaque_ball(const Values& v) {
     const double w = albedo_of(v), sigma = v["sigma"];
     SceneText scene("opaque_ball");
     scene.camera({0, 0, -v["distance"]}, {0, 0, 0}).depth(2).environment(1);
-    // The cap leaves a random walk a weight of e^-64; without it, a walk stuck by rounding would never end.
+    // The cap on scatterings leaves a walk a weight of e^-64; without a cap, a walk stuck by rounding never ends.
     const auto cap = static_cast<std::uint32_t>(64 / (1 - w));
     scene.sphere(scene.subsurface(Vec3d(w * sigma), Vec3d((1 - w) * sigma), 0, 1, cap), {0, 0, 0}, 2);
     const double exact = HFunction(w).plane_albedo(1);
     const double collisions = mean_collisions(w, 1);
     const std::uint64_t paths = paths_for(16 * collisions + 4);
-    // A curved surface lets out more light, in the order of the diffusion length over the radius.
+    // A surface that is curved lets out more light, in the order of the diffusion length over the radius.
     const double curvature = 4 / (sigma * std::sqrt(3 * (1 - w))) * exact * (1 - exact);
     return {{.scene = scene.json(),
              .quick_paths = paths,

@@ -11,7 +11,7 @@
 namespace pt::stability::media_direct {
 namespace {
 
-// The mean transmittance over a disc, 2 [1 - (1 + t) e^-t] / t^2, by its power series where the formula would cancel.
+// A ball's mean transmittance over its disc, 2 [1 - (1 + t) e^-t] / t^2, by its power series where that would cancel.
 double disc_mean(double t) {
     if (t > 0.5) {
         const long double x = t;
@@ -33,7 +33,7 @@ std::vector<Measurement> absorbing_disc(const Values& v, const DirectSetting& se
         text.camera({0, 0, 0}, {0, 0, 1}).depth(3).environment(1);
         text.sphere(text.dielectric(1, Vec3d(t / 2)), {0, 0, 5}, 2);
         const HostScene<Kernel> scene(text);
-        // The mean over the disc is 2 int e^(-t s) s ds over half chords s.
+        // The mean transmittance over the ball's disc is 2 int e^(-t s) s ds over half chords s.
         long double mean = 0;
         for (const Node& node : gauss_legendre(64)) {
             Path<Real> path = generate<Kernel>(scene.view(), 0, 0);
@@ -56,7 +56,7 @@ std::vector<Measurement> absorbing_disc(const Values& v, const DirectSetting& se
 // The share of the 2^32 random words with a free path longer than tau, found by bisection since the path is monotonic.
 template <class Real>
 double share_beyond(double tau) {
-    std::uint64_t low = 0, high = std::uint64_t{1} << 32;  // words below `low` exceed tau, from `high` on they do not
+    std::uint64_t low = 0, high = std::uint64_t{1} << 32;  // paths exceed tau for words below `low`, not from `high` on
     while (low < high) {
         const std::uint64_t word = (low + high) / 2;
         const Real path = -logarithm(positive_unit_interval<Real>(static_cast<std::uint32_t>(word)));
@@ -204,7 +204,7 @@ std::vector<Measurement> phase_function(const Values& v, const DirectSetting& se
             const long double outside = std::max(moved(rounding) - exact, exact - moved(-rounding));
             worst = std::max(worst, static_cast<double>(outside));
         }
-        // The error of the midpoint rule for the mean cosine.
+        // Error of the midpoint rule, which gives the mean cosine from cosines sampled at evenly spaced u.
         const double rule = 4.0 / steps / (1 - std::abs(v["g"])) / steps;
         return std::vector<Measurement>{
             {.quantity = "worst error of a cosine beyond its rounding, as a share",

@@ -20,7 +20,7 @@ SceneText dark(const std::string& name) {
 }
 std::string wall_of(SceneText& scene) { return scene.mix(Vec3d(0.875), Vec3d(0.875), 0.5); }
 
-// The quantities of a room without gaps: a black film, and paths of full length.
+// The quantities measured in a room without gaps: a black film, and paths of full length.
 std::vector<Rendering> stays_dark(const SceneText& scene) {
     const Tolerance none{0, 0, "numerics.md S20: none"};
     return {{.scene = scene.json(),
@@ -35,7 +35,7 @@ double view_of(double half) { return std::atan(half) * 360 / pi<double>; }
 
 // ---- Meshes seen at edges and vertices.
 
-// Pixel centres fall on the front wall's vertices (n = 2 x 8) or diagonals (n = 8); mirrored paths hit the next wall's.
+// Rays hit vertices of the front wall (n = 2 x 8 squares) or diagonals (n = 8), and so, when mirrored, the next wall.
 std::vector<Rendering> triangle_mesh(const Values& v) {
     SceneText scene = dark("triangle_mesh");
     const std::uint32_t n = v.whole("squares");
@@ -46,7 +46,7 @@ std::vector<Rendering> triangle_mesh(const Values& v) {
     return stays_dark(scene);
 }
 
-// A view of a vertex with pixels 2^-24 wide there, less than the spacing of floats at 1.
+// A view of a vertex that many triangles share, with pixels 2^-24 wide there, less than the spacing of floats at 1.
 std::vector<Rendering> shared_vertex(const Values& v) {
     SceneText scene = dark("shared_vertex");
     scene.image(16, 16, view_of(0x1p-20), false);
@@ -54,7 +54,7 @@ std::vector<Rendering> shared_vertex(const Values& v) {
     return stays_dark(scene);
 }
 
-// A view from inside one of the chambers of a `book` towards its axis.
+// A view from between two pages of a `book` (stiff_meshes.h) towards its axis, an edge that many triangles share.
 std::vector<Rendering> shared_edge(const Values& v) {
     SceneText scene = dark("shared_edge");
     const double half_angle = pi<double> / v["triangles"];
@@ -95,13 +95,13 @@ std::vector<Rendering> sizes(const Values& v) {
 // A mesh with coordinates far from 0 that its object moves back; all vertices are rounded by moving them.
 std::vector<Rendering> far_coordinates(const Values& v) {
     SceneText scene = dark("far_coordinates");
-    const double distance = 2 * std::exp2(v["k"]) - 1;  // odd, so that the room's corners are floats up to k = 23
+    const double distance = 2 * std::exp2(v["k"]) - 1;  // odd, so that corners of the moved room are floats to k = 23
     const Mesh mesh = moved_by(grid_room(4), distance, -distance, distance);
     scene.camera({0, 0, 0}, {0.25, 0.125, 1}).image(16, 16, 90, true);
     const std::string wall = wall_of(scene);
     const Vec3d back(-distance, distance, -distance);
     scene.mesh(wall, mesh, back);
-    if (v.is_set("instances")) {  // a second instance, so that the mesh is not placed in the scene beforehand
+    if (v.is_set("instances")) {  // a second object with the mesh, so that it is not moved to scene space when loaded
         scene.mesh(wall, mesh, back + Vec3d(4, 0, 0));
     }
     return stays_dark(scene);
@@ -117,8 +117,7 @@ std::vector<Rendering> grazing(const Values& v) {
     return stays_dark(scene);
 }
 
-// A rotated room stretched along an axis, which is a shear. Two objects share the mesh, so rays are taken into its
-// space.
+// A rotated room stretched along an axis (a shear), shared by two objects, so that rays are taken into its space.
 std::vector<Rendering> shear(const Values& v) {
     SceneText scene = dark("shear");
     const double s = std::exp2(v["k"]), c = std::sqrt(0.5);

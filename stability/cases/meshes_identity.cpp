@@ -12,8 +12,8 @@
 namespace pt::stability::meshes_identity {
 namespace {
 
-// A lit room made of a mesh, with meshes as a light, as glass, and as two instances of a third. Positions are multiples
-// of 2^-6. `as_given` is applied to each mesh.
+// A lit room made of a mesh, with other meshes as a light, as glass, and as two instances of one. Positions are
+// multiples of 2^-6. `as_given` is applied to each mesh.
 template <class Change>
 SceneText mesh_room(const Change& as_given) {
     SceneText text("mesh_room");

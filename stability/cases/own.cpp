@@ -1,4 +1,4 @@
-// Cases P1 to P9, for what S1 to S48 of the catalogue lack.
+// Cases P1 to P9 of ptbench's own, for failures that cases S1 to S48 of docs/numerics.md lack.
 #include <cmath>
 
 #include "harness/scene/scene.h"
@@ -46,7 +46,7 @@ Json corridor_scene(const Values& v) {
     const Rotation rotation = rotation_of(turn);
     SceneText scene("corridor");
     scene.camera({0, 0, 0}, rotation.column[0] + rotation.column[1] * slope, rotation.column[2])
-        .depth(v.whole("bounces") + v.whole("bounces") / 8 + 1);  // extra depth lets a stray path reach the light late
+        .depth(v.whole("bounces") + v.whole("bounces") / 8 + 1);  // extra depth: a stray path reaches the light late
     const std::string mirror = scene.mirror(Vec3d(1 - std::exp2(-v["k"])));
     const Vec3d middle = rotation.column[0] * (0.5 * length);
     scene.quad(mirror, middle + rotation.column[1] * 0.5, length + 2, 4, turn);
@@ -122,7 +122,7 @@ std::vector<Rendering> contrast(const Values& v) {
     const double bright = std::pow(10.0, v["log10_bright"]), dim = std::pow(10.0, v["log10_dim"]);
     SceneText scene("contrast");
     scene.image(2, 1, 90, false);
-    scene.quad(scene.emitter(Vec3d(bright)), {2, 0, 1}, 4, 8, {90, 0, 0});  // +x is at the camera's left
+    scene.quad(scene.emitter(Vec3d(bright)), {2, 0, 1}, 4, 8, {90, 0, 0});  // +x is on the left of the camera's image
     scene.quad(scene.emitter(Vec3d(dim)), {-2, 0, 1}, 4, 8, {90, 0, 0});
     Rendering rendering{.scene = scene.json(), .quick_paths = 1024, .full_paths = 65536, .quantities = {}};
     const double radiances[] = {bright, dim};

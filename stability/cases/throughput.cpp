@@ -15,14 +15,14 @@ Rendering wall_rendering(const SceneText& scene, double exact, double segments_p
             .quantities = {mean_is("radiance of the wall", exact, tolerance)}};
 }
 
-// A scene whose camera looks along a chord that misses the centre.
+// A scene whose camera looks along a chord of a sphere, inside it, that misses the sphere's centre.
 SceneText at_the_wall(const std::string& name, std::uint32_t depth) {
     SceneText scene(name);
     scene.camera({0, 0, -0.5}, {1, 0, -0.5}).image(1, 1, 1, false).depth(depth);
     return scene;
 }
 
-// Walls with a tiny albedo in one channel, 0 in another and a larger one in the third.
+// A sphere whose wall has a tiny albedo in one channel, 0 in another and a larger one in the third.
 std::vector<Rendering> dark_walls(const Values& v) {
     const double albedo = v["log10_albedo"] <= -400 ? 0 : std::pow(10.0, v["log10_albedo"]);
     const auto depth = v.whole("depth");
@@ -79,7 +79,7 @@ std::vector<Rendering> caustic(const Values& v) {
                                            "numerics.md S5, and the light of more than 24 reflections at the wall"))};
 }
 
-// The wall is white, so every path finds the lamp, after 1 / a^2 segments on average.
+// The wall is white, so every path finds the lamp of radius a if it may, after 1 / a^2 segments on average.
 std::vector<Rendering> deep_lamp(const Values& v) {
     const double a = v["a"];
     SceneText scene = at_the_wall("deep_lamp", v.whole("depth"));

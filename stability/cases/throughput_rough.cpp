@@ -31,7 +31,7 @@ std::vector<Measurement> rough_mirror(const Values& v, const DirectSetting& sett
         const auto alpha = static_cast<Real>(v["roughness"] * v["roughness"]);
         const Vec3<Real> up{Real(0), Real(0), Real(1)};
         const RoughConductor<Real> lobe(Vec3<Real>(Real(1)), alpha, up, up);
-        constexpr int side = 256;  // sample points that floats represent exactly
+        constexpr int side = 256;  // sample points along each side of a grid; floats represent them exactly
         double worst = 0, kept = 0, kept_exactly = 0;
         for (int i = 0; i < side * side; ++i) {
             const double x = (i % side + 0.5) / side, y = (i / side + 0.5) / side;

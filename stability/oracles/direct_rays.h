@@ -135,7 +135,7 @@ inline Chord box_chord(const Vec3l& half, const Vec3l& origin, const Vec3l& dire
             nearest = {t, std::abs(direction[axis])};
         }
     }
-    nearest.t = std::max(nearest.t, 0.0L);  // rounding may put the ray's start beyond an edge
+    nearest.t = std::max(nearest.t, 0.0L);  // rounding may put the start beyond an edge of the box
     return nearest;
 }
 

@@ -32,7 +32,7 @@ inline Tolerance furnace_tolerance(double emission, double albedo, double depth)
 // sees the lamp with the view factor s = a^2; the radiance is s rho + s rho^2 (1 - s) + ..., with `reflections` terms.
 inline double lamp_radiance(double a, double albedo, double reflections) {
     const double s = a * a;
-    const double ends = 1 - albedo * (1 - s);  // share of paths that end at each wall hit
+    const double ends = 1 - albedo * (1 - s);  // share of paths at the wall that do not return to it
     return s * albedo * -std::expm1(reflections * std::log1p(-ends)) / ends;
 }
 
@@ -41,7 +41,7 @@ inline std::uint64_t paths_for(double segments, double depth) {
     return static_cast<std::uint64_t>(std::clamp(segments / depth, 16.0, 0x1p25));
 }
 
-// The quantities of a furnace: every pixel has the exact radiance, and no path leaks out.
+// The quantities measured in a furnace: every pixel has the exact radiance, and no path leaks out.
 inline std::vector<Quantity> furnace_quantities(double emission, double albedo, std::uint32_t depth) {
     const double exact = furnace(emission, albedo, depth);
     return {

@@ -60,7 +60,7 @@ private:
     long double ring(long double share) const {
         const long double slope = alpha_ * std::sqrt((1 - share) / share);
         const long double up = 1 / std::sqrt(1 + slope * slope), across = slope * up * x_;
-        const long double least = z_ / (2 * up) - z_ * up;  // least across * cos(azimuth) for light from above
+        const long double least = z_ / (2 * up) - z_ * up;  // across * cos(azimuth) above which light is from above
         if (least >= across) {
             return 0;
         }

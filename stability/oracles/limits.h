@@ -11,7 +11,7 @@
 
 namespace pt::stability {
 
-// The fewest paths of a quick run of the cases that use these texts, and the events that an error estimate needs.
+// Fewest paths in quick runs of the cases that use these texts, and rare events that an error estimate needs.
 inline constexpr double quick_paths_at_least = 5e5;
 inline constexpr double enough_events = 100;
 
@@ -22,9 +22,9 @@ inline std::string too_rare(double probability, double paths = quick_paths_at_le
                                                : "";
 }
 
-// The known limit of next-event estimation where connections to a light of radiance `bright` add up to only `dim`. The
-// film has room for 1024 times the brightest light: its quantum is 2^-30 of that for up to 2^16 samples per pixel, and
-// 2^-25 for 2^21.
+// The known limit of next-event estimation where connections to a light of radiance `bright` bring a pixel only the
+// radiance `dim`. The film has room for 1024 times the brightest light: its quantum is 2^-30 of that light for up to
+// 2^16 samples per pixel, and 2^-25 for 2^21.
 inline std::string too_dim(double bright, double dim) {
     return 0x1p-25 * bright > 1e-6 * dim ? "the film's quantum is 2^-30 of the brightest light, or up to 2^-25 with "
                                            "more samples, and samples that "
@@ -34,7 +34,7 @@ inline std::string too_dim(double bright, double dim) {
                                          : "";
 }
 
-// The known limit of a light that a path hits by chance with probability `share`, or whose connections add up to `dim`.
+// The known limit of a light that a path hits by chance with probability `share`, or of too dim connections to it.
 inline std::string rare_or_dim(const VariantTraits& variant, double share, double bright, double dim,
                                double paths = quick_paths_at_least) {
     return !variant.direct_light.connects ? too_rare(share, paths) : too_dim(bright, dim);

@@ -17,7 +17,7 @@ long double series(int n, long double x) {
     for (int i = 1; i < n; ++i) {
         digamma += 1.0L / i;
     }
-    long double sum = 0, power = 1;  // `power` is (-x)^m / m!
+    long double sum = 0, power = 1;  // `power` is (-x)^m / m!, a factor of the series' term m
     for (int m = 0; m < 200; ++m) {
         const long double term = m == n - 1 ? power * (digamma - std::log(x)) : -power / (m - n + 1);
         sum += term;
@@ -48,7 +48,7 @@ long double exponential_integral(int n, long double x) {
 }
 
 HFunction::HFunction(double albedo) : albedo_(albedo), nodes_(gauss_legendre(96)) {
-    // H(mu) behaves like mu ln(mu) at 0; the substitution mu = t^4 smooths it.
+    // H(mu) behaves like mu ln(mu) at 0, and the substitution mu = t^4 smooths it for quadrature.
     for (Node& node : nodes_) {
         const long double t = node.x;
         node = {t * t * t * t, node.weight * 4 * t * t * t};
@@ -63,7 +63,7 @@ HFunction::HFunction(double albedo) : albedo_(albedo), nodes_(gauss_legendre(96)
             for (std::size_t j = 0; j < nodes_.size(); ++j) {
                 sum += nodes_[j].weight * nodes_[j].x * values_[j] / (nodes_[i].x + nodes_[j].x);
             }
-            // Successive iterates lie on both sides of the solution, so their mean converges several times as fast.
+            // Successive iterates lie on both sides of H, so their mean converges several times as fast.
             next[i] = (values_[i] + 1 / (root + albedo_ / 2 * sum)) / 2;
             change = std::max(change, std::abs(next[i] - values_[i]) / next[i]);
         }
@@ -141,20 +141,20 @@ std::vector<long double> solve(std::vector<std::vector<long double>> a, std::vec
     return b;
 }
 
-// The share of photons that travel x without a collision, at cosine mu or (mu = 0) of diffuse light. It gives both the
-// density of first collisions and the share of each cell's light that reaches a face unscattered.
+// The share of photons that travel an optical depth x without a collision, at cosine mu or (mu = 0) of diffuse light.
+// It gives the density of first collisions in a slab and the share of a cell's light that reaches a face unscattered.
 long double uncollided(long double x, double mu) { return mu > 0 ? std::exp(-x / mu) : 2 * exponential_integral(3, x); }
 
 SlabShares galerkin(double optical_depth, double albedo, double mu, int cells) {
     const std::vector<long double> x = cell_borders(optical_depth, cells);
     const auto n = static_cast<std::size_t>(cells);
-    std::vector<std::vector<long double>> third(n + 1, std::vector<long double>(n + 1));  // E3 of distances of borders
+    std::vector<std::vector<long double>> third(n + 1, std::vector<long double>(n + 1));  // E3(|x_i - x_j|) of borders
     for (std::size_t i = 0; i <= n; ++i) {
         for (std::size_t j = 0; j <= i; ++j) {
             third[i][j] = third[j][i] = exponential_integral(3, x[i] - x[j]);
         }
     }
-    // The matrix has int over cell i, int over cell j of w/2 E1(|x-y|), a second difference of E3, since E3'' = E1.
+    // Matrix entries, int over cell i, int over cell j of w/2 E1(|x-y|), are second differences of E3, as E3'' = E1.
     std::vector<std::vector<long double>> matrix(n, std::vector<long double>(n));
     std::vector<long double> source(n);
     const long double w = albedo;

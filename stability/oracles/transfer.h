@@ -22,7 +22,7 @@ public:
     // Chandrasekhar's H function for a direction of cosine mu from 0 to 1.
     double at(double mu) const;
     double plane_albedo(double mu) const;
-    double diffuse_albedo() const;  // albedo for diffuse light: 1 - 2 sqrt(1-w) alpha_1
+    double diffuse_albedo() const;  // albedo of a half space for diffuse light: 1 - 2 sqrt(1-w) alpha_1
 
 private:
     long double albedo_;
@@ -35,7 +35,7 @@ double mean_collisions(double albedo, double mu);
 
 struct SlabShares {
     double reflected = 0, transmitted = 0;
-    double error = 0;  // error of either share: last extrapolation step
+    double error = 0;  // error of either share, estimated by the last extrapolation step
 };
 
 // The shares of light that a slab reflects and transmits. `mu`: the cosine of incidence, or 0 for diffuse light.

@@ -21,7 +21,7 @@ inline SceneMaterial read_glass(const JsonObject& object) {
     return material;
 }
 
-// The entries of MaterialKind that smooth and rough glass share.
+// The functions of a MaterialKind that smooth and rough glass share.
 inline MaterialKind glass_kind() {
     MaterialKind kind;
     kind.extra_features = [](const SceneMaterial& m) {
