@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 if __name__ == "__main__":
-    # The package that lies beside it, in a checkout or where pip put both.
+    # The folder of this file holds the package ptbench, in a checkout as well as where pip installed both.
     sys.path.insert(0, str(Path(__file__).resolve().parent))
     from ptbench.cli.main import main
 

@@ -67,7 +67,7 @@ class _Visible:
         try:
             yield
         except OSError as error:
-            # Further output is redirected to /dev/null, so that flushing the stream at exit cannot fail.
+            # After a failed write, further output goes to /dev/null, so that flushing the stream at exit cannot fail.
             os.dup2(os.open(os.devnull, os.O_WRONLY), self._stream.fileno())
             if self._may_be_lost:
                 return

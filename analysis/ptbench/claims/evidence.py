@@ -36,7 +36,7 @@ class Found:
 
     condition: Condition
     estimate: Estimate | None
-    doubt: str = ""  # why the number decides nothing, or why it is missing
+    doubt: str = ""  # why the measured number decides nothing on the claim, or why there is no number
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Evidence:
     device: str
     measured: Measured
     found: tuple[Found, ...]
-    refused: str = ""  # why the two result files may not be compared
+    refused: str = ""  # why the results of two machines may not be compared; empty where they may
 
     @property
     def is_own(self) -> bool:

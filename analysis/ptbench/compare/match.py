@@ -74,7 +74,7 @@ class Matching:
     pairs: tuple[Pair, ...]
     alone: tuple[Alone, ...]
     across_backends: bool
-    assumed: tuple[str, ...]  # one sentence per older file on what it leaves unsaid and was assumed
+    assumed: tuple[str, ...]  # one sentence per older file: what it does not say, and what was assumed instead
 
 
 def match(reference: Result, other: Result, *, films_may_differ: bool = False) -> Matching:
@@ -258,7 +258,7 @@ def _other_rays(cell: Cell, partner: Cell, level: float) -> str | None:
     return f"{rays.mean():.6g} rays a path against {theirs.mean():.6g}: not the same work"
 
 
-# Sets of fields by which an unpaired cell may differ from a near one that the report names, most informative first.
+# Sets of fields, tried in order: an unpaired cell is reported with cells of the other file that differ in one set only.
 _TELLABLE = (
     ("spp",), *((axis,) for axis in _HOW_IT_COMPUTES), ("tunables",), ("checkpoints",), ("backend",), ("depth",),
     ("resolution",), ("backend", "spp"), ("depth", "spp"), ("resolution", "spp"), ("resolution", "depth", "spp"),
@@ -304,7 +304,7 @@ class _There:
         for cell in result.cells:
             self._hashes.setdefault(cell.scene, set()).add(cell.scene_hash)
         fields = {cell.name: _fields(cell, axes, across) for cell in result.cells}
-        # Unpaired cells come first: one of them is most likely what became of the given cell.
+        # Unpaired cells are searched first: a cell without a partner most likely became one of them in this file.
         self._lonely = _Cells([of_cell for name, of_cell in fields.items() if name not in paired])
         self._every = _Cells(list(fields.values()))
 

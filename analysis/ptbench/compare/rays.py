@@ -45,7 +45,7 @@ _COLUMNS = (
     "",
     "Verdict",
 )
-Key = tuple[str, str, str, str, str, str]  # a batch's mesh, triangle hash, accelerator, builder, ray class, kernel
+Key = tuple[str, str, str, str, str, str]  # a batch of rays: mesh, triangle hash, accelerator, builder, class, kernel
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@ from ptbench.stats.estimates import (
 from ptbench.studies.disturbed import MOST_DISTURBED_SAID, disturbance_in
 from ptbench.studies.withdrawn import among, between
 
-_SHOWN = 5  # most reasons, or changes of a ranking, of one kind that stdout lists
+_SHOWN = 5  # most reasons of one kind, or changes of a ranking, that a comparison lists on stdout
 MARKS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 
 

@@ -108,7 +108,7 @@ class Assessment:
         """Whether more samples change the error beyond rounding, judged at the last checkpoints."""
         if self.fit is None or self.fit.sigma2.value <= 1e-9 * float(np.abs(self.curve.mean).max()):
             return False
-        # If half the samples are as wrong as all, in the same pixels, the error has no noise.
+        # An error that is equal, in every pixel, for half of the samples and for all of them has no noise.
         halves, whole = self.curve.bias2, self.curve.mse[:, -1]
         return halves is None or not np.allclose(halves, whole, rtol=1e-9, atol=0)
 

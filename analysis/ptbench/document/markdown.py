@@ -26,7 +26,7 @@ FIGURES, SCENES, DATA = "figures", "scenes", "data"
 _CODE = re.compile(r"(`[^`]+`)")
 
 
-# A function that turns a document's text into Markdown: `one_line` for our own texts, `escaped` for those of files.
+# A function that turns plain text into Markdown: `one_line` for texts of ptbench, `escaped` for texts out of files.
 Written = Callable[[str], str]
 
 

@@ -25,11 +25,11 @@ from ptbench.studies.rows import Row
 
 # Ratio of times from which on the axis is logarithmic, as a linear one would flatten the fast choices.
 _LOG_FROM = 5.0
-_RATIO_HEIGHT, _LOG_RATIO_HEIGHT = 1.35, 2.0  # inches: height of the panel of ratios, linear and logarithmic
+_RATIO_HEIGHT, _LOG_RATIO_HEIGHT = 1.35, 2.0  # inches: height of the panel of ratios if linear and if logarithmic
 _RATIO_TICKS = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1, 1.1, 1.2, 1.3, 1.5, 2, 3, 4, 5, 7, 10)
 # Ticks of a logarithmic axis by the largest ratio of its ends; beyond the last ratio ticks are powers of ten.
 _LOG_STEPS = ((3, (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8)), (6, (1, 2, 3, 5, 7)), (20, (1, 2, 3, 5)), (200, (1, 2, 5)))
-_LEGEND_WIDTH, _WIDEST_LEGEND = 1.9, 2.6  # inches beyond which a line's name is wrapped, and limit for one long word
+_LEGEND_WIDTH, _WIDEST_LEGEND = 1.9, 2.6  # legend's width in inches: where names wrap, and most for one long word
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class Abscissa:
     quantity: str
     unit: str
     ticks: dict[int, str]
-    log: bool = False  # whether x is logarithmic whatever the spacing; a zero is placed left of the logarithms
+    log: bool = False  # whether x is logarithmic whatever the spacing of values; a zero is placed left of all others
 
     def tick(self, x: float) -> str:
         """The label of a tick at a value."""

@@ -14,7 +14,7 @@ from ptbench.io.cells import Cell, Result, Study
 from ptbench.studies.notes import Note, notes_of
 from ptbench.studies.rows import measure
 
-# Most columns of numbers under the axis that stay readable; with more bounces only every k-th is shown.
+# Most columns of numbers that stay readable under the axis of bounces; with more bounces only every k-th is shown.
 _MOST_COLUMNS = 11
 
 

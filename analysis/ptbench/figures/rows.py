@@ -21,7 +21,7 @@ _ROW, _TIGHT_ROW = 0.27, 0.22
 _TIGHT_FROM = 40  # number of rows from which on rows are set tighter
 _HEAD = 0.34
 _GAP = 0.22
-_TITLE = 3.0  # inches up to which a group's title widens the label column; a longer title runs on above the plot
+_TITLE = 3.0  # most inches to which a group's title widens the column of labels; a longer title runs on above the plot
 
 
 @dataclass(frozen=True)

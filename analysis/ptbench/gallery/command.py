@@ -57,7 +57,7 @@ class Row:
 
     title: str
     pictures: tuple[Picture, ...]
-    resolution: tuple[int, int] | None  # size of each picture; None: the sheet's resolution
+    resolution: tuple[int, int] | None  # width and height of each picture in pixels; None: as the gallery's sheet
     pixels: bool  # whether to show pixels without interpolation, for a row about single pixels
 
 

@@ -30,7 +30,7 @@ class Question:
 
 # An axis that older files lack although some of their studies are about it.
 _ROBUSTNESS = "robustness"
-# For studies along a parameter of scenes, the dimension that tells points apart.
+# Parameters of scenes that studies go along, with the dimension of cells that tells the points apart.
 _SWEPT = {"materials": "scene"}
 
 

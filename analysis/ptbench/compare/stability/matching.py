@@ -76,7 +76,7 @@ class Against:
     reference: Stability
     other: Stability
     pairs: tuple[Pair, ...]
-    alone: tuple[tuple[bool, Row], ...]  # rows without a partner, and whether each is the reference's
+    alone: tuple[tuple[bool, Row], ...]  # each row that only one file has, after whether that is the reference
 
     @cached_property
     def changed(self) -> list[Pair]:

@@ -30,7 +30,7 @@ SCHEMA = "ptbench-map-result-1"
 SIDES = ("choice", "over")
 BUDGET, SETTLED = "the budget is spent", "every bracket is as narrow as asked, or cannot be narrower"
 
-# A run as stored in the map's result file, with the keys of `_run_of`.
+# A run of a map's point as an object of the map's result file; `_run_of` defines its keys.
 Run = dict
 Measure = Callable[[Definition, Place], Run]
 

@@ -40,7 +40,7 @@ class Measured:
 
     def cost_over(self, base: Measured) -> Estimate:
         """Variance times time over that of `base`: how many times as long until the error is the same."""
-        # One generator draws all four bootstraps, so that they are independent.
+        # One generator resamples times and variances of both renderers, so that the four bootstraps are independent.
         random = np.random.default_rng(SEED)
         drawn = self._drawn_cost(random) / base._drawn_cost(random)
         count = min(len(self.ms_per_spp), len(self.variance), len(base.ms_per_spp), len(base.variance))

@@ -38,7 +38,7 @@ class Parts:
 
     definition: Mapping
     cost: Cost
-    cost_points: tuple[Point, ...]  # measurements that the cost line is fitted to
+    cost_points: tuple[Point, ...]  # measured render times that the straight line `cost` is fitted to
     device: str
     noise: np.ndarray  # time of each render over its cell's median
     noise_cells: int

@@ -26,7 +26,7 @@ from ptbench.io.convergence import Picture
 from ptbench.io.images import TONE_MAPPING, displayed, exposure_of, flip, read_pfm
 from ptbench.studies.notes import Note
 
-_CROP = 96  # side of the crop in pixels, where the image is larger
+_CROP = 96  # side in pixels of the crop that is shown of a larger image
 _PICTURE, _BETWEEN = 1.6, 0.14  # inches: side of a picture and gap between pictures
 _COLUMNS = 5
 _LINES = 4  # most lines of a variant's name above its picture
@@ -41,7 +41,7 @@ class Shot:
     label: str
     facts: str
     picture: np.ndarray
-    error: np.ndarray | None  # signed error image; None: the shot is the reference
+    error: np.ndarray | None  # signed error image; None: this picture is the reference's
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class Sheet:
 
     title: str
     shots: tuple[Shot, ...]
-    limit: float  # largest signed error on the colour scale
+    limit: float  # largest signed error on the colour scale of the error images
 
 
 @dataclass(frozen=True)

@@ -37,10 +37,10 @@ class Line:
     label: str
     times: np.ndarray  # render time at each checkpoint in milliseconds
     errors: np.ndarray  # root of the mean dual squared error over seeds; NaN where the mean is negative
-    low: np.ndarray  # lower end of the seeds' band
+    low: np.ndarray  # lower end of the drawn band over seeds, by checkpoint
     high: np.ndarray
     plateau: float | None
-    plateau_is_bound: bool  # whether `plateau` is only a lower bound, told in words but not drawn
+    plateau_is_bound: bool  # whether `plateau` is only a lower bound, which is told in words and not drawn as a line
     crossing_ms: float | None
 
     @property

@@ -22,7 +22,7 @@ MOST_ROWS = 45  # most rows of cases on a page
 DECADES = 4.0  # decades from 1 at which the colour scale saturates
 GREY, BLANK = "#d0d0d0", "#ffffff"
 
-_ROW, _CELL, _HEAD, _APART, _SPLIT = 0.205, 0.46, 0.31, 0.1, 0.12  # layout in inches
+_ROW, _CELL, _HEAD, _APART, _SPLIT = 0.205, 0.46, 0.31, 0.1, 0.12  # inches of the heat map's layout
 _NUMBER_SIZE, _COLUMN_SIZE = 7.5, 9.0
 _LEGEND = 0.95
 _CAPTION = (
@@ -57,7 +57,7 @@ class HeatPage:
     title: str
     caption: str
     columns: tuple[str, ...]
-    must_pass: int  # number of leading columns whose variants must pass
+    must_pass: int  # number of leading columns, of variants that must pass
     groups: tuple[HeatGroup, ...]
 
 
