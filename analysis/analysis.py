@@ -1,6 +1,6 @@
 """The name under which the command line was run before: `python3 -m analysis` does what `python3 -m ptbench` does.
 
-It goes on taking its calls for one release, and says so.
+The old name works for one more release, and prints a notice that it goes.
 """
 
 import sys

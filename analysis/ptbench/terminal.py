@@ -13,7 +13,7 @@ _UNSAFE = re.compile("[\x00-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\
 
 
 def visible(text: str, keep: str = "") -> str:
-    """`text` in one line with such characters escaped: \\x1b, \\xff, \\u202e. Those of `keep` stay."""
+    """`text` in one line with unsafe characters escaped: \\x1b, \\xff, \\u202e. Those of `keep` stay."""
     return _UNSAFE.sub(lambda found: found[0] if found[0] in keep else _escaped(ord(found[0])), text)
 
 

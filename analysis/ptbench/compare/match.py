@@ -274,7 +274,7 @@ class _Cells:
         self._by_rest: dict[tuple[str, ...], dict[tuple, list[dict[str, object]]]] = {}
 
     def but_for(self, names: tuple[str, ...], mine: dict[str, object]) -> list[dict[str, object]]:
-        """The cells that equal `mine` in every field outside `names`."""
+        """The indexed cells that equal the cell `mine` in every field outside `names`."""
         if names not in self._by_rest:
             groups = self._by_rest[names] = {}
             for fields in self._fields:
@@ -283,7 +283,7 @@ class _Cells:
         return [fields for fields in alike if all(fields[name] != mine[name] for name in names)]
 
     def nearest(self, mine: dict[str, object]) -> tuple[str, str] | None:
-        """(kind, reason) of the cells that differ in the first field set of _TELLABLE; None if all differ in more."""
+        """(kind, reason) of cells that differ from `mine` in one set of _TELLABLE, the first possible, or None."""
         for names in _TELLABLE:
             if all(name in mine for name in names) and (found := self.but_for(names, mine)):
                 return _kind(names), "; ".join(_difference(name, mine, found) for name in names)

@@ -89,7 +89,7 @@ class Floor:
 
 
 def repeats_of(results: Sequence[Result]) -> list[Repeat]:
-    """Every two of the files that form an A/A run and have a cell in common that both rendered."""
+    """All pairs of the files that form an A/A run, with at least one cell that both files rendered."""
     found = []
     for one, other in combinations(results, 2):
         if not is_repeated(one, other):

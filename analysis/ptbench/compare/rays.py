@@ -50,7 +50,7 @@ Key = tuple[str, str, str, str, str, str]  # a batch of rays: mesh, triangle has
 
 @dataclass(frozen=True)
 class Pair:
-    """One batch of rays that is in both files."""
+    """A batch of rays that both compared files contain."""
 
     key: Key
     one: Batch

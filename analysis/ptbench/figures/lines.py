@@ -225,7 +225,7 @@ def looks_of_baseline(panel: Panel, looks: dict[str, style.Look]) -> style.Look:
 
 
 def _scale_x(axes: Axes, panel: Panel, abscissa: Abscissa, plot_width: float) -> str:
-    """Sets ticks at measured values and, if asked or they are so spaced, a log scale; returns the scale in words."""
+    """Sets ticks at measured x, on a log scale if asked for or if they are so spaced; returns the scale in words."""
     xs = panel.xs
     first, last = xs[0], xs[-1]
     scale = ""

@@ -56,7 +56,7 @@ def jackknife(function: Callable[[np.ndarray], float], values: np.ndarray) -> tu
 
 
 def t_test(estimate: float, error: float, freedom: float, expected: float, common: float = 0.0) -> tuple[float, float]:
-    """(two-sided p, one-sided p of `estimate` being above) against `expected`.
+    """P-values of a t-test of `estimate` against `expected`: two-sided, and one-sided for being above.
 
     `common` is a known standard error besides the estimated one; their sum has Satterthwaite's degrees of freedom.
     """

@@ -67,7 +67,7 @@ def _is_grid(cells: Sequence[Cell], question: Question | None, split: Sequence[s
 
 
 def in_file_order(keys: Iterable[tuple]) -> list[tuple]:
-    """The distinct keys, sorted by each part in turn, whose values are ordered by first appearance.
+    """The distinct keys (tuples), sorted by each part in turn, whose values are ordered by first appearance.
 
     Parts whose values are all numbers, as a tunable's are, are sorted by size.
     """

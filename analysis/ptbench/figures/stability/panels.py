@@ -140,7 +140,7 @@ def _others(case: Case, place: Place) -> tuple[tuple[str, float], ...]:
 
 
 def _series(case: Case, places: Sequence[Place]) -> list[tuple[str, list[Place]]]:
-    """Series of points that differ in the swept parameter only, if long enough; else one point per value."""
+    """Series of a case's points that differ in the swept parameter only, if long enough; else one point per value."""
     groups: dict[tuple, list[Place]] = {}
     for place in places:
         groups.setdefault(_others(case, place), []).append(place)
@@ -163,7 +163,7 @@ def _by_value(case: Case, places: Iterable[Place]) -> list[Place]:
 
 
 def _left_out(case: Case, places: Sequence[Place]) -> list[str]:
-    """Labels of points that no panel shows, although another point of their estimator is shown."""
+    """Labels of a case's points that no panel shows, although another point with their estimator is shown."""
     left = []
     for estimator in dict.fromkeys(place.estimator for place in places):
         of_estimator = [place for place in places if place.estimator == estimator]
