@@ -43,7 +43,7 @@ class Found:
 class Evidence:
     """Everything that one result file says of a claim."""
 
-    files: tuple[str, ...]  # paths of the result files, relative to the folder of results
+    files: tuple[str, ...]  # paths of the result files that give evidence, relative to the folder of results
     machine: str  # name of the machine's folder in results/
     device: str
     measured: Measured

@@ -18,7 +18,7 @@ from ptbench.stats.intervals import welch_test
 
 # Axes that say how a variant computes its image, not what image it computes.
 _HOW_IT_COMPUTES = ("arithmetic", "precision", "robustness")
-# Probability that any pair of cells of a file that did equal work is refused because of its ray counts.
+# Probability that any pair of cells that did equal work is refused, in a comparison of two files, for its ray counts.
 _FAMILY_ERROR = limit("family_error")
 
 MACHINE_KEYS = (

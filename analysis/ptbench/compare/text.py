@@ -253,7 +253,7 @@ def _either(one: int, two: int) -> str:
 
 def _remarks(row: Row) -> Iterable[str]:
     for remark in row.remarks:
-        # Remarks leave out the interval and differing samples per pixel, which have columns of their own.
+        # A table's remarks leave out the interval and differing samples per pixel, which have columns of their own.
         head, found, tail = remark.partition("] reaches ")
         if found and head.startswith("interval ["):
             yield f"reaches {tail}"

@@ -65,7 +65,7 @@ class Verdict:
     word: str
     reason: str = ""
     plateau: float | None = None  # root mean square error at which the error stops falling, the bias B
-    declared: bool = False  # the cell declares a bias that predicts the plateau
+    declared: bool = False  # whether the cell declares a bias that predicts the plateau
     is_bound: bool = False  # `plateau` is only a lower bound of the bias B, derived from the mean error
 
     @property
@@ -184,7 +184,7 @@ def _mean_off(curve: Curve, level: float) -> np.ndarray | None:
     noise = mean_error_of_reference(curve.reference, curve.cell.pixels)
     means = curve.mean_error.mean(axis=0)
     halves = [half_width(standard_error(channel), curve.count - 1, level / 3, noise) for channel in curve.mean_error.T]
-    # Mean errors below 1e-12 are rounding of the sums.
+    # A mean error below 1e-12 is the rounding of its sum, so it does not count as a difference.
     return means if (np.abs(means) > np.maximum(halves, 1e-12)).any() else None
 
 

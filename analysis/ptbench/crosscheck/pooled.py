@@ -23,7 +23,7 @@ class Pooled:
     errors: tuple[float, ...]
     worst_p: float
     limit_p: float
-    sees: float  # bias of the worst channel that the pooled test detects with the probability POWER
+    sees: float  # bias of the worst channel that the pooled test would detect with the probability POWER
     aim: float
 
     @property

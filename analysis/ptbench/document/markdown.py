@@ -63,7 +63,7 @@ def _joined(lines: Iterable[str]) -> str:
 
 
 def _row(values: Iterable[str]) -> str:
-    # A compiler message may hold anything; a pipe or a line break in it would end the table's cell.
+    # A compiler message in a table may hold anything; a pipe or a line break in it would end the table's cell.
     return "| " + " | ".join(one_line(value).replace("|", "\\|") for value in values) + " |"
 
 

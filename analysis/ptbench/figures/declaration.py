@@ -29,4 +29,4 @@ class StabilityFigure:
 
     name: str
     collect: Callable[[Stability], Sequence]  # computes the figure's pages; raises NotDrawable with the reason
-    draw: Callable[..., Figure]  # draws one of the figure's pages
+    draw: Callable[..., Figure]  # draws one of the pages that `collect` computed

@@ -23,7 +23,7 @@ from ptbench.studies.groups import Parts
 from ptbench.studies.notes import Note
 from ptbench.studies.rows import Row
 
-# Ratio of times from which on the axis is logarithmic, as a linear one would flatten the fast choices.
+# Ratio of the largest to the least time or ratio from which on an axis is logarithmic, to tell fast choices apart.
 _LOG_FROM = 5.0
 _RATIO_HEIGHT, _LOG_RATIO_HEIGHT = 1.35, 2.0  # inches: height of the panel of ratios if linear and if logarithmic
 _RATIO_TICKS = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1, 1.1, 1.2, 1.3, 1.5, 2, 3, 4, 5, 7, 10)

@@ -296,7 +296,7 @@ def draw_line(axes: Axes, xs: Sequence[float], estimates: Sequence[Estimate], st
         axes.errorbar(
             [x for x, _ in whiskered],
             [e.value for _, e in whiskered],
-            # A percentile interval contains the median, except for rounding.
+            # An error bar's length must be at least 0: rounding may put the median outside its percentile interval.
             yerr=[[max(e.value - e.low, 0) for _, e in whiskered], [max(e.high - e.value, 0) for _, e in whiskered]],
             fmt="none",
             ecolor=style.colour,

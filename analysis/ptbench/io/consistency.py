@@ -256,7 +256,7 @@ def _films(cells: Iterable[_Cell], first_seed: int | None) -> Iterator[Contradic
     """
     known: dict[_Film, tuple[str, _Cell]] = {}
     for cell in cells:
-        if cell.failed:  # a wrong film may be the reason why the cell failed
+        if cell.failed:  # a cell may have failed because of a wrong film
             continue
         bitwise = cell.node.need("claim").value == "bitwise" if cell.node.maybe("claim") is not None else False
         group: object = _settings(cell.node) if bitwise else cell.node.need("cell").text()

@@ -23,7 +23,7 @@ from ptbench.io.older import filled_in
 _LAST = tuple(
     axis.as_before for axis in itertools.takewhile(lambda axis: axis.as_before, reversed(known_axes().values()))
 )
-# Names of counters that are rates: X_per_Y, in files up to commit ede9627 X_a_Y.
+# Names of counters that are rates: X_per_Y, or in files up to commit ede9627 X_a_Y.
 _RATE = re.compile(r"_(a|per)_(?:ray|block|multiprocessor|second)$")
 
 

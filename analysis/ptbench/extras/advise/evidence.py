@@ -73,7 +73,7 @@ class Point:
     ratio: Estimate
     features: Features
     scene: str
-    setting: str  # depth and image size of the measurement
+    setting: str  # depth and image size at which the ratio was measured
     file: str
     rest: tuple  # settings that the choice and its reference have in common
     by_way_of: str = ""  # choice through which this one was compared, where the reference itself was not run

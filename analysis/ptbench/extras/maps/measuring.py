@@ -43,7 +43,7 @@ class Sheet:
     device: str = ""
     sessions: list[dict] = field(default_factory=list)
     runs: dict[str, Run] = field(default_factory=dict)
-    cells: dict[Place, str] = field(default_factory=dict)  # key of each cell's run in `runs`
+    cells: dict[Place, str] = field(default_factory=dict)  # by cell of the map, the key of the cell's run in `runs`
     ended: str = ""
     _ratios: dict[tuple[Place, str], Estimate | None] = field(default_factory=dict)
 

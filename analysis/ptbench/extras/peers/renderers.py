@@ -25,7 +25,7 @@ class Place:
     scene: str
     xml: Path | None
     meshes: int  # number of objects that show a mesh
-    folder: Path  # folder for files that the renderers write
+    folder: Path  # folder into which the renderers write their files
 
 
 @dataclass(frozen=True)

@@ -103,7 +103,7 @@ def _mitsuba(text: str, python: Path) -> Wanted:
     compiles = "scalar" not in variant
     leaves_out = "reading the scene, building trees"
     leaves_out += ", tracing and compiling kernels, launching them" if compiles else ""
-    # A megakernel keeps no path state in memory; evaluated loops keep the state of every path.
+    # A megakernel of Mitsuba keeps no path state in memory; evaluated loops keep the state of every path.
     lanes = 1 << (24 if mode == EVALUATED else 28)
     command = (str(python), script, variant, estimator, mode)
     return Wanted(name, "mitsuba", OF_MITSUBA[estimator], (), command, leaves_out, lanes)

@@ -24,7 +24,7 @@ from ptbench.extras.simulate.parts import Parts, Point
 from ptbench.io.cells import Cell
 from ptbench.io.results import load
 
-# Trials of the dynamic partition are few, because each simulates thousands of chunks one by one.
+# The dynamic partition is simulated in few trials, because each simulates thousands of chunks one by one.
 _DYNAMIC_TRIALS = 20
 
 

@@ -53,7 +53,7 @@ class HeatGroup:
 class HeatPage:
     """One page of the heat map."""
 
-    name: str  # file name of the page
+    name: str  # file name of the heat map's page, without extension
     title: str
     caption: str
     columns: tuple[str, ...]
@@ -153,7 +153,7 @@ def draw(data: HeatPage) -> Figure:
     left = style.MARGIN + label_width + 0.14
     is_split = 0 < data.must_pass < len(data.columns)
     width = _CELL * len(data.columns) + (_SPLIT if is_split else 0)
-    # The first family's name shares a line with the column names.
+    # On a page of the heat map, the first family's name shares a line with the column names.
     head = max(_widest(data.columns, _COLUMN_SIZE) + 0.16 - _HEAD, 0)
     heights = [_HEAD + _ROW * len(group.rows) for group in data.groups]
     body = head + sum(heights) + _LEGEND

@@ -65,7 +65,7 @@ class Panel:
 class SweepPage:
     """One page of panels."""
 
-    name: str  # file name of the page
+    name: str  # file name of the page of panels, without extension
     title: str
     caption: str
     panels: tuple[Panel, ...]
