@@ -148,7 +148,7 @@ def _varied_tunables(cells: Sequence[Cell]) -> set[str]:
 def _settings(cell: Cell) -> dict[str, str]:
     scene = cell.scene
     if cell.convergence is not None and scene.startswith(f"{cell.convergence.reference.scene}_"):
-        # A scene that renders the reference's image is named by its suffix, so that its cells' labels match across scenes.
+        # A scene that renders the reference's image is named by its suffix, so that labels match across scenes.
         scene = "…" + scene.removeprefix(cell.convergence.reference.scene)
     return {"scene": scene, **cell.axes, **cell.tuned}
 

@@ -46,7 +46,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Panel:
-    """The lines of one scene."""
+    """A panel's lines of times over a parameter, in one scene or family."""
 
     title: str
     lines: tuple[Line, ...]
@@ -59,7 +59,7 @@ class Panel:
 
 @dataclass(frozen=True)
 class Abscissa:
-    """The parameter along x; `ticks` names values that are not shown as numbers."""
+    """The parameter along a page's x axis; `ticks` names values that are not shown as numbers."""
 
     quantity: str
     unit: str
@@ -73,7 +73,7 @@ class Abscissa:
 
 @dataclass(frozen=True)
 class Data:
-    """The contents of a page of lines."""
+    """The contents of a page of lines of times over a parameter."""
 
     title: str
     caption: str
@@ -86,7 +86,7 @@ class Data:
 
 
 def panel_of(title: str, points: Sequence[tuple[int, Row]], parts: Parts, with_crossovers: bool = False) -> Panel:
-    """Makes a panel of measured pairs (x, row)."""
+    """Makes a panel of lines out of measured pairs (x, row)."""
     drawn = []
     for label in parts.order:
         of_line = sorted((p for p in points if parts.labels[p[1].cell.name] == label), key=lambda point: point[0])
@@ -253,7 +253,7 @@ def _scale_x(axes: Axes, panel: Panel, abscissa: Abscissa, plot_width: float) ->
 
 
 def _apart(axes: Axes, xs: list[int], abscissa: Abscissa, plot_width: float) -> list[int]:
-    """The values whose tick labels do not touch; the last value is always included."""
+    """The x values whose tick labels do not touch; the last value is always included."""
     low, high = axes.transData.transform([(axes.get_xlim()[0], 1), (axes.get_xlim()[1], 1)])[:, 0]
     kept: list[int] = []
     edge = math.inf

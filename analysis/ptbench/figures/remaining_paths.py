@@ -86,7 +86,7 @@ def collect(result: Result, study: Study) -> Data:
 
 
 def draw(data: Data) -> Figure:
-    """Draws the data of `collect` as a figure's page."""
+    """Draws the page of paths alive after each bounce, from the data of `collect`."""
     names = [line.scene for line in data.lines]
     looks = [style.look(index) for index in range(len(names))]
     labels = ["\n".join(style.wrapped(name, style.LABEL_SIZE, 1.5)) for name in names]

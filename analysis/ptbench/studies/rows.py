@@ -176,5 +176,5 @@ def baseline_of(cell: Cell, cells: Iterable[Cell], question: Question) -> Cell |
 
 
 def scenes_of(rows: Sequence[Row]) -> list[str]:
-    """The scenes of the rows, in order."""
+    """The distinct scenes of a study's rows, in order."""
     return list(dict.fromkeys(row.cell.scene for row in rows))

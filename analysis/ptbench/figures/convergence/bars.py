@@ -174,7 +174,7 @@ def _time_text(time: Estimate | None) -> str:
 
 
 def draw(data: Data) -> Figure:
-    """Draws a page of bars."""
+    """Draws a page of bars with intervals."""
     looks = {label: style.look(index) for index, label in enumerate(data.order)}
 
     label_width = style.widest(bar.label for group in data.groups for bar in group.bars)

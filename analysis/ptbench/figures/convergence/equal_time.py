@@ -55,7 +55,7 @@ class Sheet:
 
 @dataclass(frozen=True)
 class Data:
-    """The contents of the figure of crops at equal time."""
+    """The contents of the figure of image crops at equal time."""
 
     title: str
     caption: str
@@ -186,7 +186,7 @@ def _window(errors: Sequence[np.ndarray]) -> tuple[slice, slice]:
 
 
 def draw(data: Data) -> Figure:
-    """Draws the data of `collect` as a figure's page."""
+    """Draws the page of crops at equal time, from the data of `collect`."""
     columns = min(_COLUMNS, max(len(sheet.shots) for sheet in data.sheets))
     names = {
         shot.label: style.wrapped(shot.label, _LABEL, _PICTURE, "bold")[:_LINES]

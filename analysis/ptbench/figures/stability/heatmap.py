@@ -43,7 +43,7 @@ class HeatRow:
 
 @dataclass(frozen=True)
 class HeatGroup:
-    """The rows of one family of cases."""
+    """The heat map's rows for one family of stability cases."""
 
     family: str
     rows: tuple[HeatRow, ...]
@@ -51,7 +51,7 @@ class HeatGroup:
 
 @dataclass(frozen=True)
 class HeatPage:
-    """One page of the heat map."""
+    """One page of the heat map of stability errors."""
 
     name: str  # file name of the heat map's page, without extension
     title: str
@@ -84,7 +84,7 @@ def number(over_allowed: float) -> str:
 
 
 def collect(stability: Stability) -> list[HeatPage]:
-    """Collects one page, or one per family where one page would have too many rows."""
+    """Collects the heat map in one page, or one per family where one would have too many rows."""
     if not stability.rows:
         raise NotDrawable("the file has no rows")
     layout = Layout(stability)
@@ -117,7 +117,7 @@ def collect(stability: Stability) -> list[HeatPage]:
 
 
 def _pages(places: Sequence[Place]) -> list[tuple[str, str, Sequence[Place]]]:
-    """(file name, title suffix, places) of each page; a case is split only if it exceeds a page."""
+    """(file name, title suffix, places) of each page of the heat map; a case is split only if it exceeds a page."""
     if len(places) <= MOST_ROWS:
         return [("heatmap", "", places)]
     pages = []
@@ -144,7 +144,7 @@ def _widest(texts: Sequence[str], size: float, weight: str = "normal") -> float:
 
 
 def draw(data: HeatPage) -> Figure:
-    """Draws the data of `collect` as a figure's page."""
+    """Draws a page of the heat map of stability errors, from the data of `collect`."""
     rows = [row for group in data.groups for row in group.rows]
     label_width = max(
         _widest([row.label for row in rows], style.LABEL_SIZE),
