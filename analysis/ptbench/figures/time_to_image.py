@@ -98,7 +98,7 @@ def crossings(of_scene: Sequence[Way]) -> list[Crossing]:
 
 def _overtakes(first: Way, way: Way) -> Crossing | None:
     spp = series.crossing((first.before_ms, way.before_ms), (first.sample.value, way.sample.value))
-    # A builder overtakes only if its time per sample is lower by more than the confidence intervals.
+    # A builder overtakes only if its time per sample is lower and the two confidence intervals do not overlap.
     is_quicker = way.sample.value < first.sample.value and _differ(first.sample, way.sample)
     return Crossing(first, way, spp) if spp is not None and is_quicker else None
 

@@ -68,7 +68,7 @@ class RayMesh:
     triangles: int
     hash: str
     rays: dict[str, int]  # number of rays in a batch, by class of rays
-    agree: dict[str, bool]  # by class of rays, whether the hits of all trees (and of brute force, if it ran) are equal
+    agree: dict[str, bool]  # by class of rays, whether all trees and kernels (and brute force, if run) have equal hits
     trees: tuple[Tree, ...]
 
 
