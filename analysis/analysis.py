@@ -1,13 +1,13 @@
 """The name under which the command line was run before: `python3 -m analysis` does what `python3 -m ptbench` does.
 
-It goes on taking its calls for one release, and says so.
+The old name works for one more release, and prints a notice that it goes.
 """
 
 import sys
 from pathlib import Path
 
 if __name__ == "__main__":
-    # The package that lies beside it, in a checkout or where pip put both.
+    # The folder of this file holds the package ptbench, in a checkout as well as where pip installed both.
     sys.path.insert(0, str(Path(__file__).resolve().parent))
     from ptbench.cli.main import main
 

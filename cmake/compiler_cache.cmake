@@ -18,14 +18,14 @@ if(PTBENCH_COMPILER_CACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER AND PTBENCH_CCACHE
   execute_process(COMMAND ${CMAKE_CXX_COMPILER} -march=${PTBENCH_MARCH} -E -v -x c++ /dev/null
                   WORKING_DIRECTORY / OUTPUT_VARIABLE means ERROR_VARIABLE means)
   string(SHA256 means "${means}")
-  # The first two sloppiness settings are needed for precompiled headers, as ccache does not see which macros they
-  # define. The extra file is needed because ccache does not know that the compiler reads -fsanitize-ignorelist=.
+  # The first two of ccache's sloppiness settings are needed for precompiled headers, as it does not see which macros
+  # those define. The ignore list is named as an extra file, as ccache misses that -fsanitize-ignorelist= reads it.
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_NAMESPACE=${means} CCACHE_BASEDIR=${PROJECT_SOURCE_DIR}
       CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime
       CCACHE_EXTRAFILES=${PROJECT_SOURCE_DIR}/cmake/sanitize_ignorelist.txt ${PTBENCH_CCACHE})
   if(NOT CMAKE_CUDA_COMPILER_LAUNCHER)
     set(CMAKE_CUDA_COMPILER_LAUNCHER ${CMAKE_CXX_COMPILER_LAUNCHER})
   endif()
-  # clang would reject a precompiled header that is older than the files of a new clone.
+  # Without this option clang rejects a precompiled header that is older than the source files of a new clone.
   add_compile_options("$<$<COMPILE_LANG_AND_ID:CXX,Clang>:SHELL:-Xclang -fno-pch-timestamp>")
 endif()

@@ -30,7 +30,7 @@ function(ptbench_group_sources target)
   # In a unity build g++ takes the files for headers, and would warn about types of their anonymous namespaces.
   target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
   foreach(folder ${folders})
-    # Groups of about equal size keep all cores busy to the end.
+    # Unity groups of about equal size keep all cores busy to the end of the build.
     list(LENGTH sources_of_${folder} count)
     math(EXPR groups "(${count} + 9) / 10")
     set(index 0)
@@ -91,7 +91,7 @@ if(PTBENCH_MPI AND MPI_CXX_FOUND)
   target_link_libraries(ptbench_harness PUBLIC MPI::MPI_CXX)
   set_source_files_properties(${PROJECT_SOURCE_DIR}/harness/ranks/mpi.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endif()
-# tinygltf is compiled in the first of these files; only these files include it.
+# tinygltf is compiled in gltf_model.cpp; only the files of glb_reader include it.
 set(glb_reader ${PROJECT_SOURCE_DIR}/harness/mesh/gltf_model.cpp ${PROJECT_SOURCE_DIR}/harness/mesh/read_glb.cpp
     ${PROJECT_SOURCE_DIR}/harness/interchange/import_gltf.cpp ${PROJECT_SOURCE_DIR}/harness/interchange/import_gltf_image.cpp
     ${PROJECT_SOURCE_DIR}/harness/interchange/import_gltf_material.cpp)
@@ -102,7 +102,7 @@ if(PTBENCH_TINYGLTF_INCLUDE)
     target_include_directories(${target} SYSTEM PRIVATE ${PTBENCH_TINYGLTF_INCLUDE})
   endforeach()
 endif()
-# OpenEXR's headers are used by this file only.
+# OpenEXR's headers are used by exr.cpp only.
 set(exr_writer ${PROJECT_SOURCE_DIR}/harness/exr.cpp)
 if(OpenEXR_FOUND)
   set_source_files_properties(${exr_writer} PROPERTIES COMPILE_DEFINITIONS PTBENCH_HAS_OPENEXR
@@ -113,7 +113,7 @@ if(OpenEXR_FOUND)
   # OpenEXR is linked without its compile options, which would keep other files from using the precompiled headers.
   target_link_libraries(ptbench_rendering INTERFACE $<LINK_ONLY:OpenEXR::OpenEXR>)
 endif()
-# pugixml is used by this file only.
+# pugixml is used by xml_document.cpp only.
 set(xml_reader ${PROJECT_SOURCE_DIR}/harness/interchange/xml_document.cpp)
 if(PTBENCH_PUGIXML_INCLUDE AND PTBENCH_PUGIXML_LIBRARY)
   set_source_files_properties(${xml_reader} PROPERTIES COMPILE_DEFINITIONS PTBENCH_HAS_PUGIXML SKIP_UNITY_BUILD_INCLUSION ON)
@@ -135,8 +135,8 @@ set_property(SOURCE ${glb_reader} APPEND PROPERTY COMPILE_OPTIONS ${harness_opti
 set_source_files_properties(${PROJECT_SOURCE_DIR}/harness/machine/machine.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 ptbench_precompile_headers(ptbench_harness ${PTBENCH_PRECOMPILED_JSON})
 ptbench_reuse_precompiled_headers(ptbench_rendering ptbench_variants)
-# All programs link these parts in this order: the linker takes the first copy of a function that several parts contain,
-# which must be the kernels' own.
+# All programs link the parts of ptbench in this order: of a function that several parts contain, the linker takes the
+# first copy, which must be that of the kernels.
 set(PTBENCH_PARTS $<TARGET_NAME_IF_EXISTS:ptbench_nvcc> ptbench_variants ptbench_rendering ptbench_harness)
 
 list(JOIN PTBENCH_ROUNDING_OPTIONS " " recorded_flags)
@@ -157,7 +157,7 @@ ptbench_reuse_precompiled_headers(ptbench ptbench_harness)
 set_target_properties(ptbench PROPERTIES LINKER_LANGUAGE CXX)
 set_target_properties(ptbench PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR})
 
-# Rates of ray batches on the CPU. No test runs this program, but the tests' build compiles it, or it would rot.
+# The program rays_cpu measures rates of ray batches on the CPU. No test runs it, but the tests' build keeps it valid.
 add_executable(rays_cpu tools/rays/rays_cpu.cpp)
 target_link_libraries(rays_cpu PRIVATE ${PTBENCH_PARTS})
 if(PTBENCH_EMBREE_INCLUDE AND PTBENCH_EMBREE_LIBRARY)

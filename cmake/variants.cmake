@@ -187,9 +187,9 @@ if(PTBENCH_EMBREE_INCLUDE AND PTBENCH_EMBREE_LIBRARY)
   target_link_libraries(ptbench_variants PUBLIC ${PTBENCH_EMBREE_LIBRARY})
 endif()
 ptbench_precompile_headers(ptbench_variants)
-# In groups: most of the compile time of a unit with a registration goes to the registry's header. Each file has a
-# namespace of its own. Files whose code renders on the CPU stay single, so that their machine code depends on nothing
-# else: the integrators, compactions and sorts.
+# Sources of choices are compiled in groups, as a registration spends most of its compile time on the registry's header.
+# Each file has a namespace of its own. Files whose code renders on the CPU (integrators, compactions, sorts) are left
+# single, so that their machine code depends on nothing else.
 if(PTBENCH_GROUP_SOURCES)
   set_target_properties(ptbench_variants PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   set_source_files_properties(${accelerator_units} PROPERTIES UNITY_GROUP traversals)

@@ -32,7 +32,7 @@ pack_program() { # pack_program PROGRAM FOLDER LIB_FOLDER
     done < <(ldd "$1" | sed -nE 's/^\s*(\S+) => (\S+).*/\1 \2/p')
 }
 
-# The newest glibc version whose symbols the files need.
+# Prints the newest glibc version of which the given binaries need a symbol.
 glibc_needed() { # glibc_needed FILE..
     objdump -T -- "$@" | grep -oE 'GLIBC_[0-9.]+' | sort -uV | sed -n '$s/GLIBC_//p'
 }
@@ -82,7 +82,7 @@ run_package() {
         gpu_lines="  ./gpu_tests                                all tests of the GPU side; writes results/MACHINE/gpu_tests.json"$'\n'
     done
     cp -- LICENSE "$folder/"
-    # The package includes what `ptbench autotune` found, which a run on such a machine uses.
+    # The package includes the parameters that `ptbench autotune` found, for runs on a machine of an equal name.
     mapfile -t tunings < <(find results -name tuning.json)
     tar -cf - --exclude=__pycache__ scenes claims maps analysis "${tunings[@]}" | tar -xf - -C "$folder"
 

@@ -7,7 +7,7 @@ The first compiles, scene by scene, what `ptbench verify --quick` would run (eve
 --pairs what `verify` would, every two choices together) into an empty cache, without a GPU. It writes the SHA-256 of
 each program's machine code, and that of each object which nvcc made in the program's folder. The second exits with 1
 and says how many programs of a scene are in one file alone, and which objects differ: their code changed. Objects of
-folders of other names differ by their names of what has internal linkage.
+builds in folders of other names always differ, in the names of symbols with internal linkage.
 """
 
 import argparse

@@ -62,7 +62,7 @@ run_fuzz() {
     fuzz_all "$seconds" || die 1 "found what ends a reader: the input lies under build-sanitize/found"
 }
 
-# One test file of build-sanitize; says its name when it has ended, or why it did not begin.
+# Runs one test file of build-sanitize; prints its name when it has ended, or why it did not begin.
 run_one_sanitized() { # run_one_sanitized NAME PROGRAM
     local report=$reports/sanitized_$1.xml
     if [[ -n ${latest_begin:-} ]] && ((EPOCHSECONDS > latest_begin)); then

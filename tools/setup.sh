@@ -20,7 +20,7 @@ find_nvcc() {
     return 0
 }
 
-# The folder of the CUDA toolkit's own Thrust; nothing where there is none.
+# Prints the folder of the CUDA toolkit's own Thrust; nothing where there is none.
 find_cuda_thrust() {
     local cuda include
     while IFS= read -r cuda; do
@@ -34,7 +34,7 @@ find_cuda_thrust() {
     return 0
 }
 
-# A Python interpreter that is new enough (analysis/requirements.txt) and can make virtual environments.
+# Prints a Python interpreter that is new enough (analysis/requirements.txt) and can make virtual environments.
 find_python() {
     local python check='import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 10))'
     for python in python3 /usr/bin/python3; do
@@ -133,7 +133,7 @@ setup_python() {
     install_package
 }
 
-# The stamp is written last, so that an interrupted virtual environment is made again.
+# The stamp file is written last, so that a virtual environment whose making was interrupted is made again.
 install_requirements() {
     local python stamp=$venv/ptbench-requirements.sha256 log=$build_dir/setup.log wanted
     wanted=$(sha256sum <"$requirements")

@@ -58,7 +58,7 @@ run_cases() { # run_cases NAME REPORT COMMAND..
     count_cases "$1" "$2"
 }
 
-# Prints the test files of a build, a line each: name and program. The program finds what to run in FLAGS/NAME.flags.
+# Prints a line per test file of a build, NAME PROGRAM; the program finds the file's tests in FLAGS/NAME.flags.
 list_tests() { # list_tests BUILD_DIR FLAGS [OPTION..]
     mkdir -p -- "$2"
     python3 tools/test_programs.py "$1/tests" --flags "$2" "${@:3}"
@@ -75,7 +75,7 @@ run_one_of_all() { # run_one_of_all NAME [PROGRAM]
     printf '%s\n' "$1"
 }
 
-# Sorts lines that begin with a test name, the slowest first, as one that takes minutes and begins last would run alone.
+# Sorts lines that begin with a test's name, the slowest first: one of minutes would run alone if it began last.
 slowest_first() {
     local slowest=(compile_test pytest verify_shipped_test inspect_test variants_test covering_test levels_test nvcc_test
         mesh_test new_choice_test next_event_test suite_test)

@@ -4,12 +4,12 @@ Run it in the repository's root, `.venv/bin/python analysis/examples/own_plot.py
 knows `# %%`, with the package installed (`pip install ".[frames]"`). It writes own_plot.png into the current folder.
 """
 
-# %% One row a sample, every axis and setting a column of its own
+# %% A table of samples: one row for each, with a column for every axis and setting
 from itertools import cycle
 
 import matplotlib
 
-matplotlib.use("Agg")  # leave this out to see the figure in a notebook
+matplotlib.use("Agg")  # delete this line to see figures in a notebook: Agg only writes image files
 import matplotlib.pyplot as plt
 
 import ptbench
@@ -20,7 +20,7 @@ samples = result.frame("samples")
 good = samples[samples["status"] == "ok"]
 print(f"{len(samples)} samples of {samples['cell'].nunique()} cells, {len(samples) - len(good)} of them failed")
 
-# %% Medians a cell; without `observed` pandas makes a row of every combination, without `dropna` it drops missing keys
+# %% Medians of cells; observed=True omits combinations that were not run, dropna=False keeps rows with missing keys
 keys = ["scene", "variant", "width", "depth", "spp"]
 medians = good.groupby(keys, observed=True, dropna=False)["ms_per_spp"].median()
 print(medians.head(12).to_string())

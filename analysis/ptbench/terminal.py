@@ -13,7 +13,7 @@ _UNSAFE = re.compile("[\x00-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\
 
 
 def visible(text: str, keep: str = "") -> str:
-    """`text` in one line with such characters escaped: \\x1b, \\xff, \\u202e. Those of `keep` stay."""
+    """`text` in one line with unsafe characters escaped: \\x1b, \\xff, \\u202e. Those of `keep` stay."""
     return _UNSAFE.sub(lambda found: found[0] if found[0] in keep else _escaped(ord(found[0])), text)
 
 
@@ -67,7 +67,7 @@ class _Visible:
         try:
             yield
         except OSError as error:
-            # Further output is redirected to /dev/null, so that flushing the stream at exit cannot fail.
+            # After a failed write, further output goes to /dev/null, so that flushing the stream at exit cannot fail.
             os.dup2(os.open(os.devnull, os.O_WRONLY), self._stream.fileno())
             if self._may_be_lost:
                 return

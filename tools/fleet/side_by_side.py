@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Runs many calls on the GPUs of one host at once, a call a GPU, each with cores of its own.
+"""Runs many calls on the GPUs of one host at once, one per GPU, each with its own CPU cores.
 
     tools/fleet/side_by_side.py calls.txt --out DIR [--until 3600] [--gpus N]
 
-calls.txt has a line a call, `NAME | SECONDS | COMMAND`, in order of weight; empty lines and those that begin with #
+calls.txt has one line per call, `NAME | SECONDS | COMMAND`, in order of weight; empty lines and those that begin with #
 count for nothing:
 
     !devices | 60  | build/ptbench run --suite devices --untuned --out $OUT/devices.json

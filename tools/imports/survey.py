@@ -30,7 +30,7 @@ IMPORTED, REFUSED, NO_RENDER, BROKEN = "imported and rendered", "refused", "impo
 
 # Features that a scene needs, by patterns in the scene's text, independent of what the importer reports.
 TEXT_NEEDS = {
-    # Material -1 stands for the material in a mesh's own file.
+    # A line "material -1" is about the material in a mesh's own file, so that the scene needs meshes.
     "mesh": r"^\s*(mesh|obj|custom_obj|GLTF)\b|\.(obj|gltf|glb)\s*$|^\s*ma\w*rial\s+-1\b",
     "texture": r"^\s*(TEXTURE|NORMAL_?MAP|NORMAL|ENV|BUMP)[ \t]+(?!NULL\b|0\b|[-.\d])\S|^\s*TEXTURE[ \t]+[1-9]"
     r"|\.(png|jpe?g|hdr|exr)\s*$",

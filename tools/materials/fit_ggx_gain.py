@@ -7,7 +7,7 @@ table and the fit's largest error of 1 / E. Needs numpy: python3 tools/materials
 import numpy as np
 from numpy.polynomial import chebyshev
 
-ALONG, ACROSS, UPRIGHT = 8, 6, 6  # numbers of the fit's coefficients in sqrt(x), in alpha, and in alpha alone for x = 1
+ALONG, ACROSS, UPRIGHT = 8, 6, 6  # numbers of coefficients of the fit: in sqrt(x), in alpha, in alpha at x = 1
 
 
 def directional_albedo(x, alpha, points=160):

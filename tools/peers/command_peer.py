@@ -75,7 +75,7 @@ def _filled(argument, words):
 
 
 def arguments():
-    """Reads the arguments of the call."""
+    """Parses the command line of command_peer.py."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--ms", default="", metavar="REGEX", help="with one group: the milliseconds of the render")
     parser.add_argument("program", nargs="+", help="and its arguments, after --")

@@ -48,7 +48,7 @@ class Condition:
     """A condition of a claim: one number that the experiment gives, and the interval in which it must lie."""
 
     name: str
-    side: str  # position on the experiment's axis relative to the publication's setting: below theirs, theirs, or above
+    side: str  # condition's place on the experiment's axis: below the publication's setting, at it, or above it
     cell: str
     over: str
     predicted: Span
@@ -62,7 +62,7 @@ class Experiment:
     suite: str  # name of a suite in claims/suites; empty: the experiment is a call of `ptbench rays`
     rays: tuple[str, ...]
     result: str  # file name of the experiment's result
-    also: tuple[str, ...]  # results of other suites, looked up where the experiment's own suite was not run
+    also: tuple[str, ...]  # names of results of other suites, used where the experiment's own suite was not run
     machines: tuple[str, ...]  # two folders of results/ to compare, first over second; empty: each machine by itself
     backend: str
     seconds: int

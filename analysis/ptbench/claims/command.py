@@ -26,7 +26,7 @@ def claims(call: Call) -> int:
     told = [one for claim in chosen for one in told_of(ledger, claim, results, recorded)]
     for one in told:
         _say(one, detailed=bool(call.names))
-    if call.results is not None:  # results in a folder of the caller's choice have no committed verdicts to check
+    if call.results is not None:  # only results/ of the checkout has committed verdicts to check
         return 0
     faults = [] if call.write else _contradictions(told, recorded, chosen)
     everything = (
@@ -59,7 +59,7 @@ def told_of(ledger: Ledger, claim: Claim, results: Path, recorded: Mapping) -> l
     for one in evidence:
         order = order_of(ledger, claim, one.machine, one.measured)
         kept = recorded.get(claim.name, {}).get(one.machine, {}).get("order")
-        if order.grade == UNKNOWN and kept is not None:  # without git history the recorded order is used
+        if order.grade == UNKNOWN and kept is not None:  # without git, the record says if the prediction came first
             order = Order(**kept)
         told.append(Told(claim, judge(claim, one), one, order))
     return told
@@ -144,7 +144,7 @@ def _run(call: Call, ledger: Ledger, chosen: Sequence[Claim]) -> None:
         if experiment.rays:
             arguments = ["rays", *experiment.rays]
         else:
-            # The run is untuned, as predicted, even where `autotune` found better parameters on this machine.
+            # A claim's suite runs untuned, as predicted, even where `autotune` found better parameters on this machine.
             arguments = ["run", "--suite", str(ledger.suite(experiment.suite)), "--resume", "--untuned"]
         print(f"{experiment.result}: about {experiment.seconds} s", flush=True)
         program.watched(*arguments, "--backend", experiment.backend, "--out", out, output=sys.stderr)

@@ -36,19 +36,19 @@ class Found:
 
     condition: Condition
     estimate: Estimate | None
-    doubt: str = ""  # why the number decides nothing, or why it is missing
+    doubt: str = ""  # why the measured number decides nothing on the claim, or why there is no number
 
 
 @dataclass(frozen=True)
 class Evidence:
     """Everything that one result file says of a claim."""
 
-    files: tuple[str, ...]  # paths of the result files, relative to the folder of results
+    files: tuple[str, ...]  # paths of the result files that give evidence, relative to the folder of results
     machine: str  # name of the machine's folder in results/
     device: str
     measured: Measured
     found: tuple[Found, ...]
-    refused: str = ""  # why the two result files may not be compared
+    refused: str = ""  # why the results of two machines may not be compared; empty where they may
 
     @property
     def is_own(self) -> bool:

@@ -30,7 +30,7 @@ def as_json(compared: Compared) -> dict:
             "runs": [_repeat(repeat) for repeat in compared.repeats],
             "floors": [_floor(floor) for floor in compared.floors],
         },
-        # "places", "spp" and "at" of a ranking list the files in the order of "ranked_files".
+        # In a ranking, "places" and "spp" have one entry for each of "ranked_files", and "at" is an index of these.
         "ranked_files": [MARKS.index(mark) for mark in compared.ranked],
         "rankings": [_ranking(group) for group in compared.rankings],
     }

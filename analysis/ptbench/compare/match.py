@@ -18,7 +18,7 @@ from ptbench.stats.intervals import welch_test
 
 # Axes that say how a variant computes its image, not what image it computes.
 _HOW_IT_COMPUTES = ("arithmetic", "precision", "robustness")
-# Probability that any pair of cells of a file that did equal work is refused because of its ray counts.
+# Probability that any pair of cells that did equal work is refused, in a comparison of two files, for its ray counts.
 _FAMILY_ERROR = limit("family_error")
 
 MACHINE_KEYS = (
@@ -74,7 +74,7 @@ class Matching:
     pairs: tuple[Pair, ...]
     alone: tuple[Alone, ...]
     across_backends: bool
-    assumed: tuple[str, ...]  # one sentence per older file on what it leaves unsaid and was assumed
+    assumed: tuple[str, ...]  # one sentence per older file: what it does not say, and what was assumed instead
 
 
 def match(reference: Result, other: Result, *, films_may_differ: bool = False) -> Matching:
@@ -258,7 +258,7 @@ def _other_rays(cell: Cell, partner: Cell, level: float) -> str | None:
     return f"{rays.mean():.6g} rays a path against {theirs.mean():.6g}: not the same work"
 
 
-# Sets of fields by which an unpaired cell may differ from a near one that the report names, most informative first.
+# Sets of fields, tried in order: an unpaired cell is reported with cells of the other file that differ in one set only.
 _TELLABLE = (
     ("spp",), *((axis,) for axis in _HOW_IT_COMPUTES), ("tunables",), ("checkpoints",), ("backend",), ("depth",),
     ("resolution",), ("backend", "spp"), ("depth", "spp"), ("resolution", "spp"), ("resolution", "depth", "spp"),
@@ -274,7 +274,7 @@ class _Cells:
         self._by_rest: dict[tuple[str, ...], dict[tuple, list[dict[str, object]]]] = {}
 
     def but_for(self, names: tuple[str, ...], mine: dict[str, object]) -> list[dict[str, object]]:
-        """The cells that equal `mine` in every field outside `names`."""
+        """The indexed cells that equal the cell `mine` in every field outside `names`."""
         if names not in self._by_rest:
             groups = self._by_rest[names] = {}
             for fields in self._fields:
@@ -283,7 +283,7 @@ class _Cells:
         return [fields for fields in alike if all(fields[name] != mine[name] for name in names)]
 
     def nearest(self, mine: dict[str, object]) -> tuple[str, str] | None:
-        """(kind, reason) of the cells that differ in the first field set of _TELLABLE; None if all differ in more."""
+        """(kind, reason) of cells that differ from `mine` in one set of _TELLABLE, the first possible, or None."""
         for names in _TELLABLE:
             if all(name in mine for name in names) and (found := self.but_for(names, mine)):
                 return _kind(names), "; ".join(_difference(name, mine, found) for name in names)
@@ -304,7 +304,7 @@ class _There:
         for cell in result.cells:
             self._hashes.setdefault(cell.scene, set()).add(cell.scene_hash)
         fields = {cell.name: _fields(cell, axes, across) for cell in result.cells}
-        # Unpaired cells come first: one of them is most likely what became of the given cell.
+        # Unpaired cells are searched first: a cell without a partner most likely became one of them in this file.
         self._lonely = _Cells([of_cell for name, of_cell in fields.items() if name not in paired])
         self._every = _Cells(list(fields.values()))
 

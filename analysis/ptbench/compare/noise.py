@@ -89,7 +89,7 @@ class Floor:
 
 
 def repeats_of(results: Sequence[Result]) -> list[Repeat]:
-    """Every two of the files that form an A/A run and have a cell in common that both rendered."""
+    """All pairs of the files that form an A/A run, with at least one cell that both files rendered."""
     found = []
     for one, other in combinations(results, 2):
         if not is_repeated(one, other):
@@ -111,7 +111,7 @@ def check_noise_files(results: Sequence[Result], others: Sequence[Result]) -> No
     repeats = repeats_of([*results, *others])
     given = list(others)
     for result in results:
-        # A run given twice would be its own evidence: its ratios would count again and judge themselves.
+        # A run given twice would be evidence for itself: its ratios would be part of the noise floor that judges them.
         if (twin := next((other for other in given if _samples_of(other) == _samples_of(result)), None)) is not None:
             raise InputError(
                 f"{result.path}: --noise: found the very samples of {twin.path}, allowed: a run of its own"

@@ -27,7 +27,7 @@ class Change:
     behind: int
     at: int
     turned_at: int
-    ratio: Estimate  # ratio of times in file `at`, variant `ahead` over `behind`
+    ratio: Estimate  # time of variant `ahead` over that of variant `behind`, in file `at`
     turned_ratio: Estimate
 
 
@@ -39,7 +39,7 @@ class Ranking:
     resolution: str
     depth: int
     spp: tuple[int, ...]  # samples per pixel, one value per file
-    work: str  # other settings that define the task, such as "shading_fmas=64" or "with checkpoints"; mostly empty
+    work: str  # settings of the task besides scene, size, depth and spp, such as "shading_fmas=64"; mostly empty
     cells: tuple[tuple[Cell, ...], ...]
     places: tuple[tuple[int, ...], ...]  # rank by [variant][file]; the fastest variant is 1
     changes: tuple[Change, ...]

@@ -45,12 +45,12 @@ _COLUMNS = (
     "",
     "Verdict",
 )
-Key = tuple[str, str, str, str, str, str]  # a batch's mesh, triangle hash, accelerator, builder, ray class, kernel
+Key = tuple[str, str, str, str, str, str]  # a batch of rays: mesh, triangle hash, accelerator, builder, class, kernel
 
 
 @dataclass(frozen=True)
 class Pair:
-    """One batch of rays that is in both files."""
+    """A batch of rays that both compared files contain."""
 
     key: Key
     one: Batch

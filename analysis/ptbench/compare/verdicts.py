@@ -90,7 +90,7 @@ class Comparison:
     cycles: Mean
     normalised: tuple[Normalised, ...]
     one_machine: bool
-    repeated: bool  # whether both files are of one program, too: an A/A run
+    repeated: bool  # whether both files are of one machine and one program: an A/A run
     no_floors: tuple[Floor, ...] = ()  # noise floors above what is plausible; with any, no verdict holds
 
     def count(self, word: str) -> int:

@@ -65,7 +65,7 @@ class Verdict:
     word: str
     reason: str = ""
     plateau: float | None = None  # root mean square error at which the error stops falling, the bias B
-    declared: bool = False  # the cell declares a bias that predicts the plateau
+    declared: bool = False  # whether the cell declares a bias that predicts the plateau
     is_bound: bool = False  # `plateau` is only a lower bound of the bias B, derived from the mean error
 
     @property
@@ -108,7 +108,7 @@ class Assessment:
         """Whether more samples change the error beyond rounding, judged at the last checkpoints."""
         if self.fit is None or self.fit.sigma2.value <= 1e-9 * float(np.abs(self.curve.mean).max()):
             return False
-        # If half the samples are as wrong as all, in the same pixels, the error has no noise.
+        # An error that is equal, in every pixel, for half of the samples and for all of them has no noise.
         halves, whole = self.curve.bias2, self.curve.mse[:, -1]
         return halves is None or not np.allclose(halves, whole, rtol=1e-9, atol=0)
 
@@ -184,7 +184,7 @@ def _mean_off(curve: Curve, level: float) -> np.ndarray | None:
     noise = mean_error_of_reference(curve.reference, curve.cell.pixels)
     means = curve.mean_error.mean(axis=0)
     halves = [half_width(standard_error(channel), curve.count - 1, level / 3, noise) for channel in curve.mean_error.T]
-    # Mean errors below 1e-12 are rounding of the sums.
+    # A mean error below 1e-12 is the rounding of its sum, so it does not count as a difference.
     return means if (np.abs(means) > np.maximum(halves, 1e-12)).any() else None
 
 

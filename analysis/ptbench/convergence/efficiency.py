@@ -24,7 +24,7 @@ from ptbench.studies.questions import usual_baseline
 COMPANION = "_without_checkpoints"
 # Axes whose choices affect the error; a file may have axes that this package does not know.
 _DECIDE_ERROR = {name for name, axis in known_axes().items() if axis.decides_error}
-# Least share of e^2 that an error e must keep above a plateau B (e^2 - B^2) to be reachable; less is noise of the fit.
+# An error e counts as reachable above a plateau B if e^2 - B^2 is at least this share of e^2; less is noise of the fit.
 _NEAR_PLATEAU = 1e-3
 # Share of the last squared error that a plateau must make up for the cell to count as having reached the plateau.
 _MOST_OF_PLATEAU = 0.5
@@ -148,7 +148,7 @@ def _varied_tunables(cells: Sequence[Cell]) -> set[str]:
 def _settings(cell: Cell) -> dict[str, str]:
     scene = cell.scene
     if cell.convergence is not None and scene.startswith(f"{cell.convergence.reference.scene}_"):
-        # A scene that renders the reference's image gets an abbreviated name, so that the names of its cells match.
+        # A scene that renders the reference's image is named by its suffix, so that labels match across scenes.
         scene = "…" + scene.removeprefix(cell.convergence.reference.scene)
     return {"scene": scene, **cell.axes, **cell.tuned}
 

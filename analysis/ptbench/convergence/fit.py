@@ -14,7 +14,7 @@ from ptbench.stats.estimates import Estimate
 from ptbench.stats.intervals import LEVEL, half_width, jackknife, t_interval, t_test
 
 LEAST_CHECKPOINTS = 3
-# Checkpoints to which the fit is restricted where samples depend on each other: the 1/n law holds only at the end.
+# Number of last checkpoints that are fitted where samples depend on each other: the 1/n law holds only at the end.
 _LAST_CHECKPOINTS = 4
 
 
@@ -29,7 +29,7 @@ class Curve:
     times: dict[str, np.ndarray]
     bias2: np.ndarray | None  # squared bias of each seed at the last checkpoint; None: not measured
     mean_error: np.ndarray | None  # mean error of each seed at the last checkpoint, for three channels
-    incomplete: int = 0  # number of samples that are left out because checkpoints are missing
+    incomplete: int = 0  # number of samples (timed repetitions) left out because checkpoints are missing
     nonfinite: int = 0  # pixels with a nonfinite value, over all samples and checkpoints
     nonfinite_at: str = ""
 
@@ -155,7 +155,7 @@ def slopes_of(curve: Curve) -> tuple[Slope | None, tuple[Slope, ...]]:
         return None, ()
     mean = curve.mean
     spread = curve.mse.std(axis=0, ddof=1) / np.sqrt(curve.count)
-    # Heavy tails spoil the first checkpoints, and the reference's noise the last ones.
+    # Slopes need checkpoints with a clear error: heavy tails spoil the first, and the reference's noise the last.
     clear = np.flatnonzero(mean > 3 * spread)
     if not len(clear) or (mean[clear[0] : clear[-1] + 1] <= 0).any():
         return None, ()
@@ -200,7 +200,7 @@ def reference_error(reference: Reference, pixels: int) -> float:
 
 def mean_error_of_reference(reference: Reference, pixels: int) -> float:
     """The standard error that the reference's noise adds to one channel's mean error."""
-    # The factor 3 assumes the worst case, that one channel holds the variance of all three.
+    # The variance is a mean over three channels; the factor 3 assumes the worst case, that one channel has all of it.
     return 0.0 if reference.is_exact else float(np.sqrt(3 * reference.variance / pixels))
 
 

@@ -263,5 +263,5 @@ def _small(estimate: Estimate) -> str:
 
 
 def _table(head: Sequence[str], rows: Sequence[Sequence[str]], sides: str) -> Lines:
-    """A table as a list of lines; empty where there are no rows."""
+    """A table as Markdown lines; empty where there are no rows."""
     return [Table(tuple(head), tuple(map(tuple, rows)), tuple(side == "r" for side in sides))] if rows else []

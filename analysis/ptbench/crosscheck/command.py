@@ -152,7 +152,7 @@ def _check(scene: str, settings: Settings, options: argparse.Namespace, family: 
             return Checked(scene, settings, None, options.aim, reasons=tuple(refusal.reasons))
         checked = _rendered(scene, xml, settings, options, scratch, family)
         while (spp := _wanted(checked, _most(settings, options.most_spp))) > checked.settings.spp:
-            # The images with more samples use new seeds, because the first ones only served to estimate the noise.
+            # Images rendered again with more samples use new seeds: the first images only served to estimate noise.
             more = _more(checked.settings, spp)
             checked = _rendered(scene, xml, more, options, scratch, family)
     print(f"{scene}: {checked.verdict}", file=sys.stderr)

@@ -19,7 +19,7 @@ WHEEL = "mitsuba==3.9.1"  # version of Mitsuba that pyproject.toml requires, too
 # surfaces refuses, and trees for scenes with meshes. No such choice changes the expected image.
 _DIRECT_LIGHT = "direct_light=nee_mis"
 _FAULTS = ("nonfinite", "negative", "saturated")  # counts of bad samples in a render's summary; none is accepted
-_FOLDERS = ("environments", "materials", "textures", "scaling", "meshes")  # shipped scenes that `list` does not name
+_FOLDERS = ("environments", "materials", "textures", "scaling", "meshes")  # folders of scenes that `ptbench list` omits
 _TREES = {"cuda": ("accelerator=cwbvh", "builder=hploc", "levels=two_level")}
 _TREES_ELSEWHERE = ("accelerator=bvh8", "levels=two_level")
 

@@ -125,7 +125,7 @@ def _welch(here: np.ndarray, there: np.ndarray) -> _Welch:
     variance = of_mean[0] + of_mean[1]
     shares = of_mean[0] ** 2 / (len(here) - 1) + of_mean[1] ** 2 / (len(there) - 1)
     freedom = np.full_like(variance, len(here) + len(there) - 2)
-    # The square of a tiny variance may underflow to 0; its degrees of freedom then keep their default.
+    # The square of a tiny variance may underflow to 0; the degrees of freedom then keep their default.
     np.divide(variance**2, shares, out=freedom, where=shares > 0)
     mean = np.maximum(np.abs(means[0]), np.abs(means[1]))
     error = np.sqrt(variance + (ROUNDING * mean) ** 2)

@@ -26,7 +26,7 @@ FIGURES, SCENES, DATA = "figures", "scenes", "data"
 _CODE = re.compile(r"(`[^`]+`)")
 
 
-# A function that turns a document's text into Markdown: `one_line` for our own texts, `escaped` for those of files.
+# A function that turns plain text into Markdown: `one_line` for texts of ptbench, `escaped` for texts out of files.
 Written = Callable[[str], str]
 
 
@@ -63,7 +63,7 @@ def _joined(lines: Iterable[str]) -> str:
 
 
 def _row(values: Iterable[str]) -> str:
-    # A compiler message may hold anything; a pipe or a line break in it would end the table's cell.
+    # A compiler message in a table may hold anything; a pipe or a line break in it would end the table's cell.
     return "| " + " | ".join(one_line(value).replace("|", "\\|") for value in values) + " |"
 
 

@@ -18,7 +18,7 @@ def as_text(sections: Iterable[Section]) -> str:
 def _lines(section: Section) -> Iterable[str]:
     yield section.title
     for index, block in enumerate(section.blocks):
-        # No blank line separates a heading from the sentences below it.
+        # A document has no blank line between a heading and the sentences below it.
         if index or isinstance(block, Table):
             yield ""
         yield from _block(block)

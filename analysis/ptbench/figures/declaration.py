@@ -19,7 +19,7 @@ class StudyFigure:
     collect: Callable[[Result, Study], object]  # computes the figure's numbers; raises NotDrawable with the reason
     part: str = ""  # suffix that the figure adds to the study's name; empty: the main figure, which every study has
     place: int = 0  # sort key among the figures of one study
-    is_axis: bool = False  # whether `name` is an axis, whose choices are then not drawn as rows
+    is_axis: bool = False  # whether `name` is an axis; the figure then replaces the rows of the axis's choices
     has_photographs: bool = False  # whether the figure contains renders, so that its colours must not be reduced
 
 
@@ -29,4 +29,4 @@ class StabilityFigure:
 
     name: str
     collect: Callable[[Stability], Sequence]  # computes the figure's pages; raises NotDrawable with the reason
-    draw: Callable[..., Figure]  # draws one of the figure's pages
+    draw: Callable[..., Figure]  # draws one of the pages that `collect` computed

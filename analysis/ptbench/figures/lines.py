@@ -23,13 +23,13 @@ from ptbench.studies.groups import Parts
 from ptbench.studies.notes import Note
 from ptbench.studies.rows import Row
 
-# Ratio of times from which on the axis is logarithmic, as a linear one would flatten the fast choices.
+# Ratio of the largest to the least time or ratio from which on an axis is logarithmic, to tell fast choices apart.
 _LOG_FROM = 5.0
-_RATIO_HEIGHT, _LOG_RATIO_HEIGHT = 1.35, 2.0  # inches: height of the panel of ratios, linear and logarithmic
+_RATIO_HEIGHT, _LOG_RATIO_HEIGHT = 1.35, 2.0  # inches: height of the panel of ratios if linear and if logarithmic
 _RATIO_TICKS = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1, 1.1, 1.2, 1.3, 1.5, 2, 3, 4, 5, 7, 10)
 # Ticks of a logarithmic axis by the largest ratio of its ends; beyond the last ratio ticks are powers of ten.
 _LOG_STEPS = ((3, (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8)), (6, (1, 2, 3, 5, 7)), (20, (1, 2, 3, 5)), (200, (1, 2, 5)))
-_LEGEND_WIDTH, _WIDEST_LEGEND = 1.9, 2.6  # inches beyond which a line's name is wrapped, and limit for one long word
+_LEGEND_WIDTH, _WIDEST_LEGEND = 1.9, 2.6  # legend's width in inches: where names wrap, and most for one long word
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Panel:
-    """The lines of one scene."""
+    """A panel's lines of times over a parameter, in one scene or family."""
 
     title: str
     lines: tuple[Line, ...]
@@ -59,12 +59,12 @@ class Panel:
 
 @dataclass(frozen=True)
 class Abscissa:
-    """The parameter along x; `ticks` names values that are not shown as numbers."""
+    """The parameter along a page's x axis; `ticks` names values that are not shown as numbers."""
 
     quantity: str
     unit: str
     ticks: dict[int, str]
-    log: bool = False  # whether x is logarithmic whatever the spacing; a zero is placed left of the logarithms
+    log: bool = False  # whether x is logarithmic whatever the spacing of values; a zero is placed left of all others
 
     def tick(self, x: float) -> str:
         """The label of a tick at a value."""
@@ -73,7 +73,7 @@ class Abscissa:
 
 @dataclass(frozen=True)
 class Data:
-    """The contents of a page of lines."""
+    """The contents of a page of lines of times over a parameter."""
 
     title: str
     caption: str
@@ -86,7 +86,7 @@ class Data:
 
 
 def panel_of(title: str, points: Sequence[tuple[int, Row]], parts: Parts, with_crossovers: bool = False) -> Panel:
-    """Makes a panel of measured pairs (x, row)."""
+    """Makes a panel of lines out of measured pairs (x, row)."""
     drawn = []
     for label in parts.order:
         of_line = sorted((p for p in points if parts.labels[p[1].cell.name] == label), key=lambda point: point[0])
@@ -225,7 +225,7 @@ def looks_of_baseline(panel: Panel, looks: dict[str, style.Look]) -> style.Look:
 
 
 def _scale_x(axes: Axes, panel: Panel, abscissa: Abscissa, plot_width: float) -> str:
-    """Sets ticks at measured values and, if asked or they are so spaced, a log scale; returns the scale in words."""
+    """Sets ticks at measured x, on a log scale if asked for or if they are so spaced; returns the scale in words."""
     xs = panel.xs
     first, last = xs[0], xs[-1]
     scale = ""
@@ -253,7 +253,7 @@ def _scale_x(axes: Axes, panel: Panel, abscissa: Abscissa, plot_width: float) ->
 
 
 def _apart(axes: Axes, xs: list[int], abscissa: Abscissa, plot_width: float) -> list[int]:
-    """The values whose tick labels do not touch; the last value is always included."""
+    """The x values whose tick labels do not touch; the last value is always included."""
     low, high = axes.transData.transform([(axes.get_xlim()[0], 1), (axes.get_xlim()[1], 1)])[:, 0]
     kept: list[int] = []
     edge = math.inf

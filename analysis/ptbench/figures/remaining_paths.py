@@ -14,7 +14,7 @@ from ptbench.io.cells import Cell, Result, Study
 from ptbench.studies.notes import Note, notes_of
 from ptbench.studies.rows import measure
 
-# Most columns of numbers under the axis that stay readable; with more bounces only every k-th is shown.
+# Most columns of numbers that stay readable under the axis of bounces; with more bounces only every k-th is shown.
 _MOST_COLUMNS = 11
 
 
@@ -86,7 +86,7 @@ def collect(result: Result, study: Study) -> Data:
 
 
 def draw(data: Data) -> Figure:
-    """Draws the data of `collect` as a figure's page."""
+    """Draws the page of paths alive after each bounce, from the data of `collect`."""
     names = [line.scene for line in data.lines]
     looks = [style.look(index) for index in range(len(names))]
     labels = ["\n".join(style.wrapped(name, style.LABEL_SIZE, 1.5)) for name in names]

@@ -21,12 +21,12 @@ _ROW, _TIGHT_ROW = 0.27, 0.22
 _TIGHT_FROM = 40  # number of rows from which on rows are set tighter
 _HEAD = 0.34
 _GAP = 0.22
-_TITLE = 3.0  # inches up to which a group's title widens the label column; a longer title runs on above the plot
+_TITLE = 3.0  # most inches to which a group's title widens the column of labels; a longer title runs on above the plot
 
 
 @dataclass(frozen=True)
 class Item:
-    """One row of the figure; where `time` is None, `instead` tells why."""
+    """A choice's row in the figure; where `time` is None, `instead` tells why."""
 
     label: str
     is_baseline: bool
@@ -38,7 +38,7 @@ class Item:
 
 @dataclass(frozen=True)
 class Group:
-    """The rows of one scene and setting."""
+    """A figure's rows of choices in one scene and setting."""
 
     title: str
     items: tuple[Item, ...]
@@ -46,7 +46,7 @@ class Group:
 
 @dataclass(frozen=True)
 class Data:
-    """The contents of a page of rows."""
+    """The contents of a page of choices as rows."""
 
     title: str
     caption: str
@@ -57,7 +57,7 @@ class Data:
 
 
 def collect(result: Result, study: Study, default_title: str) -> Data:
-    """Collects one row per cell; raises NotDrawable."""
+    """Collects one row per cell of a study; raises NotDrawable."""
     question = question_of(result, study)
     measured = measure(result, study)
     notes = notes_of(result, study, measured)
@@ -115,7 +115,7 @@ def _absent_label(absent: NotApplicable, question: Question) -> str:
 
 
 def _is_of(absent: NotApplicable, group_of: dict[str, str]) -> bool:
-    """Whether an inapplicable cell belongs to the group; cells of another backend belong to none."""
+    """Whether an inapplicable cell belongs to a group of rows; cells of another backend belong to none."""
     if absent.elsewhere:
         return False
     known = {**absent.tuned, **absent.axes}
@@ -123,7 +123,7 @@ def _is_of(absent: NotApplicable, group_of: dict[str, str]) -> bool:
 
 
 def draw(data: Data) -> Figure:
-    """Draws the data of `collect` as a figure's page."""
+    """Draws a page of choices as rows, from the data of `collect`."""
     looks = {label: style.look(index) for index, label in enumerate(data.order)}
     times = [["" if i.time is None else _time_text(i.time) for i in group.items] for group in data.groups]
     ratios = [[_ratio_text(i, data.baseline) for i in group.items] for group in data.groups]

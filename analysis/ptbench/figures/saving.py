@@ -115,7 +115,7 @@ def svg_of(figure: Figure) -> str:
     with io.StringIO() as drawn:
         figure.savefig(drawn, format="svg", metadata={"Date": None, "Creator": None, "Type": None, "Format": None})
         text = drawn.getvalue()
-    # Only tags are shortened: the page's own text never stands inside a tag.
+    # Only the SVG's tags are shortened: the text on the page stands between tags, never inside one.
     return re.sub(r"<[^<>]*>", lambda tag: _shorter(tag[0]), text)
 
 

@@ -28,10 +28,10 @@ class Sweep:
     title: str
     quantity: str
     unit: str
-    said: Callable[[str], str]  # text of a tick as part of a sentence
+    said: Callable[[str], str]  # turns the label of an x tick into words for a sentence
     x: Callable[[Cell], int | None] | None = None
     tick: Callable[[Cell], str] | None = None
-    overtaking: bool = True  # the question is growth: logarithmic axes, and from where on which choice is ahead
+    overtaking: bool = True  # whether growth is the question: axes are logarithmic, and it is told who overtakes where
 
 
 def _size(cell: Cell) -> str:

@@ -54,7 +54,7 @@ class Data:
 
 
 def draw(data: Data) -> Figure:
-    """Draws the page, whose panels share both scales."""
+    """Draws the page of series, whose panels share both scales."""
     looks = {label: style.look(index) for index, label in enumerate(data.order)}
     words = [style.text_width(word, style.LABEL_SIZE) for label in data.order for word in label.split()]
     width = max(_LEGEND_WIDTH, *words) + 0.01

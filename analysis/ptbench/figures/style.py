@@ -54,8 +54,8 @@ _SETTINGS = {
     "lines.linewidth": 1.6,
     "lines.markersize": 6,
     "errorbar.capsize": 2.5,
-    "text.parse_math": False,  # off, as a scene's name may contain $ signs, such as "a$b$c"
-    "svg.hashsalt": "ptbench",  # fixed, as ids in an SVG are otherwise random
+    "text.parse_math": False,  # no formulas between $ signs, which a scene's name may contain, such as "a$b$c"
+    "svg.hashsalt": "ptbench",  # a constant salt for ids in an SVG, which are otherwise random
     "svg.fonttype": "none",  # text stays text in an SVG: a quarter of the size, and searchable
 }
 
@@ -95,7 +95,7 @@ def text_width(text: str, size: float, weight: str = "normal") -> float:
 
 @cache
 def _character_width(character: str, size: float, weight: str) -> float:
-    # The character is measured between two others, because a lone space has no width.
+    # A character's width is measured between two letters x, because a lone space has no width.
     return text_width(f"x{character}x", size, weight) - text_width("xx", size, weight)
 
 
@@ -231,7 +231,7 @@ def spread(targets: Sequence[float], sizes: Sequence[float], low: float, high: f
     for index in order:
         offsets.append(edge + sizes[index] / 2)
         edge += sizes[index]
-    pools: list[list[float]] = []  # stacks of touching items, each as [sum of wanted bottoms, number of items]
+    pools: list[list[float]] = []  # stacks of items pushed together, each as [sum of wanted bottoms, number of items]
     for index, offset in zip(order, offsets, strict=True):
         pools.append([targets[index] - offset, 1])
         while len(pools) > 1 and pools[-2][0] / pools[-2][1] >= pools[-1][0] / pools[-1][1]:
@@ -296,7 +296,7 @@ def draw_line(axes: Axes, xs: Sequence[float], estimates: Sequence[Estimate], st
         axes.errorbar(
             [x for x, _ in whiskered],
             [e.value for _, e in whiskered],
-            # A percentile interval contains the median, except for rounding.
+            # An error bar's length must be at least 0: rounding may put the median outside its percentile interval.
             yerr=[[max(e.value - e.low, 0) for _, e in whiskered], [max(e.high - e.value, 0) for _, e in whiskered]],
             fmt="none",
             ecolor=style.colour,

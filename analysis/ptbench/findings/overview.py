@@ -17,7 +17,7 @@ from ptbench.stats.estimates import CONFIDENCE, FASTER, SAME, SLOWER, THRESHOLD,
 
 _COLOURS = {FASTER: style.COLOURS[1], SLOWER: style.COLOURS[2], SAME: style.COLOURS[0], UNSURE: "#6e6e6e"}
 _WORDS = {FASTER: "pays", SLOWER: "costs", SAME: "same", UNSURE: "unsure"}
-_BOXES = (("open box", "none", 0.17), ("closed box", "full", -0.17))  # name, marker's fill, offset from row's middle
+_BOXES = (("open box", "none", 0.17), ("closed box", "full", -0.17))  # scene, marker's fill, offset from row's middle
 _ROW, _HEAD, _GAP = 0.36, 0.3, 0.08
 _PLOT = 4.0
 _TICKS = (0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3)

@@ -97,5 +97,5 @@ def source_of(results: Path, about: Mapping) -> Source | None:
     file = results / about["file"]
     if about.get("optional") and not file.exists() and not Path(f"{file}.gz").exists():
         return None
-    # The cache ignores how old a page allows its source to be, so that pages share an opened file.
+    # How old a page allows its source to be is not part of the cache's key, so that pages share an opened file.
     return _opened(results, json.dumps({key: value for key, value in about.items() if key not in _NO_PART_OF_IT}))

@@ -57,7 +57,7 @@ class Row:
 
     title: str
     pictures: tuple[Picture, ...]
-    resolution: tuple[int, int] | None  # size of each picture; None: the sheet's resolution
+    resolution: tuple[int, int] | None  # width and height of each picture in pixels; None: as the gallery's sheet
     pixels: bool  # whether to show pixels without interpolation, for a row about single pixels
 
 
@@ -194,7 +194,7 @@ def draw_sheet(
         for row, of_row in zip(rows, shown, strict=True)
     ]
     head = style.text_height(style.BASE_SIZE + 0.5) + 0.06
-    # Each line of the sheet is as high as its tallest picture and longest caption.
+    # Each line of the gallery's sheet is as high as its tallest picture and longest caption.
     picture_heights = [max(_PICTURE * min(_aspect(rows[index], resolution), 2.0) for index in line) for line in lines]
     caption_lines = [max(len(caption) for index in line for caption in captions[index]) for line in lines]
     heights = [

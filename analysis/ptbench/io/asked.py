@@ -5,8 +5,8 @@ Files older than version 1.1 name the figure itself.
 
 LIVE_PATHS = "live_paths"
 CONVERGENCE = "convergence"
-# For figures named by older files: what their studies compare, and along what. Any other figure of such files is along
-# nothing and has the name of what is compared.
+# Names of figures in older files, with what a study with that figure compares, and along which parameter. A study of an
+# older file with any other figure is along no parameter, and the figure is named after what it compares.
 _OLDER = {
     "sorting_by_depth": ("sorting", "depth"),
     "first_bounce_by_depth": ("first_bounce", "depth"),

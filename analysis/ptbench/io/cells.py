@@ -18,7 +18,7 @@ RUN_STATUSES = ("completed", "interrupted")
 STUDY_TYPES = ("time", "convergence")
 CLAIMS = ("bitwise", "statistical", "biased")
 WORDS = ("FASTER", "SLOWER", "SAME", "UNSURE")
-# Reason codes for a comparison whose word is UNSURE or missing.
+# Codes of the reasons why a comparison's verdict is UNSURE or missing.
 COMPARISON_REASONS = (
     "",
     "few_samples",
@@ -69,9 +69,9 @@ class Sample:
     checkpoints: tuple[Checkpoint, ...] = ()  # checkpoints of a convergence cell's sample
     film_hash: str = ""  # hash of the sample's film; empty in older files
     work: dict[str, float] = field(default_factory=dict)  # counters such as "launches", if the file has them per sample
-    own_device_ms: tuple[float, ...] = ()  # render on several GPUs: time of each without the reduction
-    slowest_device_ms: float | None = None  # time until the slowest GPU had rendered
-    device_reduce_ms: float | None = None  # time of the film reduction after the slowest GPU
+    own_device_ms: tuple[float, ...] = ()  # render on several GPUs: time of each in ms without the reduction
+    slowest_device_ms: float | None = None  # time in ms until the slowest GPU had rendered
+    device_reduce_ms: float | None = None  # time in ms of the film reduction after the slowest GPU
 
     @property
     def ms_per_spp(self) -> float:
@@ -303,7 +303,7 @@ class Study:
     figure: str
     title: str
     type: str = "time"
-    # The axis or tunable that a study compares; empty where nothing is, or where an older file does not say.
+    # The axis or tunable whose choices a study compares; empty if it compares none, or if an older file does not say.
     compares: str = ""
     along: str = ""  # parameter along which the comparison is followed; empty: none
 

@@ -35,7 +35,7 @@ class Reference:
     name: str
     kind: str  # kind of reference: "rendered" or "closed_form"
     scene: str
-    variance: float  # variance of the mean of the halves, averaged over pixels and channels
+    variance: float  # variance of the reference (a mean of two halves), averaged over pixels and channels
     mean_square: float
     spp_per_half: int = 0
     variant: str = ""

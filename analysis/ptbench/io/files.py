@@ -58,11 +58,11 @@ def read_whole(path: Path, largest: int = LARGEST_INPUT) -> bytes:
     try:
         # The file type is checked before opening, because opening a device may have side effects.
         _check_kind(path, os.stat(path), largest)
-        # O_NONBLOCK avoids waiting for a writer if a pipe has taken the name since.
+        # O_NONBLOCK avoids waiting for a writer if a pipe has replaced the file since its type was checked.
         with open(path, "rb", opener=lambda name, flags: os.open(name, flags | os.O_NONBLOCK)) as file:
             status = os.fstat(file.fileno())
             _check_kind(path, status, largest)
-            # Reading one byte more than the size detects the end; a file that has grown is read on piece by piece.
+            # One byte more than the file's size is read to detect its end; a file that has grown is read on in pieces.
             data = file.read(status.st_size + 1)
             while len(data) > status.st_size and len(data) <= largest and (more := file.read(1 << 16)):
                 data += more

@@ -23,7 +23,7 @@ from ptbench.io.older import filled_in
 _LAST = tuple(
     axis.as_before for axis in itertools.takewhile(lambda axis: axis.as_before, reversed(known_axes().values()))
 )
-# Names of counters that are rates: X_per_Y, in files up to commit ede9627 X_a_Y.
+# Names of counters that are rates: X_per_Y, or in files up to commit ede9627 X_a_Y.
 _RATE = re.compile(r"_(a|per)_(?:ray|block|multiprocessor|second)$")
 
 
@@ -150,7 +150,7 @@ def _counted(counters: Node, word: str) -> dict:
 
 def inspected_of(cell: Cell, entries: list[Inspected]) -> Inspected | None:
     """The entry for a cell's scene and variant, even where either file is too old to name some axes."""
-    # Variants' names list axes in one order, so that those a file lacks can be skipped, and last ones stripped.
+    # Names of all variants list axes in one order, so that axes a file lacks can be skipped, and last ones stripped.
     later, choices = filled_in(), tuple(cell.axes.values())
     without = tuple(choice for name, choice in cell.axes.items() if later.get(name) != choice)
     known = {_plain(choices), _plain(without)}
@@ -172,8 +172,8 @@ class PriceOfARay:
     """The factors of the time per ray of kernel B over A; their product is `time`."""
 
     instructions: float
-    lanes: float  # ratio of 1 / active lanes, kernel B over A
-    issue: float  # ratio of 1 / fraction of the issue ceiling, kernel B over A
+    lanes: float  # 1 / active lanes of kernel B's warps, over kernel A's
+    issue: float  # 1 / fraction of the issue ceiling that kernel B reaches, over kernel A's
 
     @property
     def time(self) -> float:
@@ -198,5 +198,5 @@ def price_of_a_ray(a: Inspected, b: Inspected) -> PriceOfARay | None:
     if not all(values):
         return None
     threads_a, warps_a, issue_a, threads_b, warps_b, issue_b = values
-    # Lanes are computed from the two instruction counts, so that the product is exact.
+    # The factor of active lanes comes from both instruction counts, so that the product of the factors is exact.
     return PriceOfARay(threads_b / threads_a, (warps_b / threads_b) / (warps_a / threads_a), issue_a / issue_b)

@@ -105,7 +105,7 @@ class Node:
             raise self.wrong(allowed)
         try:
             value = float(self.value)
-        except OverflowError:  # an integer with hundreds of digits overflows a double
+        except OverflowError:  # an integer of hundreds of digits exceeds the range of a double
             value = math.inf
         if not math.isfinite(value):
             raise self.wrong(allowed)

@@ -18,7 +18,7 @@ from ptbench.io.run import OfARun
 SCHEMA = "ptbench-rays-1"
 QUERIES = ("closest", "any")
 _PEER_KEYS = {"mesh", "batches"}
-# Words to put before the version of a peer, by the key of the version in the peer's file.
+# Words that precede the version of a peer program, by the key of the peer's file that holds the version.
 _PEER_PROGRAMS = {"mitsuba": "through Mitsuba ", "optix": ""}
 
 
@@ -68,7 +68,7 @@ class RayMesh:
     triangles: int
     hash: str
     rays: dict[str, int]  # number of rays in a batch, by class of rays
-    agree: dict[str, bool]  # by class, whether all batches have equal hits, and also brute force where that ran
+    agree: dict[str, bool]  # by class of rays, whether all trees and kernels (and brute force, if run) have equal hits
     trees: tuple[Tree, ...]
 
 
@@ -96,7 +96,7 @@ class Peer:
     path: Path
     name: str
     mesh: str
-    by: str  # program and version, such as "through Mitsuba 3.9.1"
+    by: str  # program that traced the rays, with its version, such as "through Mitsuba 3.9.1"
     hits_differ: int  # difference between the peer's and ptbench's numbers of hits, over all batches
     batches: tuple[Batch, ...]
 

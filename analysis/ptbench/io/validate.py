@@ -72,7 +72,7 @@ def registry() -> Registry:
 @cache
 def validator(kind: str) -> Draft202012Validator:
     """A validator for a kind of file."""
-    # The schema is referenced by name, so that its own references are resolved in its file.
+    # The JSON schema is referenced by its file's name, so that references within it are resolved in that file.
     return Draft202012Validator({"$ref": f"ptbench-{kind}.schema.json"}, registry=registry())
 
 
@@ -112,7 +112,7 @@ def journal_complaints(path: Path) -> Iterator[str]:
     for number, line in enumerate(lines, start=1):
         place = f"line {number}"
         if damage := seal.fault(line):
-            is_whole = False  # after a damaged line, contradictions between lines would be reported for the wrong ones
+            is_whole = False  # contradictions between lines would name wrong ones after a damaged line
             yield f"{place}: found {damage}, allowed: lines as ptbench wrote them"
             continue
         try:
@@ -149,7 +149,7 @@ def validate(path: Path) -> list[str]:
 def _contradictions(root: Node) -> Iterator[str]:
     try:
         yield from map(str, contradictions(root))
-    except InputError as error:  # raised by a row that belongs to no known cell
+    except InputError as error:  # raised for a row of a result file that belongs to no known cell
         yield str(error).removeprefix(visible(f"{root.file}: "))
 
 

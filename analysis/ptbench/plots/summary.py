@@ -176,7 +176,7 @@ def stages(result: Result) -> Lines:
     names = list(dict.fromkeys(name for cell in cells for name in cell.instrumented.stage_ms))
     lines: Lines = ["## Where the time goes", ""]
     lines += ["Shares of the instrumented pass's wall time. Where they miss it by more than 5 %, the row says so.", ""]
-    # Columns are omitted where all cells agree, which keeps summaries of older files unchanged.
+    # The resolution gets a column only where cells differ in it, which keeps summaries of older files unchanged.
     sizes = len({cell.resolution for cell in cells}) > 1
     head = ["Variant", "Scene", "Depth", *(["Resolution"] if sizes else []), *names, "rest", "Remarks"]
     named = table_names(result, cells)

@@ -60,10 +60,10 @@ class Counts:
 class LeftOut:
     """Rows for the report's tables of missing or doubtful results, without the file's name."""
 
-    not_applicable: tuple[tuple[str, str, str], ...] = ()  # rows of (study or case, reason, count)
-    failed: tuple[tuple[str, str], ...] = ()  # rows of (cell or check, error message)
-    not_drawn: tuple[tuple[str, str], ...] = ()  # rows of (study, reason for no figure)
-    doubts: tuple[tuple[str, int, str], ...] = ()  # rows of (doubt, count, total)
+    not_applicable: tuple[tuple[str, str, str], ...] = ()  # variants left out: (study or case, reason, count)
+    failed: tuple[tuple[str, str], ...] = ()  # failures: (cell or check, error message)
+    not_drawn: tuple[tuple[str, str], ...] = ()  # figures not drawn: (study, reason)
+    doubts: tuple[tuple[str, int, str], ...] = ()  # doubtful numbers: (doubt, count, total)
 
 
 @dataclass(frozen=True)

@@ -74,7 +74,7 @@ def _chapters(sources: Sources) -> list[Chapter]:
     jobs = min(len(sources.paths), len(os.sched_getaffinity(0)))
     if jobs < 2 or sum(map(_size, sources.paths)) < WORTH_PROCESSES:
         return [chapter_of(path, title) for path, title in zip(sources.paths, sources.titles, strict=True)]
-    # The largest files start first, so that none of them is last to finish.
+    # The largest result files are started first, so that no worker process has one left at the end.
     order = sorted(range(len(sources.paths)), key=lambda index: -_size(sources.paths[index]))
     with ProcessPoolExecutor(jobs, mp_context=multiprocessing.get_context("spawn")) as pool:
         started = {index: pool.submit(chapter_of, sources.paths[index], sources.titles[index]) for index in order}

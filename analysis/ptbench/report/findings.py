@@ -35,7 +35,7 @@ from ptbench.studies.questions import Question, question_of
 from ptbench.studies.rows import Row, measure
 from ptbench.studies.withdrawn import between
 
-_NAMED = 3  # most choices with one outcome that are named; of more, the two extremes
+_NAMED = 3  # most choices with one outcome that a finding names; of more, only the two extremes
 
 
 @dataclass(frozen=True)
@@ -185,7 +185,7 @@ class Efficiency:
     baseline: str
     estimate: Estimate
     is_withdrawn: bool
-    word: str  # side of 1 on which the whole interval lies, or why there is no verdict
+    word: str  # side of 1 on which the efficiency's whole interval lies, or why there is no verdict
 
 
 def efficiencies_of(result: Result, study: Study) -> list[Efficiency]:

@@ -21,9 +21,9 @@ from ptbench.document.table import Table
 from ptbench.io.files import package_file
 
 _INLINE = re.compile(r"`([^`]+)`|\*\*(.+?)\*\*")
-# Words that are long enough to be broken within, so that a long name does not widen the page.
+# Words long enough to be broken inside, so that a long name does not widen the HTML page.
 _LONG_WORD = re.compile(r"[^\s<>&;]{24,}")
-_LONG_TEXT = 44  # length in characters from which on a column's texts are broken into lines
+_LONG_TEXT = 44  # length in characters from which the texts of a table's column are broken into lines
 _WIDE = 11  # number of columns from which on a table is printed in landscape
 _POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'; connect-src data:"
 

@@ -148,7 +148,7 @@ def _rendered(known: ScenePicture, use: SceneUse, renderer: Renderer) -> ScenePi
         try:
             return replace(known, image=_framed(use, read_whole(kept, LARGEST_IMAGE)), how=how)
         except (InputError, OSError):
-            pass  # the kept file cannot be read, so the picture is rendered again
+            pass  # a kept picture that cannot be read is rendered again
     done = _render(use, size, renderer)
     if done.image is None:
         return replace(known, failure=f"not rendered: {textwrap.shorten(done.failure, _LONGEST_REASON)}")

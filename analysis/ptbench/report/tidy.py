@@ -29,7 +29,7 @@ def _file_values(result: Result | Stability) -> list[str]:
 
 
 def sample_rows(result: Result) -> Iterable[Sequence[object]]:
-    """The header and a row per sample; failed samples have an `error` and no times."""
+    """The CSV header and a row per sample; failed samples have an `error` and no times."""
     axes = list(dict.fromkeys(axis for cell in result.cells for axis in cell.axes))
     tunables = list(dict.fromkeys(name for cell in result.cells for name in cell.tunables))
     yield (*_FILE, *_CELL, *axes, *(f"tunable_{name}" for name in tunables), *_SAMPLE, *WORK_COUNTERS, "error")
@@ -57,7 +57,7 @@ def _sample_values(sample: Sample) -> list[object]:
 
 
 def checkpoint_rows(result: Result) -> Iterable[Sequence[object]]:
-    """The header and a row per checkpoint of each sample, with cell and repetition as in `sample_rows`."""
+    """The CSV header and a row per checkpoint of each sample, with cell and repetition as in `sample_rows`."""
     yield (*_FILE, "cell", "repetition", "seed", *_CHECKPOINT)
     file = _file_values(result)
     for cell in result.cells:
@@ -71,7 +71,7 @@ def checkpoint_rows(result: Result) -> Iterable[Sequence[object]]:
 
 
 def check_rows(stability: Stability) -> Iterable[Sequence[object]]:
-    """The header and a row per stability check; parameters as NAME=VALUE, separated by semicolons."""
+    """The CSV header and a row per stability check; parameters as NAME=VALUE, separated by semicolons."""
     axes = list(dict.fromkeys(axis for row in stability.rows for axis in row.axes))
     numbers = ("quantity", "relation", "value", "exact", "error", "allowed", "standard_error")
     yield (

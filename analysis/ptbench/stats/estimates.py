@@ -17,7 +17,7 @@ RESAMPLES = limit("resamples")
 CONFIDENCE = limit("confidence")
 SEED = 1986  # random seed: the year of the rendering equation, any constant would do
 MOST_COUNTED = 400  # most samples for which counts of all resamples are cached: 4 MB, or 8 MB if over 255 in a set
-MOST_EXCHANGED = 16  # most samples for sorting resamples by exchanges, whose number grows with the square
+MOST_EXCHANGED = 16  # most samples for which resamples are sorted by exchanges, whose number grows with the square
 MINIMUM_SAMPLES = limit("fewest_samples")
 THRESHOLD = limit("least_difference")
 

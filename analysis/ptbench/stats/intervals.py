@@ -56,14 +56,14 @@ def jackknife(function: Callable[[np.ndarray], float], values: np.ndarray) -> tu
 
 
 def t_test(estimate: float, error: float, freedom: float, expected: float, common: float = 0.0) -> tuple[float, float]:
-    """(two-sided p, one-sided p of `estimate` being above) against `expected`.
+    """P-values of a t-test of `estimate` against `expected`: two-sided, and one-sided for being above.
 
     `common` is a known standard error besides the estimated one; their sum has Satterthwaite's degrees of freedom.
     """
     if common > 0:
         both = float(np.hypot(error, common))
         error, freedom = both, min(freedom * (both / max(error, 1e-12 * both)) ** 4, 1e9)
-    # Where all seeds agree up to rounding, only the value itself is compared.
+    # Errors of all seeds that agree up to rounding allow no test: only the estimate and expected value are compared.
     if error <= 1e-9 * max(1.0, abs(expected)):
         if abs(estimate - expected) <= 1e-6:
             return 1.0, 0.5

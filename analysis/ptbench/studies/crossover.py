@@ -14,9 +14,9 @@ class Crossover:
     """The first x from which on the whole interval of the ratio is below 1; None: there is no such measured x."""
 
     x: int | None
-    is_first: bool = False  # whether x is the smallest measured value, so that no actual crossing was observed
+    is_first: bool = False  # whether x is the smallest measured value, so that no ratio above 1 was seen below it
     doubts: tuple[str, ...] = ()
-    missing: tuple[int, ...] = ()  # values above x that have no ratio
+    missing: tuple[int, ...] = ()  # values above the crossover x at which the line has no ratio
 
 
 def crossover_of(points: Sequence[Point], xs: Sequence[int]) -> Crossover | None:

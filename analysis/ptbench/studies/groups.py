@@ -8,7 +8,7 @@ from ptbench.io.cells import Cell
 from ptbench.studies.questions import Question, dimension, label_of, varying_dimensions
 from ptbench.studies.rows import Row
 
-# Most rows of one scene and depth, or lines of one panel; more are split into groups.
+# Most rows of a figure for one scene and depth, or lines of one panel; more are split into groups.
 MOST_TOGETHER = 8
 
 
@@ -18,7 +18,7 @@ class Parts:
 
     split: tuple[str, ...]
     labels: dict[str, str]  # label of each cell, by cell name
-    order: tuple[str, ...]  # labels, baselines first, then in the file's order, so that each choice keeps one colour
+    order: tuple[str, ...]  # labels of choices: baselines first, then as in the file, so that each keeps one colour
 
     def values(self, cell: Cell) -> tuple[str | None, ...]:
         """The values of a cell in the dimensions that tell groups apart."""
@@ -67,7 +67,7 @@ def _is_grid(cells: Sequence[Cell], question: Question | None, split: Sequence[s
 
 
 def in_file_order(keys: Iterable[tuple]) -> list[tuple]:
-    """The distinct keys, sorted by each part in turn, whose values are ordered by first appearance.
+    """The distinct keys (tuples), sorted by each part in turn, whose values are ordered by first appearance.
 
     Parts whose values are all numbers, as a tunable's are, are sorted by size.
     """

@@ -112,7 +112,7 @@ def _not_applicable_notes(result: Result, study: Study | None, question: Questio
     for (what, reason), scenes in seen.items():
         where = f" in {', '.join(scenes)}" if any(scenes) else ""
         notes.append(Note("n/a", f"Not applicable: {what}{where} ({_clipped(reason)}).", f"{what}{where}: {reason}"))
-    # A suite may be written for two backends, so choices that only the other one has are just listed.
+    # Choices that only another backend has are just listed, because a suite may be written for two backends.
     elsewhere = list(dict.fromkeys(item.elsewhere for item in of_study if item.elsewhere))
     if elsewhere:
         text = f"not on the backend {result.about('backend')}: {', '.join(elsewhere)}"

@@ -30,7 +30,7 @@ class Question:
 
 # An axis that older files lack although some of their studies are about it.
 _ROBUSTNESS = "robustness"
-# For studies along a parameter of scenes, the dimension that tells points apart.
+# Parameters of scenes that studies go along, with the dimension of cells that tells the points apart.
 _SWEPT = {"materials": "scene"}
 
 
@@ -47,7 +47,7 @@ def question_of(result: Result, study: Study | None) -> Question | None:
         first = next((cell for cell in tuned if study.figure not in cell.tuned), tuned[0])
         return Question(study.figure, str(first.tunables[study.figure]), is_tunable=True)
     axis = _axis_of(result, study.figure)
-    # A study along a parameter is about the axis that it names, or else the first axis with several choices.
+    # A study along a parameter is about the axis that it names, or else the first axis with several choices in it.
     if study.along:
         axis = study.compares or _varying_axis(result, cells)
     if axis is None:
@@ -121,7 +121,7 @@ def varying_dimensions(cells: Sequence[Cell], question: Question | None, swept: 
             continue
         groups: dict[tuple, set[str | None]] = {}
         for cell in cells:
-            # Two choices may have different standards of a tunable, which is no difference to mention.
+            # Where two choices have different standards of a tunable, that difference is not mentioned in labels.
             choices = tuple(cell.axes.items()) if name in tunables else ()
             groups.setdefault((cell.scene, dimension(cell, swept), choices), set()).add(dimension(cell, name))
         if any(len(values - {None}) > 1 for values in groups.values()):

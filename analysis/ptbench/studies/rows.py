@@ -135,7 +135,7 @@ def cycles_ratio(cell: Cell, baseline: Cell) -> Estimate | None:
     return None if cycles is None or baseline_cycles is None else ratio_estimate(cycles, baseline_cycles)
 
 
-# Axes that only refine a choice of another axis, and the choice with which they have no effect.
+# Axes that only refine one choice of another axis: that axis, and its choice with which they have no effect.
 _QUALIFIES = {"sort_key": ("sorting", "none")}
 
 
@@ -176,5 +176,5 @@ def baseline_of(cell: Cell, cells: Iterable[Cell], question: Question) -> Cell |
 
 
 def scenes_of(rows: Sequence[Row]) -> list[str]:
-    """The scenes of the rows, in order."""
+    """The distinct scenes of a study's rows, in order."""
     return list(dict.fromkeys(row.cell.scene for row in rows))

@@ -91,7 +91,7 @@ class TableNames:
     """Names for the rows of a table, by cell name, without the settings shared by all, which stand above the table."""
 
     names: dict[str, str]
-    shared: str  # shared settings, such as "arithmetic=exact, depth"; empty where only the baseline is shared
+    shared: str  # settings that all rows share, such as "arithmetic=exact, depth"; empty if only the baseline is
 
     def above(self) -> list[str]:
         """The lines above the table, which tell the shared settings."""

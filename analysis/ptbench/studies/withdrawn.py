@@ -29,7 +29,7 @@ class Withdrawal:
     withdrawn: str  # which verdicts on the choice are withdrawn, in words
     gist: str  # reason for the withdrawal in a few words
     reason: str
-    bound: dict[str, float]  # bound of the withdrawn number by choice; may be empty
+    bound: dict[str, float]  # bound of the withdrawn ratio by choice, which `bound_is` puts in words; may be empty
     bound_is: str
     source: str  # committed file that has the bounds
     stays: str  # verdicts that stay valid despite the withdrawal

@@ -227,7 +227,7 @@ VERDICT = _columns(
     "study label is_baseline ms_per_spp ms_per_spp_low ms_per_spp_high ratio ratio_low ratio_high verdict "
     "verdict_reason status reason"
 )
-# Columns named by the contents of result files: their placeholder in tables, and the prefix of their names.
+# Placeholders, in lists of columns, for columns that result files name, with the prefix of those columns' names.
 FROM_FILES = {"AXES": "", "TUNABLES": "tunable_", "COUNTERS": "counter_", "PARAMETERS": "parameter_"}
 # The columns of each table, in groups.
 GROUPS = {

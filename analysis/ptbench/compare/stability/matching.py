@@ -25,7 +25,7 @@ _FAIL_ON = tuple(choice for choice in FAIL_ON if choice != "slower")
 
 @dataclass(frozen=True)
 class Pair:
-    """One row that is in both files."""
+    """A row (check) that both compared stability files contain."""
 
     one: Row
     other: Row
@@ -76,7 +76,7 @@ class Against:
     reference: Stability
     other: Stability
     pairs: tuple[Pair, ...]
-    alone: tuple[tuple[bool, Row], ...]  # rows without a partner, and whether each is the reference's
+    alone: tuple[tuple[bool, Row], ...]  # each row that only one file has, after whether that is the reference
 
     @cached_property
     def changed(self) -> list[Pair]:
@@ -171,7 +171,7 @@ def _by_identity(rows: Sequence[Row]) -> dict[tuple, Row]:
 
 
 def _are_whole(rows: Sequence[Row]) -> bool:
-    """Whether rows stand for all quantities of their case and point at once."""
+    """Whether rows without a quantity stand for all quantities of their case and point at once."""
     return all(row.measured is None for row in rows)
 
 

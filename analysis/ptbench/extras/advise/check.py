@@ -66,7 +66,7 @@ def closest(cells: Sequence[Cell], variants: Sequence[Mapping[str, str]]) -> tup
     found = [variants[0]]
     for variant in variants[1:]:
         named = [cell for cell in measured if _is(cell, variant)]
-        # Several cells may match a variant's settings; the variant's own cell has the fewest other settings.
+        # Several cells may match a variant's settings; the one with the fewest further settings is the variant itself.
         own = min(named, key=lambda cell: len(cell.variant.split()), default=None)
         if own is not None and _middle(own) <= _CLOSE * least:
             found.append(variant)

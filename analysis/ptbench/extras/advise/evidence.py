@@ -31,9 +31,9 @@ class Decision:
 
     name: str
     reference: Mapping[str, str]
-    only: Mapping[str, str]  # choices that a cell must have to count for the decision; empty: all cells count
+    only: Mapping[str, str]  # axis choices that a cell needs to be evidence for this decision; empty: every cell is
     statistic: str
-    of_meshes: bool = False  # whether the decision is about acceleration structures, so that it needs triangles
+    of_meshes: bool = False  # whether to choose an acceleration structure, which needs a scene with triangles
 
     @property
     def of_error(self) -> bool:
@@ -73,10 +73,10 @@ class Point:
     ratio: Estimate
     features: Features
     scene: str
-    setting: str  # depth and image size of the measurement
+    setting: str  # depth and image size at which the ratio was measured
     file: str
     rest: tuple  # settings that the choice and its reference have in common
-    by_way_of: str = ""  # choice that was measured in place of the reference, where the reference was not run
+    by_way_of: str = ""  # choice through which this one was compared, where the reference itself was not run
 
     @property
     def log_ratio(self) -> float:

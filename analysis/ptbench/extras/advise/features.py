@@ -12,7 +12,7 @@ from pathlib import Path
 from ptbench.io.cells import Cell
 from ptbench.io.nodes import Node, read_json
 
-# Scene features and their units: DOUBLINGS are counted in powers of two, STEPS in plain differences.
+# Scene features, with how much makes a distance of 1: powers of two for DOUBLINGS, plain differences for STEPS.
 DOUBLINGS = {"objects": 3.0, "triangles": 4.0, "materials": 2.0, "depth": 1.0, "pixels": 2.0, "lamps": 2.0,
              "lamp_share": 2.0}  # fmt: skip
 STEPS = {"kinds": 2.0, "length": 0.15}

@@ -15,13 +15,13 @@ from ptbench.extras.advise.features import Features, distance
 from ptbench.stats.estimates import CONFIDENCE
 
 POWERS = (1.0, 2.0, 4.0, 8.0)
-SAME = 0.1  # feature distance below which two scenes count as one
-WITHIN = 0.05  # a pick within this fraction of the best time is as good as the best
+SAME = 0.1  # feature distance below which two scenes count as one scene
+WITHIN = 0.05  # an advised choice at most this fraction above the best time counts as equally good
 LEAST_SCENES = 3  # least number of measured scenes for a model to be trusted
-ALIKE = 0.02  # relative difference of two forecasts that is no reason to prefer one
+ALIKE = 0.02  # relative difference of two forecasts up to which the choice with fewer changes is preferred
 # Extra feature distance of a measurement for each axis whose choice differs from the scene's.
 ANOTHER_CHOICE = 0.5
-# Extra distance to its nearest measurement, over the nearest of all choices, that excludes a choice from forecasts.
+# A choice is not forecast if its nearest measurement is this much farther in features than the nearest of any choice.
 _MOST_BEHIND = 2.0
 
 
@@ -63,11 +63,11 @@ class Trial:
     """The result of leaving out each scene in turn and forecasting it."""
 
     scenes: int
-    factor: float | None  # factor that bounds 95 % of the forecast errors; None: too few scenes
+    factor: float | None  # factor that bounds 95 % of the errors of forecast ratios; None: too few scenes
     forecasts: int
-    good: int  # number of settings in which the pick was within 5 % of the best measured choice
+    good: int  # settings where the choice forecast as best was measured within 5 % of the best
     settings: int
-    reach: float  # largest distance of a scene to its nearest other scene
+    reach: float  # largest feature distance of a scene to its nearest other scene
 
     @property
     def is_good(self) -> bool:
@@ -192,7 +192,7 @@ def _mean_square(errors: Iterable[float]) -> float:
 
 def _trial(decision: Decision, points: Sequence[Point], errors: Mapping[int, float]) -> Trial:
     sizes = np.abs(list(errors.values()))
-    # With fewer than 20 errors, this quantile is the largest of them.
+    # The 95 % quantile of fewer than 20 forecast errors is the largest of them.
     factor = math.exp(float(np.quantile(sizes, CONFIDENCE, method="higher"))) if len(sizes) else None
     settings: dict[tuple, dict[Choice, tuple[float, float]]] = {}
     for index, error in errors.items():

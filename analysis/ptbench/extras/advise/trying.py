@@ -52,7 +52,7 @@ class Asked:
     spp: int
     out: Path
     loaded: bool = False  # whether to measure despite load from other processes
-    resume: bool = False  # whether to resume a file of the same try and keep its decided scenes
+    resume: bool = False  # whether to resume a file of the same try of the advice and keep the scenes decided in it
 
 
 def drawn_scenes(count: int, seed: int) -> Iterator[tuple[dict, int]]:
@@ -111,7 +111,7 @@ def try_advice(program: Program, root: Path, results: Path, machine: str, backen
             checked = _checked(program, probed, _in_order(variants, advised), backend, folder, asked.spp)
         say(f"{scene['name']}, depth {depth}: {checked.word}; advised {checked.advised}; best {checked.best}")
         kept[scene["name"]] = _row(scene["name"], depth, checked)
-        # The file is written after each scene, so that an interrupted try keeps what is done.
+        # The result file is written after each scene, so that an interrupted try of the advice keeps what is done.
         document = _document(kept, scenes, about, load)
         write_text(asked.out, json.dumps(document, indent=1) + "\n")
     say(summary_of(document))
@@ -131,7 +131,7 @@ def _decided(file: Path, about: dict) -> dict[str, dict]:
 def _in_order(variants: Sequence[dict[str, str]], advised: Sequence[Advised]) -> list[dict[str, str]]:
     """The variants, the advised one first."""
     pick = settings_of([one for one in advised if is_timed(one)])
-    if ACCELERATOR in variants[0]:  # an advice from scenes without meshes names none, and some tree there must be
+    if ACCELERATOR in variants[0]:  # advice learnt from scenes without meshes names no accelerator
         pick = {ACCELERATOR: variants[0][ACCELERATOR], **pick}
     return [pick, *(one for one in variants if one != pick)]
 

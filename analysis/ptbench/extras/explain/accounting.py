@@ -91,7 +91,7 @@ class Step:
     """One term of the difference of two cells; `low` and `high` are a stage's range, None outside the stages."""
 
     name: str
-    a: float | None  # time of cell A in the term; None: A has no such stage
+    a: float | None  # time of cell A that this term covers; None: A has no such stage
     b: float | None
     low: float | None = None
     high: float | None = None

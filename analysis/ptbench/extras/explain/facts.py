@@ -82,7 +82,7 @@ def _rays(accounting: Accounting) -> Iterator[Fact]:
     if not rays_a or not rays_b:
         return
     each_a, each_b = a.total.value / rays_a, b.total.value / rays_b
-    # The two terms add up exactly: B's additional rays at A's time per ray, and all of B's rays at the change in price.
+    # The time difference is exactly B's additional rays at A's time per ray plus all of B's rays at the change per ray.
     more, dearer = (rays_b - rays_a) * each_a, rays_b * (each_b - each_a)
     yield Fact(MILLION_RAYS, rays_a / 1e6, rays_b / 1e6, f"{signed(more)} ms at A's time a ray")
     yield Fact(NS_A_RAY, each_a * 1e6, each_b * 1e6, f"{signed(dearer)} ms over B's rays")
@@ -118,7 +118,7 @@ def _slots(a: Cell, b: Cell) -> Iterator[Fact]:
             return None
         is_refilled = cell.axes["integrator"] == _REFILLED
         if is_refilled and cell.tunables.get("refill_every", 1) > 1:
-            return None  # nobody counts the slots that stay empty until the next refill
+            return None  # slots that are empty until the next refill are not counted, so the live share is unknown
         is_full = cell.counters.get("compactions") or is_refilled
         return 1.0 if is_full else share
 

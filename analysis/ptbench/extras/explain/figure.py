@@ -23,7 +23,7 @@ _GREY, _MORE, _LESS = "#b5b5b5", "#D55E00", "#0072B2"
 
 
 def draw(result: Result, pair: Pair) -> Figure:
-    """Draws one page: the finding in the title, the bars, the steps, and how to read them."""
+    """Draws one page on two cells: the finding as title, bars of stages, steps between totals, how to read them."""
     accounting = pair.accounting
     a, b = accounting.a, accounting.b
     names = [f"{side}: {label}" for side, label in zip("AB", pair.labels, strict=True)]

@@ -24,7 +24,7 @@ _METHOD = (
     "no file can say."
 )
 
-_NO_PART = "—"  # placeholder for a share of a difference that is not established
+_NO_PART = "—"  # placeholder for the share of a time difference where that is not established
 
 _PROFILED = (
     ", more than 5 % away: the profiled render, another one with its own spp and clocks, does not account for this "

@@ -48,8 +48,8 @@ class Score:
     rule: Rule
     count: int
     within: int
-    mean: float  # mean absolute prediction error
-    worst: float  # largest prediction error, with its sign
+    mean: float  # mean absolute relative error of the predicted time ratios
+    worst: float  # largest relative error of a predicted time ratio, with its sign
 
     @property
     def share(self) -> float:

@@ -107,7 +107,7 @@ def _memory(_: KernelTime, one: Gpu, other: Gpu) -> float:
 SHARES = Rule("shares of time", "memory's part of the time scales with bandwidth", _shares_of_time)
 EXPOSED = Rule("exposed memory", "the same, less what pipes do meanwhile", _exposed_memory)
 PIPES = Rule("pipes alone", "the same, caches not being pipes", _pipes_alone)
-# The rule that predictions use: chosen on counters of an H200 and then tested on those of an H100.
+# Rule that predictions of times on another GPU use: chosen on counters of an H200 and then tested on those of an H100.
 USED = PIPES
 RULES = (
     PIPES,

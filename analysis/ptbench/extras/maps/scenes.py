@@ -8,7 +8,7 @@ _INSIDE = {"eye": [0, 5, 10.5], "look_at": [0, 5, 0], "up": [0, 1, 0], "vertical
 
 
 def _scene(name: str, camera: Mapping, materials: Mapping, objects: list) -> dict:
-    # The file's resolution and depth are only defaults, which each cell overrides.
+    # A generated scene file's resolution and depth are only defaults, which each cell of a map overrides.
     return {
         "name": name, "max_depth": 8, "camera": {**camera, "resolution": [800, 800]},
         "materials": dict(materials), "objects": objects,

@@ -74,7 +74,7 @@ def _is_disturbed(sample: dict, on_gpu: bool) -> bool:
     # Other processes delay only a GPU's host; a peer that is timed by its kernels alone does not notice.
     if on_gpu and (device is None or 1 - device / sample["ms"] <= MOST_HOST_SHARE):
         return False
-    # Less than a tick of the system's clock, 10 ms, proves no disturbance.
+    # CPU time of other processes below one tick of the system's clock, 10 ms, proves no disturbance.
     return foreign is None or foreign > max(10.0, MOST_FOREIGN * sample["wall_ms"])
 
 

@@ -32,7 +32,7 @@ class Point:
 
 @dataclass(frozen=True)
 class Data:
-    """The contents of the figure."""
+    """The contents of the figure of variance against time per sample."""
 
     caption: str
     order: tuple[str, ...]  # labels of the peers; each keeps its marker and colour in all panels
@@ -64,7 +64,7 @@ def _points(scene: Scene) -> tuple[Point, ...]:
 
 
 def draw(data: Data) -> Figure:
-    """Draws the page, in which each panel has its own scales."""
+    """Draws the page of variance against time per sample, in which each panel has its own scales."""
     looks = {label: style.look(index) for index, label in enumerate(data.order)}
     labels = {label: "\n".join(style.wrapped(label, style.LABEL_SIZE, _LEGEND_WIDTH)) for label in data.order}
     label_width = max(style.text_width(part, style.LABEL_SIZE) for text in labels.values() for part in text.split("\n"))

@@ -191,7 +191,7 @@ def _rounds(entry: dict, plan: Plan, running: dict, save: Callable) -> None:
                 continue
             load = os.getloadavg()[0]
             try:
-                # Timed renders use seeds that no picture has.
+                # Timed renders use seeds from 10,000 on, which no picture uses.
                 timed = running[peer["name"]].times(peer["spp"], 10_000 + number, plan.repetitions)
             except PeerFailed as error:
                 _failed(entry, peer, str(error))

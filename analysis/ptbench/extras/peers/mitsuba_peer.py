@@ -27,7 +27,7 @@ def register_bsdf_sampling(mi, dr):
 
         @dr.syntax
         def sample(self, scene, sampler, ray, medium=None, active=True):
-            # The loop's state works on a copy, as the ray that is passed in must not change.
+            # The path loop changes its ray, so it works on a copy; the caller's ray must not change.
             ray = mi.Ray3f(ray)
             radiance, throughput = mi.Spectrum(0), mi.Spectrum(1)
             segments, active, met = mi.UInt32(0), mi.Bool(active), mi.Bool(False)
@@ -111,7 +111,7 @@ class Renderer:
         wall_ms = 1e3 * (time.perf_counter() - begun)
         if not self.compiles:
             return film, {"ms": wall_ms, "wall_ms": wall_ms, "compile_ms": 0.0, "kernels": 0}
-        # The kernel history has every kernel, fills and reductions included; times are device or thread ms.
+        # Dr.Jit's kernel history has every kernel, fills and reductions included; times are device or CPU thread ms.
         history = self.dr.kernel_history()
         compiled = sum(one.get("codegen_time", 0) + one.get("backend_time", 0) for one in history)
         kernels_ms = sum(one.get("execution_time", 0) for one in history)

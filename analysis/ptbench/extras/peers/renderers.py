@@ -25,7 +25,7 @@ class Place:
     scene: str
     xml: Path | None
     meshes: int  # number of objects that show a mesh
-    folder: Path  # folder for files that the renderers write
+    folder: Path  # folder into which the renderers write their files
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Timed:
     ms: float
     wall_ms: float
     compile_ms: float
-    device_ms: float | None  # device time within `ms`, where the renderer can measure it
+    device_ms: float | None  # part of `ms` spent on the device; None where the renderer cannot measure it
     foreign_cpu_ms: float | None
 
 

@@ -35,12 +35,12 @@ class Measured:
         return bootstrap_interval(float(self.variance.mean()), drawn, len(self.variance))
 
     def time_over(self, base: Measured) -> Estimate:
-        """Time per sample over that of `base`."""
+        """This renderer's time per sample over that of the renderer `base`."""
         return ratio_estimate(self.ms_per_spp, base.ms_per_spp)
 
     def cost_over(self, base: Measured) -> Estimate:
-        """Variance times time over that of `base`: how many times as long until the error is the same."""
-        # One generator draws all four bootstraps, so that they are independent.
+        """This renderer's variance times time over that of `base`: how many times as long until the error is equal."""
+        # One generator resamples times and variances of both renderers, so that the four bootstraps are independent.
         random = np.random.default_rng(SEED)
         drawn = self._drawn_cost(random) / base._drawn_cost(random)
         count = min(len(self.ms_per_spp), len(self.variance), len(base.ms_per_spp), len(base.variance))

@@ -7,7 +7,7 @@ from pathlib import Path
 from ptbench.io.files import package_file
 
 MEGAKERNEL, EVALUATED = "megakernel", "evaluated"
-# Two estimators: next-event estimation combined with BSDF sampling by MIS, and BSDF sampling alone.
+# Estimators of direct light: next-event estimation combined with BSDF sampling by MIS, and BSDF sampling alone.
 LIGHTS, CHANCE = "nee_mis", "off"
 _OWN_ESTIMATOR = "direct_light="
 _MOST_IN_TURN = 16  # most mesh objects to intersect without a tree over them (renderer.h: most_objects_in_turn)
@@ -70,13 +70,13 @@ def _own_on_gpu(meshes: int) -> list[Wanted]:
     by_tree = meshes > _MOST_IN_TURN
     kernel = ("integrator=persistent", *base)
     if meshes:
-        # Lanes postpone leaves until the whole warp has one to test: the fastest megakernel traversal of large meshes.
+        # Speculative traversal: lanes postpone leaves until all have one. No megakernel is faster on large meshes.
         kernel += ("accelerator=cwbvh", "traversal=speculative", *(("levels=two_level",) if by_tree else ()))
     own = [_own(f"persistent {LIGHTS} projected", *kernel, *lit)]
     own += [_own(f"persistent {light}", *kernel, f"direct_light={light}") for light in (LIGHTS, CHANCE)]
     if not meshes or by_tree:
         return own
-    # A wavefront whose warps fetch rays is at least as fast over large meshes, but intersects objects in turn.
+    # A wavefront with persistent traversal is at least as fast over large meshes, but intersects mesh objects in turn.
     queue = ("integrator=wavefront", "compaction=cub_select_flagged", "layout=soa", *base)
     queue += ("accelerator=cwbvh", "traversal=persistent")
     return [*own, _own(f"queue {LIGHTS} projected", *queue, *lit), _own(f"queue {CHANCE}", *queue, "direct_light=off")]
@@ -103,7 +103,7 @@ def _mitsuba(text: str, python: Path) -> Wanted:
     compiles = "scalar" not in variant
     leaves_out = "reading the scene, building trees"
     leaves_out += ", tracing and compiling kernels, launching them" if compiles else ""
-    # A megakernel keeps no path state in memory; evaluated loops keep the state of every path.
+    # A megakernel of Mitsuba keeps no path state in memory; evaluated loops keep the state of every path.
     lanes = 1 << (24 if mode == EVALUATED else 28)
     command = (str(python), script, variant, estimator, mode)
     return Wanted(name, "mitsuba", OF_MITSUBA[estimator], (), command, leaves_out, lanes)

@@ -96,7 +96,7 @@ class Case:
 
 
 def times_ms(case: Case, work: np.ndarray, cost: Cost, network: Network, speeds: np.ndarray) -> np.ndarray:
-    """Wall time of each trial; `speeds` are noise factors on a rank's time, by trial and rank."""
+    """Wall time of the simulated render by trial; `speeds` are noise factors on a rank's time, by trial and rank."""
     whole = cost.ms_per_mega * case.pixels * case.spp / 1e6
     if case.partition == SAMPLES:
         shares, end = of_samples(case.spp, case.ranks), added_up_ms(network, case.ranks, case.pixels)

@@ -38,15 +38,15 @@ class Parts:
 
     definition: Mapping
     cost: Cost
-    cost_points: tuple[Point, ...]  # measurements that the cost line is fitted to
+    cost_points: tuple[Point, ...]  # measured render times that the straight line `cost` is fitted to
     device: str
-    noise: np.ndarray  # time of each render over its cell's median
+    noise: np.ndarray  # measured times of renders over the median of their cell
     noise_cells: int
     work: np.ndarray  # rays per path, by block of pixels
     work_scene: str
     reduction: Network  # network model fitted to film reductions between ranks on one host
-    reduction_points: tuple[Point, ...]  # measurements that the network model is fitted to
-    reduction_checks: tuple[Point, ...]  # measurements with other numbers of ranks, for checks
+    reduction_points: tuple[Point, ...]  # measured film reductions that the network model is fitted to
+    reduction_checks: tuple[Point, ...]  # measured film reductions of other numbers of ranks, to check the model
     networks: Mapping[str, Network]
     devices: Path | None  # result file of a multi-GPU run; None: there is none
 

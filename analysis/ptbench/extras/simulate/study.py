@@ -24,7 +24,7 @@ from ptbench.extras.simulate.parts import Parts, Point
 from ptbench.io.cells import Cell
 from ptbench.io.results import load
 
-# Trials of the dynamic partition are few, because each simulates thousands of chunks one by one.
+# The dynamic partition is simulated in few trials, because each simulates thousands of chunks one by one.
 _DYNAMIC_TRIALS = 20
 
 
@@ -46,7 +46,7 @@ class Study:
     efficiencies: Mapping[tuple[str, int, int], Spread]
     reductions: Mapping[tuple[int, int], float]  # film reduction in ms by (side, ranks), over the far network
     even: Mapping[tuple[int, int], int | None]  # least spp at which samples are as fast as tiles, by (side, ranks)
-    stragglers: Mapping[int, float]  # slowest rank's time over the median by ranks, from noise alone; median of trials
+    stragglers: Mapping[int, float]  # slowest over median rank's time from noise alone, by ranks; median of trials
     slow_one: Mapping[tuple[str, int], float]  # parallel efficiency with one slow GPU, by (partition, ranks)
     imbalance: Mapping[tuple[str, int], float]  # load imbalance: largest over mean share of work, by (partition, ranks)
     checks: tuple[Point, ...]  # simulated against measured efficiencies of several GPUs

@@ -28,7 +28,7 @@ from ptbench.io.cells import Result, Study
 from ptbench.stats.estimates import INTERVAL_TEXT, Estimate
 from ptbench.studies.notes import Note
 
-_ROW, _HEAD, _GAP, _FOOT = 0.27, 0.34, 0.5, 0.6  # heights in inches: bar's row, heading, gap of groups, foot
+_ROW, _HEAD, _GAP, _FOOT = 0.27, 0.34, 0.5, 0.6  # inches: height of a bar, group's heading, gap between groups, foot
 _LOG_FROM = 8.0
 _EVERY = 10**6  # most cells in a group: bar charts need no splitting into pages
 
@@ -63,8 +63,8 @@ class Data:
     heading: str
     unit: str = ""
     line_at: float | None = None
-    from_line: bool = False  # whether the axis is logarithmic and bars begin at `line_at`
-    zero_based: bool = True  # whether the axis is linear and bars begin at 0
+    from_line: bool = False  # whether bars begin at `line_at`, on a logarithmic axis
+    zero_based: bool = True  # whether there are bars, from 0 or on a logarithmic axis; False: intervals alone
 
 
 def _data(found: Groups, groups: Sequence[Bars], title: str, caption: str, result: Result, **fields) -> Data:
@@ -174,7 +174,7 @@ def _time_text(time: Estimate | None) -> str:
 
 
 def draw(data: Data) -> Figure:
-    """Draws a page of bars."""
+    """Draws a page of bars with intervals."""
     looks = {label: style.look(index) for index, label in enumerate(data.order)}
 
     label_width = style.widest(bar.label for group in data.groups for bar in group.bars)

@@ -37,7 +37,7 @@ class Point:
 
 @dataclass(frozen=True)
 class Panel:
-    """The points of one scene and setting."""
+    """The points of bias against variance in one scene and setting."""
 
     title: str
     points: tuple[Point, ...]
@@ -55,7 +55,7 @@ class Data:
 
 
 def collect(result: Result, study: Study) -> Data:
-    """Collects one panel per scene and setting; raises NotDrawable."""
+    """Collects the points of bias against variance, a panel per scene and setting; raises NotDrawable."""
     found = groups_of(result, study)
     panels, dependent, noiseless = [], [], []
     for group in found.groups:
@@ -97,7 +97,7 @@ def _point(one: Assessment, label: str) -> Point:
 
 
 def draw(data: Data) -> Figure:
-    """Draws the data of `collect` as a figure's page."""
+    """Draws the page of bias against variance, from the data of `collect`."""
     looks = {label: style.look(index) for index, label in enumerate(data.order)}
     wrapped = {label: "\n".join(style.wrapped(label, style.LABEL_SIZE, _LEGEND_WIDTH)) for label in data.order}
     label_width = max(

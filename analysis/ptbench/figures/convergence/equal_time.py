@@ -26,7 +26,7 @@ from ptbench.io.convergence import Picture
 from ptbench.io.images import TONE_MAPPING, displayed, exposure_of, flip, read_pfm
 from ptbench.studies.notes import Note
 
-_CROP = 96  # side of the crop in pixels, where the image is larger
+_CROP = 96  # side in pixels of the crop that is shown of a larger image
 _PICTURE, _BETWEEN = 1.6, 0.14  # inches: side of a picture and gap between pictures
 _COLUMNS = 5
 _LINES = 4  # most lines of a variant's name above its picture
@@ -41,7 +41,7 @@ class Shot:
     label: str
     facts: str
     picture: np.ndarray
-    error: np.ndarray | None  # signed error image; None: the shot is the reference
+    error: np.ndarray | None  # signed error image; None: this picture is the reference's
 
 
 @dataclass(frozen=True)
@@ -50,12 +50,12 @@ class Sheet:
 
     title: str
     shots: tuple[Shot, ...]
-    limit: float  # largest signed error on the colour scale
+    limit: float  # largest signed error on the colour scale of the error images
 
 
 @dataclass(frozen=True)
 class Data:
-    """The contents of the figure of crops at equal time."""
+    """The contents of the figure of image crops at equal time."""
 
     title: str
     caption: str
@@ -186,7 +186,7 @@ def _window(errors: Sequence[np.ndarray]) -> tuple[slice, slice]:
 
 
 def draw(data: Data) -> Figure:
-    """Draws the data of `collect` as a figure's page."""
+    """Draws the page of crops at equal time, from the data of `collect`."""
     columns = min(_COLUMNS, max(len(sheet.shots) for sheet in data.sheets))
     names = {
         shot.label: style.wrapped(shot.label, _LABEL, _PICTURE, "bold")[:_LINES]

@@ -37,10 +37,10 @@ class Line:
     label: str
     times: np.ndarray  # render time at each checkpoint in milliseconds
     errors: np.ndarray  # root of the mean dual squared error over seeds; NaN where the mean is negative
-    low: np.ndarray  # lower end of the seeds' band
+    low: np.ndarray  # lower end of the drawn band over seeds, by checkpoint
     high: np.ndarray
     plateau: float | None
-    plateau_is_bound: bool  # whether `plateau` is only a lower bound, told in words but not drawn
+    plateau_is_bound: bool  # whether `plateau` is only a lower bound, which is told in words and not drawn as a line
     crossing_ms: float | None
 
     @property
@@ -57,7 +57,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Panel:
-    """The lines of one scene and setting."""
+    """The lines of error against time in one scene and setting."""
 
     title: str
     lines: tuple[Line, ...]
@@ -81,7 +81,7 @@ class Data:
 
 
 def collect(result: Result, study: Study) -> Data:
-    """Collects one panel per scene and setting; raises NotDrawable."""
+    """Collects the lines of error against time, a panel per scene and setting; raises NotDrawable."""
     found = groups_of(result, study)
     members = [one for group in found.groups for one in group.members]
     times, how = render_times(members)
@@ -146,7 +146,7 @@ def _floor_limit(panel: Panel) -> float:
 
 
 def draw(data: Data) -> Figure:
-    """Draws the data of `collect` as a figure's page."""
+    """Draws the page of error against time, from the data of `collect`."""
     looks = {label: style.look(index) for index, label in enumerate(data.order)}
     names = {
         (panel.title, line.label): "\n".join(style.wrapped(_name(line), style.LABEL_SIZE, _LEGEND_WIDTH))

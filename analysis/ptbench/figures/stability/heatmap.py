@@ -22,7 +22,7 @@ MOST_ROWS = 45  # most rows of cases on a page
 DECADES = 4.0  # decades from 1 at which the colour scale saturates
 GREY, BLANK = "#d0d0d0", "#ffffff"
 
-_ROW, _CELL, _HEAD, _APART, _SPLIT = 0.205, 0.46, 0.31, 0.1, 0.12  # layout in inches
+_ROW, _CELL, _HEAD, _APART, _SPLIT = 0.205, 0.46, 0.31, 0.1, 0.12  # inches of the heat map's layout
 _NUMBER_SIZE, _COLUMN_SIZE = 7.5, 9.0
 _LEGEND = 0.95
 _CAPTION = (
@@ -43,7 +43,7 @@ class HeatRow:
 
 @dataclass(frozen=True)
 class HeatGroup:
-    """The rows of one family of cases."""
+    """The heat map's rows for one family of stability cases."""
 
     family: str
     rows: tuple[HeatRow, ...]
@@ -51,13 +51,13 @@ class HeatGroup:
 
 @dataclass(frozen=True)
 class HeatPage:
-    """One page of the heat map."""
+    """One page of the heat map of stability errors."""
 
-    name: str  # file name of the page
+    name: str  # file name of the heat map's page, without extension
     title: str
     caption: str
     columns: tuple[str, ...]
-    must_pass: int  # number of leading columns whose variants must pass
+    must_pass: int  # number of leading columns, of variants that must pass
     groups: tuple[HeatGroup, ...]
 
 
@@ -84,7 +84,7 @@ def number(over_allowed: float) -> str:
 
 
 def collect(stability: Stability) -> list[HeatPage]:
-    """Collects one page, or one per family where one page would have too many rows."""
+    """Collects the heat map in one page, or one per family where one would have too many rows."""
     if not stability.rows:
         raise NotDrawable("the file has no rows")
     layout = Layout(stability)
@@ -117,7 +117,7 @@ def collect(stability: Stability) -> list[HeatPage]:
 
 
 def _pages(places: Sequence[Place]) -> list[tuple[str, str, Sequence[Place]]]:
-    """(file name, title suffix, places) of each page; a case is split only if it exceeds a page."""
+    """(file name, title suffix, places) of each page of the heat map; a case is split only if it exceeds a page."""
     if len(places) <= MOST_ROWS:
         return [("heatmap", "", places)]
     pages = []
@@ -144,7 +144,7 @@ def _widest(texts: Sequence[str], size: float, weight: str = "normal") -> float:
 
 
 def draw(data: HeatPage) -> Figure:
-    """Draws the data of `collect` as a figure's page."""
+    """Draws a page of the heat map of stability errors, from the data of `collect`."""
     rows = [row for group in data.groups for row in group.rows]
     label_width = max(
         _widest([row.label for row in rows], style.LABEL_SIZE),
@@ -153,7 +153,7 @@ def draw(data: HeatPage) -> Figure:
     left = style.MARGIN + label_width + 0.14
     is_split = 0 < data.must_pass < len(data.columns)
     width = _CELL * len(data.columns) + (_SPLIT if is_split else 0)
-    # The first family's name shares a line with the column names.
+    # On a page of the heat map, the first family's name shares a line with the column names.
     head = max(_widest(data.columns, _COLUMN_SIZE) + 0.16 - _HEAD, 0)
     heights = [_HEAD + _ROW * len(group.rows) for group in data.groups]
     body = head + sum(heights) + _LEGEND

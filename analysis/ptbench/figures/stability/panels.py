@@ -44,7 +44,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Panel:
-    """A panel for a case and quantity: its lines over the swept parameter."""
+    """A panel for a stability case and quantity: lines of errors over the swept parameter."""
 
     title: str
     x_label: str
@@ -63,9 +63,9 @@ class Panel:
 
 @dataclass(frozen=True)
 class SweepPage:
-    """One page of panels."""
+    """One page of panels with errors over swept parameters."""
 
-    name: str  # file name of the page
+    name: str  # file name of the page of panels, without extension
     title: str
     caption: str
     panels: tuple[Panel, ...]
@@ -80,7 +80,7 @@ def _alike(one: Line, other: Line) -> bool:
 
 
 def collect(stability: Stability) -> list[SweepPage]:
-    """Collects one page per case, or per family where there are many cases; raises NotDrawable."""
+    """Collects one page of panels per case, or per family where there are many cases; raises NotDrawable."""
     layout = Layout(stability)
     swept: dict[Case, list[Place]] = {}
     for place in layout.places:
@@ -140,7 +140,7 @@ def _others(case: Case, place: Place) -> tuple[tuple[str, float], ...]:
 
 
 def _series(case: Case, places: Sequence[Place]) -> list[tuple[str, list[Place]]]:
-    """Series of points that differ in the swept parameter only, if long enough; else one point per value."""
+    """Series of a case's points that differ in the swept parameter only, if long enough; else one point per value."""
     groups: dict[tuple, list[Place]] = {}
     for place in places:
         groups.setdefault(_others(case, place), []).append(place)
@@ -163,7 +163,7 @@ def _by_value(case: Case, places: Iterable[Place]) -> list[Place]:
 
 
 def _left_out(case: Case, places: Sequence[Place]) -> list[str]:
-    """Labels of points that no panel shows, although another point of their estimator is shown."""
+    """Labels of a case's points that no panel shows, although another point with their estimator is shown."""
     left = []
     for estimator in dict.fromkeys(place.estimator for place in places):
         of_estimator = [place for place in places if place.estimator == estimator]
@@ -182,7 +182,7 @@ def _rows_at(layout: Layout, place: Place, formula: dict[str, str]) -> list[Row]
 
 
 def _quantities(layout: Layout, places: Sequence[Place]) -> list[str]:
-    """Quantities measured at enough points; if there are none, an empty name stands for each point's worst quantity."""
+    """Quantities measured at enough points for lines; if none, an empty name stands for each point's worst quantity."""
     seen: dict[str, set[Place]] = {}
     for place in places:
         for row in _rows_at(layout, place, {}) or [r for _, formula in LINES for r in _rows_at(layout, place, formula)]:
@@ -191,7 +191,7 @@ def _quantities(layout: Layout, places: Sequence[Place]) -> list[str]:
 
 
 def _panel(layout: Layout, case: Case, places: Sequence[Place], quantity: str, others: str) -> Panel | None:
-    """The panel of a quantity; None where all errors are 0 or points are too few."""
+    """The panel of a quantity's errors; None where all errors are 0 or points are too few."""
     rows = {
         label: [(place, row) for place in places if (row := _row_of(layout, place, formula, quantity)) is not None]
         for label, formula in LINES

@@ -24,7 +24,7 @@ def looks() -> dict[str, style.Look]:
 
 
 def draw(data: SweepPage) -> Figure:
-    """Draws the data of `collect` as a figure's page."""
+    """Draws a page of panels with errors over swept parameters, from the data of `collect`."""
     columns = 1 if len(data.panels) == 1 else 2
     rows = math.ceil(len(data.panels) / columns)
     block_width = _LEFT + _PLOT_WIDTH
