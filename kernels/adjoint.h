@@ -2,7 +2,7 @@
 // estimate of the radiance that leaves the vertex towards it, over an estimate of its pixel's value. A path below the
 // weight window is likely to be ended before it scatters, a path above the window is split into several branches
 // (kernels/path_tree.h), and within the window neither happens. The estimates come from separate paths
-// (harness/scene/adjoint_table.h); whatever they are, the mean of the image is the same.
+// (harness/render/adjoint_table.h); whatever they are, the mean of the image is the same.
 // Vorba and Krivanek, "Adjoint-Driven Russian Roulette and Splitting in Light Transport Simulation", SIGGRAPH 2016.
 #pragma once
 

@@ -102,7 +102,7 @@ DeviceCounts download_counts(const Job& job, const IntegratorTraits& integrator)
         counts.live = sum_of_copies(counts.live, job.segments.copies);
         counts.in_play = sum_of_copies(counts.in_play, job.segments.copies);
     } else {
-        // An integrator without a queue counts paths by their length, and in only one copy of the array `live`.
+        // Integrators without a queue, or that refill it, count paths by length, in a single copy of the array `live`.
         counts.live.resize(job.longest_path);
         counts.live = alive_by_segment(std::move(counts.live));
     }
