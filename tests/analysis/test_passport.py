@@ -67,6 +67,14 @@ def test_runs_that_disagree_say_so(tmp_path):
     assert (answer.word, answer.reason) == ("UNSURE", "the runs disagree: FASTER, SLOWER")
 
 
+def test_a_run_that_is_unsure_says_why(tmp_path):
+    """The interval of the second run reaches both sides of a limit."""
+    faster, near = ({"sorting none": 2.0, "sorting bucket": ms} for ms in (1.0, 1.96))
+    (answer,) = answers_of(load_passport(passport(tmp_path, run(faster), run(near, noise=0.02))))
+    assert answer.word == "UNSURE"
+    assert "reaches both sides of a 1 % limit" in answer.reason
+
+
 def test_what_one_run_lacks_has_no_answer(tmp_path):
     whole = {"sorting none": 2.0, "sorting bucket": 1.0}
     assert answers_of(load_passport(passport(tmp_path, run(whole), run({"sorting none": 2.0})))) == []

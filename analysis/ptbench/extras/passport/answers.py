@@ -73,7 +73,9 @@ class Answer:
         first, second = self.sides
         if self.word != UNSURE:
             return ""
-        return first.reason if first.word == second.word else f"the runs disagree: {first.word}, {second.word}"
+        if UNSURE in (first.word, second.word):
+            return second.reason if second.word == UNSURE else first.reason
+        return f"the runs disagree: {first.word}, {second.word}"
 
 
 def answers_of(passport: Passport) -> list[Answer]:
