@@ -3,13 +3,15 @@
 Files older than version 1.1 name the figure itself.
 """
 
+from ptbench.io.axes import FIRST_BOUNCE, SORTING
+
 LIVE_PATHS = "live_paths"
 CONVERGENCE = "convergence"
 # For figures named by older files: what their studies compare, and along what. Any other figure of such files is along
 # nothing and has the name of what is compared.
 _OLDER = {
-    "sorting_by_depth": ("sorting", "depth"),
-    "first_bounce_by_depth": ("first_bounce", "depth"),
+    "sorting_by_depth": (SORTING, "depth"),
+    "first_bounce_by_depth": (FIRST_BOUNCE, "depth"),
     "scaling_by_resolution": ("", "resolution"),
     "scaling_by_depth": ("", "depth"),
     "scaling_by_materials": ("", "materials"),
