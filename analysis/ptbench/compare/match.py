@@ -11,13 +11,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ptbench.io.axes import ARITHMETIC, PRECISION, ROBUSTNESS
 from ptbench.io.cells import Cell, Result
 from ptbench.io.limits import limit
 from ptbench.io.older import before
 from ptbench.stats.intervals import welch_test
 
 # Axes that say how a variant computes its image, not what image it computes.
-_HOW_IT_COMPUTES = ("arithmetic", "precision", "robustness")
+_HOW_IT_COMPUTES = (ARITHMETIC, PRECISION, ROBUSTNESS)
 # Probability that any pair of cells that did equal work is refused, in a comparison of two files, for its ray counts.
 _FAMILY_ERROR = limit("family_error")
 
@@ -222,7 +223,7 @@ def _moved_standards(cell: Cell, partner: Cell) -> list[str]:
 def _has_bits(cell: Cell, partner: Cell) -> bool:
     """Whether two cells must have the same film bits: exact arithmetic, a bitwise claim, equal seeds and samples."""
     return (
-        all(one.claim == "bitwise" and choice_of(one, "arithmetic") == "exact" for one in (cell, partner))
+        all(one.claim == "bitwise" and choice_of(one, ARITHMETIC) == "exact" for one in (cell, partner))
         and cell.spp == partner.spp
         and bool(_common_seeds(cell, partner))
     )

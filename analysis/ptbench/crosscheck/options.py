@@ -6,6 +6,7 @@ from pathlib import Path
 
 from ptbench.command import Command
 from ptbench.crosscheck.limits import ALL, MOST_SPP, SIDE
+from ptbench.io.axes import DIRECT_LIGHT
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -23,7 +24,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="AXIS=CHOICE",
-        help="(default: direct_light=nee_mis, and trees for meshes)",
+        help=f"(default: {DIRECT_LIGHT}=nee_mis, and trees for meshes)",
     )
     parser.add_argument("--seeds", type=whole(2, 1000), default=8, metavar="N", help="images of each (default: 8)")
     parser.add_argument(

@@ -10,6 +10,7 @@ import numpy as np
 
 from ptbench.crosscheck.mitsuba_worker import MISSING
 from ptbench.errors import InputError
+from ptbench.io.axes import ACCELERATOR, BUILDER, DIRECT_LIGHT, LEVELS
 from ptbench.io.files import package_file, read_whole
 from ptbench.io.images import faulty_pixels, read_pfm
 from ptbench.program import Program, run_program, said_by
@@ -17,11 +18,11 @@ from ptbench.program import Program, run_program, said_by
 WHEEL = "mitsuba==3.9.1"  # version of Mitsuba that pyproject.toml requires, too
 # Defaults that make ptbench's render of a cross-check fast: the least noisy estimator, which a scene without diffuse
 # surfaces refuses, and trees for scenes with meshes. No such choice changes the expected image.
-_DIRECT_LIGHT = "direct_light=nee_mis"
+_LEAST_NOISE = f"{DIRECT_LIGHT}=nee_mis"
 _FAULTS = ("nonfinite", "negative", "saturated")  # counts of bad samples in a render's summary; none is accepted
 _FOLDERS = ("environments", "materials", "textures", "scaling", "meshes")  # folders of scenes that `ptbench list` omits
-_TREES = {"cuda": ("accelerator=cwbvh", "builder=hploc", "levels=two_level")}
-_TREES_ELSEWHERE = ("accelerator=bvh8", "levels=two_level")
+_TREES = {"cuda": (f"{ACCELERATOR}=cwbvh", f"{BUILDER}=hploc", f"{LEVELS}=two_level")}
+_TREES_ELSEWHERE = (f"{ACCELERATOR}=bvh8", f"{LEVELS}=two_level")
 
 
 class CannotExport(Exception):
@@ -120,12 +121,12 @@ def render_here(scene: str, settings: Settings, folder: Path, *, has_meshes: boo
     call += [] if settings.depth is None else ["--depth", settings.depth]
     call += ["--backend", settings.backend] if settings.backend else []
     trees = [*_TREES.get(settings.backend, _TREES_ELSEWHERE)] if has_meshes else []
-    axes = [*settings.axes] or [_DIRECT_LIGHT, *trees]
+    axes = [*settings.axes] or [_LEAST_NOISE, *trees]
     images, about, seconds = [], {}, 0.0
     while len(images) < settings.seeds:
         chosen = [word for axis in axes for word in ("--axis", axis)]
         done = settings.program.called(*call, *chosen, "--seed", settings.first_seed + len(images))
-        if done.returncode != 0 and not settings.axes and _DIRECT_LIGHT in axes and "n/a: " in done.stderr:
+        if done.returncode != 0 and not settings.axes and _LEAST_NOISE in axes and "n/a: " in done.stderr:
             axes = trees
             continue
         if done.returncode != 0:

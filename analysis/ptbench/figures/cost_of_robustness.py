@@ -8,6 +8,7 @@ from ptbench.figures.caption import note_lines, setting
 from ptbench.figures.convergence import bars
 from ptbench.figures.convergence.bars import Bar, Bars
 from ptbench.figures.declaration import StudyFigure
+from ptbench.io.axes import PRECISION, ROBUSTNESS
 from ptbench.io.cells import Cell, NotApplicable, Result, Study
 from ptbench.stats.estimates import INTERVAL_TEXT, Estimate, median_estimate, ratio_estimate
 from ptbench.studies.notes import Note, missed, notes_of
@@ -15,7 +16,7 @@ from ptbench.studies.questions import dimension, question_of, varying_dimensions
 from ptbench.studies.rows import Row, measure
 
 REFERENCE = "robust float"
-_FORMULA_AXES = ("precision", "robustness")
+_FORMULA_AXES = (PRECISION, ROBUSTNESS)
 _WHAT = (
     "Median render wall time per sample per pixel over that of robust float with all else equal, n = {} samples each. "
     f"Whiskers: {INTERVAL_TEXT}, both sides resampled. Naive kernels are no substitute: their images are wrong where a "
@@ -25,7 +26,7 @@ _WHAT = (
 
 def formula_of(cell: Cell | NotApplicable) -> str:
     """The formula of a cell, such as "robust float"; files older than the axis have robust kernels only."""
-    return f"{cell.axes.get('robustness', 'robust')} {cell.axes.get('precision', 'float')}"
+    return f"{cell.axes.get(ROBUSTNESS, 'robust')} {cell.axes.get(PRECISION, 'float')}"
 
 
 def _notes(result: Result, study: Study, rows: Sequence[Row]) -> list[Note]:
@@ -89,4 +90,4 @@ def _bar(cell: Cell, reference: Cell | None) -> Bar:
     return Bar(label, ratio, f"{numbers.ratio(ratio.value)}×{ends}")
 
 
-FIGURES = (StudyFigure("robustness", collect, is_axis=True),)
+FIGURES = (StudyFigure(ROBUSTNESS, collect, is_axis=True),)

@@ -6,9 +6,10 @@ from ptbench.errors import NotDrawable
 from ptbench.figures import series
 from ptbench.figures.caption import captioned
 from ptbench.figures.declaration import StudyFigure
+from ptbench.io.axes import DEVICES, PARTITION
 from ptbench.io.cells import Result, Study
 from ptbench.stats.estimates import INTERVAL_TEXT
-from ptbench.studies.devices import PARTITION, WHOLE, Scaled, devices_of, strong, weak
+from ptbench.studies.devices import WHOLE, Scaled, devices_of, strong, weak
 from ptbench.studies.notes import notes_of
 from ptbench.studies.rows import measure
 
@@ -55,4 +56,4 @@ def _line(label: str, scaled: Sequence[Scaled], efficiencies: Sequence) -> serie
     return series.Series(label, tuple(x for x, _ in ordered), tuple(estimate for _, estimate in ordered))
 
 
-FIGURES = (StudyFigure("devices", collect, is_axis=True),)
+FIGURES = (StudyFigure(DEVICES, collect, is_axis=True),)

@@ -7,6 +7,7 @@ from ptbench.errors import NotDrawable
 from ptbench.figures import series
 from ptbench.figures.caption import captioned
 from ptbench.figures.declaration import StudyFigure
+from ptbench.io.axes import INTEGRATOR
 from ptbench.io.cells import Cell, Result, Study
 from ptbench.stats.estimates import INTERVAL_TEXT
 from ptbench.studies.notes import notes_of
@@ -49,9 +50,7 @@ def collect(result: Result, study: Study) -> series.Data:
 
 def _by_cost(cells: list[Cell], scene: str, integrator: str) -> dict[int, Cell]:
     return {
-        cell.tunables.get(COST, 0): cell
-        for cell in cells
-        if (cell.scene, cell.axes["integrator"]) == (scene, integrator)
+        cell.tunables.get(COST, 0): cell for cell in cells if (cell.scene, cell.axes[INTEGRATOR]) == (scene, integrator)
     }
 
 

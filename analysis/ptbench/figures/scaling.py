@@ -14,6 +14,7 @@ from ptbench.figures import lines
 from ptbench.figures import rows as row_figure
 from ptbench.figures.caption import timing_caption
 from ptbench.figures.declaration import StudyFigure
+from ptbench.io.axes import FIRST_BOUNCE, SORTING
 from ptbench.io.cells import Cell, Result, Study
 from ptbench.studies.groups import in_file_order, parts_of
 from ptbench.studies.notes import Note, notes_of
@@ -69,8 +70,8 @@ _BY_DEPTH = {
         title, "Path depth", "ray segments", "depth {}".format, lambda cell: cell.depth, overtaking=False
     )
     for axis, title in (
-        ("sorting", "Material sorting: time by depth"),
-        ("first_bounce", "First-bounce cache: time by depth"),
+        (SORTING, "Material sorting: time by depth"),
+        (FIRST_BOUNCE, "First-bounce cache: time by depth"),
     )
 }
 _BY_ORDER = Sweep("", "Scene, by its number in the caption", "", "{}".format)

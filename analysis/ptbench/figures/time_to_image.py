@@ -15,6 +15,7 @@ from ptbench.errors import NotDrawable
 from ptbench.figures import series
 from ptbench.figures.caption import captioned
 from ptbench.figures.declaration import StudyFigure
+from ptbench.io.axes import ACCELERATOR, BUILDER, INTEGRATOR
 from ptbench.io.cells import Cell, Result, Study
 from ptbench.io.rays import RayMesh, load_rays_folder
 from ptbench.numbers import plural
@@ -66,14 +67,14 @@ def ways(cells: Iterable[Cell], meshes: Sequence[RayMesh] = ()) -> list[Way]:
     for cell in cells:
         if not cell.measured or cell.meshes is None or cell.meshes.nodes == 0:
             continue
-        builder, facts = cell.axes["builder"], cell.meshes
+        builder, facts = cell.axes[BUILDER], cell.meshes
         sample = median_estimate(cell.ms_per_spp)
         on_gpu = builder in GPU_BUILDERS
         where = "GPU, encoded by the CPU" if on_gpu else "CPU"
         found.append(Way(cell.scene, f"{builder} ({where})", cell, facts.build_ms + facts.encode_ms, sample))
         for mesh in meshes if on_gpu else ():
             for tree in mesh.trees if _is_of(mesh, cell) else ():
-                if (tree.accelerator, tree.builder) == (cell.axes["accelerator"], builder) and tree.device_build_ms:
+                if (tree.accelerator, tree.builder) == (cell.axes[ACCELERATOR], builder) and tree.device_build_ms:
                     before = float(np.median(tree.device_build_ms) + np.median(tree.device_encode_ms))
                     found.append(Way(cell.scene, f"{builder} (all on the GPU)", cell, before, sample))
     return found
@@ -125,15 +126,15 @@ def collect(result: Result, study: Study) -> series.Data:
     panels, said = [], []
 
     def key(way: Way) -> tuple[str, ...]:
-        return way.scene, way.cell.axes["integrator"], way.cell.axes["accelerator"]
+        return way.scene, way.cell.axes[INTEGRATOR], way.cell.axes[ACCELERATOR]
 
     keys = list(dict.fromkeys(map(key, found)))
     for one in keys:
         of_panel = [way for way in found if key(way) == one]
-        if len({way.cell.axes["builder"] for way in of_panel}) < 2:
+        if len({way.cell.axes[BUILDER] for way in of_panel}) < 2:
             continue
         crossed = [item for item in crossings(of_panel) if SPPS[0] <= item.spp <= SPPS[-1]]
-        base = next((way for way in of_panel if way.cell.axes["builder"] == BASELINE), of_panel[0])
+        base = next((way for way in of_panel if way.cell.axes[BUILDER] == BASELINE), of_panel[0])
         lines = tuple(_line(way, base, crossed) for way in of_panel)
         varying = [part for index, part in enumerate(one) if index == 0 or len({k[index] for k in keys}) > 1]
         title = ", ".join(varying)
@@ -174,4 +175,4 @@ def _line(way: Way, base: Way, crossed: Sequence[Crossing]) -> series.Series:
     return series.Series(way.label, tuple(map(float, SPPS)), ratios, rings)
 
 
-FIGURES = (StudyFigure("builder", collect, part="time_to_image"),)
+FIGURES = (StudyFigure(BUILDER, collect, part="time_to_image"),)

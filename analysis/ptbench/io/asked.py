@@ -3,13 +3,15 @@
 Files older than version 1.1 name the figure itself.
 """
 
+from ptbench.io.axes import FIRST_BOUNCE, SORTING
+
 LIVE_PATHS = "live_paths"
 CONVERGENCE = "convergence"
 # Names of figures in older files, with what a study with that figure compares, and along which parameter. A study of an
 # older file with any other figure is along no parameter, and the figure is named after what it compares.
 _OLDER = {
-    "sorting_by_depth": ("sorting", "depth"),
-    "first_bounce_by_depth": ("first_bounce", "depth"),
+    "sorting_by_depth": (SORTING, "depth"),
+    "first_bounce_by_depth": (FIRST_BOUNCE, "depth"),
     "scaling_by_resolution": ("", "resolution"),
     "scaling_by_depth": ("", "depth"),
     "scaling_by_materials": ("", "materials"),

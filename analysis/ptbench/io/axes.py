@@ -1,6 +1,7 @@
 """The axes of a variant as ptbench has them: axes.json is the output of `build/ptbench list axes --json`.
 
-`./run lists` writes the file, and a test checks it.
+`./run lists` writes the file, and a test checks it. Every axis is a constant of this module with its name in capitals,
+as in `from ptbench.io.axes import SORT_KEY`, which is "sort_key": a misspelled name cannot be imported.
 """
 
 import json
@@ -27,6 +28,14 @@ class Axis:
 def known_axes() -> dict[str, Axis]:
     """Every axis by name, in the order in which variants' names list them."""
     return {facts["name"]: Axis(**facts) for facts in json.loads(FILE.read_text(encoding="utf-8"))}
+
+
+def __getattr__(constant: str) -> str:
+    """The name of an axis by its constant; Python calls this for names that the module does not define (PEP 562)."""
+    name = constant.lower()
+    if constant.isupper() and name in known_axes():
+        return name
+    raise AttributeError(f"{__name__}: found {constant}, allowed: the names of axes.json in capitals")
 
 
 def described(axis: Axis) -> str:

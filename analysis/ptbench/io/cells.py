@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ptbench.io.axes import LAUNCH
 from ptbench.io.convergence import Checkpoint, Convergence
 from ptbench.io.limits import limit
 from ptbench.io.run import OfARun
@@ -290,7 +291,7 @@ class Cell:
             return float(np.median(counts)) / self.spp
         if counter not in self.counters:
             return None
-        if self.axes.get("launch", "stream") != "stream" and not self.counters.get("graph_nodes"):
+        if self.axes.get(LAUNCH, "stream") != "stream" and not self.counters.get("graph_nodes"):
             return None
         return self.counters[counter] / self.spp
 

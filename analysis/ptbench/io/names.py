@@ -6,9 +6,9 @@ Files since version 1.0 contain such names; older ones join all choices by dots,
 import re
 from collections.abc import Mapping, Sequence
 
+from ptbench.io.axes import INTEGRATOR
 from ptbench.io.older import before, with_later_axes
 
-INTEGRATOR = "integrator"
 _SPELLED_OUT = re.compile(r"\w+(?:\.\w+){3,}(?:\+\w+=\w+)*")
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ptbench.errors import bad_value
+from ptbench.io.axes import ARITHMETIC
 from ptbench.io.names import shown_name, tuned_in
 from ptbench.io.nodes import Node, shown
 from ptbench.io.older import usual_baselines
@@ -179,7 +180,7 @@ def _variant_of(row: Node, variants: dict[str, tuple[str, dict[str, str]]]) -> t
         return variants[identity.text()]
     axes = row.need("axes").texts()
     arithmetic = "precise" if row.optional_text("backend") == "cuda" else "exact"
-    usual = usual_baselines({"arithmetic": arithmetic})
+    usual = usual_baselines({ARITHMETIC: arithmetic})
     return shown_name(axes, tuned_in(row.need("variant").name(), axes), usual), axes
 
 

@@ -13,6 +13,7 @@ from PIL import Image as Raster
 from ptbench.document.blocks import Image
 from ptbench.errors import InputError
 from ptbench.gallery import command as gallery
+from ptbench.io.axes import DIRECT_LIGHT
 from ptbench.io.cells import Result
 from ptbench.io.files import LARGEST_IMAGE, one_line, read_whole, safe_name, scratch_folder, write_whole
 from ptbench.io.images import displayed, exposure_of, read_pfm
@@ -20,7 +21,7 @@ from ptbench.program import Program
 
 _SCENES = Path(__file__).resolve().parents[3] / "scenes"
 _LONGEST_REASON = 160  # most characters of a reason for a missing picture
-_LESS_NOISE = {"direct_light": "nee_mis"}
+_LESS_NOISE = {DIRECT_LIGHT: "nee_mis"}
 _JPEG_QUALITY = 88
 _SHOWN = 200  # width of a picture in CSS pixels
 

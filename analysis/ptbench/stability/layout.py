@@ -4,12 +4,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ptbench.io.axes import known_axes
+from ptbench.io.axes import ARITHMETIC, PRECISION, ROBUSTNESS, known_axes
 from ptbench.io.older import plainest_formulas
 from ptbench.io.stability import BROKEN, KNOWN_LIMIT, SCHEMA, Case, Row, Stability
 
 # Axes that affect how numbers are computed; other axes affect only the order of computation.
-FORMULA_AXES = ("precision", "arithmetic", "robustness")
+FORMULA_AXES = (PRECISION, ARITHMETIC, ROBUSTNESS)
 # Axes that affect how samples are drawn: they are part of a row, as each case is run with the relevant ones.
 ESTIMATOR_AXES = tuple(name for name, axis in known_axes().items() if axis.decides_samples)
 
@@ -102,7 +102,7 @@ class Layout:
         formulas = [
             row.axes[axis]
             for axis in FORMULA_AXES
-            if axis in row.axes and (row.axes[axis] != self.plain[axis] or (axis == "precision" and not scheduling))
+            if axis in row.axes and (row.axes[axis] != self.plain[axis] or (axis == PRECISION and not scheduling))
         ]
         return " ".join([*scheduling, *formulas]) or row.variant
 

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from ptbench.document.blocks import Lines
 from ptbench.document.markdown import markdown
 from ptbench.document.table import table_of
+from ptbench.io.axes import ARITHMETIC, PRECISION, ROBUSTNESS
 from ptbench.io.files import one_line
 from ptbench.io.stability import BROKEN, KNOWN_LIMIT, NOT_APPLICABLE, PASSED, Row, Stability
 from ptbench.stability.layout import Layout, count, failures, point_label, short_power
@@ -76,12 +77,12 @@ def family_text(stability: Stability, layout: Layout, family: str) -> str:
         text.append(f"Of {_plural(len(required), 'check')} that must pass {passed} passed, {bad}{known}.")
     else:
         text.append("Nothing that must pass was run.")
-    naive = [row for row in rows if row.axes.get("robustness") == "naive"]
-    fast = [row for row in rows if row.axes.get("arithmetic") == "fast" and row.axes.get("robustness") != "naive"]
+    naive = [row for row in rows if row.axes.get(ROBUSTNESS) == "naive"]
+    fast = [row for row in rows if row.axes.get(ARITHMETIC) == "fast" and row.axes.get(ROBUSTNESS) != "naive"]
     text += [_compared("The naive kernels", naive), _compared("Fast arithmetic", fast)]
     worst = [
         f"{label} {_worst(found)}"
-        for label, formula in (("robust float", {}), ("robust double", {"precision": "double"}))
+        for label, formula in (("robust float", {}), ("robust double", {PRECISION: "double"}))
         if (found := [row for row in rows if row.measured is not None and layout.is_formula(row, **formula)])
     ]
     if worst:

@@ -9,10 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ptbench.io.axes import DEVICES, PARTITION
 from ptbench.io.cells import Cell
 from ptbench.stats.estimates import Estimate, median_estimate, ratio_estimate
 
-DEVICES, PARTITION, WHOLE = "devices", "partition", "samples"
+WHOLE = "samples"  # choice of the axis partition by which each GPU renders the whole image
 
 
 def devices_of(cell: Cell) -> int:

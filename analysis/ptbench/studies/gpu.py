@@ -2,11 +2,12 @@
 
 from collections.abc import Sequence
 
+from ptbench.io.axes import ARITHMETIC, PRECISION
 from ptbench.io.cells import Cell, Kernel, Result
 from ptbench.numbers import span
 
 # Axes that affect how kernels compute; captions always tell these axes with the GPU.
-KERNEL_AXES = ("arithmetic", "precision")
+KERNEL_AXES = (ARITHMETIC, PRECISION)
 # Kernels that each stage launches; a library's own (for compaction or sorting) are not in result files.
 _STAGE_KERNELS = {
     "generate": ("generate_paths",),

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from ptbench.io.axes import INTEGRATOR, ROBUSTNESS
 from ptbench.io.cells import Cell, Result, Study
 from ptbench.io.older import usual_baselines
 
@@ -28,9 +29,7 @@ class Question:
         return value or "?"
 
 
-# An axis that older files lack although some of their studies are about it.
-_ROBUSTNESS = "robustness"
-# Parameters of scenes that studies go along, with the dimension of cells that tells the points apart.
+# For studies along a parameter of scenes, the dimension that tells points apart.
 _SWEPT = {"materials": "scene"}
 
 
@@ -74,7 +73,8 @@ def axes_of(result: Result) -> list[str]:
 
 def _axis_of(result: Result, figure: str) -> str | None:
     """The axis that a figure of that name compares in this file; None: the figure is about no axis, or about any."""
-    return figure if figure in (_ROBUSTNESS, *axes_of(result)) else None
+    # Some studies of older files are about robustness, although these files lack the axis.
+    return figure if figure in (ROBUSTNESS, *axes_of(result)) else None
 
 
 def usual_baseline(result: Result, axis: str) -> str | None:
@@ -152,4 +152,4 @@ def label_of(cell: Cell, question: Question | None, dimensions: Sequence[str]) -
     others = [f"{name}={value}" for name, value in values if value is not None]
     if question is not None:
         others.insert(0, question.choice_of(cell))
-    return ", ".join(others) or cell.axes.get("integrator", cell.variant)
+    return ", ".join(others) or cell.axes.get(INTEGRATOR, cell.variant)

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
+from ptbench.io.axes import SORT_KEY, SORTING
 from ptbench.io.cells import Cell, Comparison, Result, Study
 from ptbench.stats.estimates import (
     CLOCK_UNKNOWN,
@@ -136,7 +137,7 @@ def cycles_ratio(cell: Cell, baseline: Cell) -> Estimate | None:
 
 
 # Axes that only refine one choice of another axis: that axis, and its choice with which they have no effect.
-_QUALIFIES = {"sort_key": ("sorting", "none")}
+_QUALIFIES = {SORT_KEY: (SORTING, "none")}
 
 
 def baseline_of(cell: Cell, cells: Iterable[Cell], question: Question) -> Cell | None:

@@ -8,6 +8,7 @@ standard, and a setting must have only one value. `*` matches any value.
 from collections.abc import Mapping
 
 from ptbench.errors import FindingError
+from ptbench.io.axes import INTEGRATOR
 from ptbench.io.cells import Cell, Result
 from ptbench.io.older import usual_baselines
 from ptbench.studies.questions import dimension
@@ -20,7 +21,7 @@ def parsed(text: str) -> dict[str, str]:
     chosen: dict[str, str] = {}
     for word in text.split():
         name, is_named, value = word.partition("=")
-        key, choice = (name, value) if is_named else ("integrator", name)
+        key, choice = (name, value) if is_named else (INTEGRATOR, name)
         if key in chosen:
             raise FindingError(f'"{text}" names {key} twice')
         chosen[key] = choice

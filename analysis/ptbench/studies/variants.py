@@ -7,8 +7,9 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from ptbench.errors import InputError, bad_value
+from ptbench.io.axes import INTEGRATOR
 from ptbench.io.cells import Cell, Result
-from ptbench.io.names import INTEGRATOR, shown_name
+from ptbench.io.names import shown_name
 from ptbench.io.older import usual_baselines
 
 _SHOWN = 3

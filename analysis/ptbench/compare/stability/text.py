@@ -9,6 +9,7 @@ from ptbench.compare.stability.matching import Against, Pair, StabilityCompared
 from ptbench.compare.text import MARKS, device_of, differing
 from ptbench.document.blocks import Section, section
 from ptbench.document.table import table_of
+from ptbench.io.axes import ARITHMETIC
 from ptbench.io.files import one_line, picked
 from ptbench.io.stability import BROKEN, FAILED, KNOWN_LIMIT, NOT_APPLICABLE, PASSED, Row, Stability
 from ptbench.stability.layout import Layout, point_label, short_power
@@ -85,7 +86,7 @@ def _tallies(against: Against, mark: str) -> Section:
 def _numbers(against: Against) -> Iterable[str]:
     """Sentences on how the measured numbers changed in rows of equal status."""
     same, moved = against.numbers, against.moved
-    exact = [pair for pair in same if pair.one.axes.get("arithmetic") == "exact"]
+    exact = [pair for pair in same if pair.one.axes.get(ARITHMETIC) == "exact"]
     moved_in_exact = sum(not pair.has_same_value for pair in exact)
     yield (
         f"Of {len(same)} rows with numbers and the same status {len(same) - len(moved)} measured the same value bit "
@@ -229,7 +230,7 @@ def _whole_tally(rows: Sequence[Row]) -> dict[str, int]:
 
 
 def _against_json(index: int, against: Against) -> dict:
-    exact = [pair for pair in against.numbers if pair.one.axes.get("arithmetic") == "exact"]
+    exact = [pair for pair in against.numbers if pair.one.axes.get(ARITHMETIC) == "exact"]
     return {
         "reference": 0,
         "other": index,

@@ -7,6 +7,7 @@ from ptbench.convergence.costs import TIME, VARIANCE
 from ptbench.extras.advise.evidence import DECISIONS, SCHEDULE, Book, Choice, Decision, choice_text
 from ptbench.extras.advise.features import Features, farthest
 from ptbench.extras.advise.model import WITHIN, Forecast, Model, Near, model_of
+from ptbench.io.axes import ACCELERATOR, BUILDER, INTEGRATOR, LEVELS
 from ptbench.numbers import figures, interval, percent
 from ptbench.stats.estimates import CONFIDENCE
 
@@ -14,7 +15,7 @@ _SHOWN = 3
 _DIGITS = 3
 _NOT_BELIEVED = ": too few, or of too few scenes, so it is left as it was"
 # Axes of acceleration structures. Their usual baselines are ignored: nobody renders meshes with them.
-_OF_TREES = ("accelerator", "builder", "levels")
+_OF_TREES = (ACCELERATOR, BUILDER, LEVELS)
 _OF_QUEUES = ("compaction of a queue", "sorting of a queue")
 
 
@@ -74,7 +75,7 @@ def settings_of(advised: Sequence[Advised]) -> dict[str, str]:
 def lines_of(advised: Sequence[Advised], features: Features) -> Iterator[str]:
     """The printed lines of advice on each decision."""
     schedule = next(one for one in advised if one.decision.name == SCHEDULE)
-    has_queue = schedule.pick is None or dict(schedule.pick).get("integrator", "wavefront").startswith("wavefront")
+    has_queue = schedule.pick is None or dict(schedule.pick).get(INTEGRATOR, "wavefront").startswith("wavefront")
     for one in advised:
         name = one.decision.name
         if one.pick is None:

@@ -9,12 +9,13 @@ from pathlib import Path
 from ptbench.errors import InputError, bad_value
 from ptbench.extras.advise.evidence import FILE
 from ptbench.extras.advise.features import Features, content_of, features_of, scene_files
+from ptbench.io.axes import DIRECT_LIGHT, INTEGRATOR, RUSSIAN_ROULETTE, SAMPLER
 from ptbench.program import Program
 
 _PIXELS = 4096  # pixels of the probe render, enough for path counts within a few per cent
 MESH = "mesh"
 # Axes whose choices a scene itself may rule out; other inapplicable choices depend on the rest of the variant.
-_OF_SCENES = ("integrator", "direct_light", "russian_roulette", "sampler")
+_OF_SCENES = (INTEGRATOR, DIRECT_LIGHT, RUSSIAN_ROULETTE, SAMPLER)
 
 
 @dataclass(frozen=True)

@@ -22,6 +22,7 @@ from ptbench.extras.advise.evidence import FILE
 from ptbench.extras.advise.mapped import whole_book
 from ptbench.extras.advise.probe import Probed, probe
 from ptbench.extras.maps.scenes import RULES
+from ptbench.io.axes import ACCELERATOR
 from ptbench.io.files import write_text
 from ptbench.io.nodes import read_json
 from ptbench.program import Program
@@ -31,7 +32,6 @@ from ptbench.terminal import say
 SCHEMA = "ptbench-advice-1"
 MOST_LOAD = 0.5
 CLOSER = 8  # factor on the number of repetitions where the first measurement is inconclusive
-ACCELERATOR = "accelerator"
 DEPTHS = (2, 3, 4, 6, 8, 12, 16, 24, 32)
 # Parameters of each scene generator: minimum, maximum, whether it is an integer.
 RANGES = {

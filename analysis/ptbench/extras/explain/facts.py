@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ptbench.extras.explain.accounting import Accounting
+from ptbench.io.axes import INTEGRATOR, LAUNCH
 from ptbench.io.cells import Cell, Result
 from ptbench.numbers import figures
 from ptbench.numbers import ratio as ratio_text
@@ -114,9 +115,9 @@ def _slots(a: Cell, b: Cell) -> Iterator[Fact]:
 
     def live_share(cell: Cell) -> float | None:
         share = None if cell.instrumented is None else cell.instrumented.live_share(cell.depth)
-        if share is None or cell.axes.get("integrator", "").find("wavefront") < 0:
+        if share is None or cell.axes.get(INTEGRATOR, "").find("wavefront") < 0:
             return None
-        is_refilled = cell.axes["integrator"] == _REFILLED
+        is_refilled = cell.axes[INTEGRATOR] == _REFILLED
         if is_refilled and cell.tunables.get("refill_every", 1) > 1:
             return None  # slots that are empty until the next refill are not counted, so the live share is unknown
         is_full = cell.counters.get("compactions") or is_refilled
@@ -141,7 +142,7 @@ def _launches(result: Result, accounting: Accounting, has_difference: bool) -> I
         least = _least_time_of_a_launch(result)
         if more and least is not None:
             ms, cell = least
-            which = f"{cell.axes.get('integrator', cell.variant)} in {cell.scene}, {cell.resolution_text}"
+            which = f"{cell.axes.get(INTEGRATOR, cell.variant)} in {cell.scene}, {cell.resolution_text}"
             says = (
                 f"at most {figures(abs(more) * ms, 3)} ms {'more' if more > 0 else 'less'}, at the least time that a "
                 f"launch took in any cell of the file, its kernel's work included ({figures(1e3 * ms, 3)} us: {which}, "
@@ -166,7 +167,7 @@ def _least_time_of_a_launch(result: Result) -> tuple[float, Cell] | None:
     found = []
     for cell in result.cells:
         launches = cell.work_per_spp("launches") if cell.measured else None
-        if launches and not cell.work_per_spp("graph_nodes") and cell.axes.get("launch", "stream") == "stream":
+        if launches and not cell.work_per_spp("graph_nodes") and cell.axes.get(LAUNCH, "stream") == "stream":
             found.append((float(np.median(cell.ms_per_spp)) / launches, cell))
     return min(found, key=lambda pair: pair[0], default=None)
 

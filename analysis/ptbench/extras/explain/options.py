@@ -4,11 +4,12 @@ import argparse
 from pathlib import Path
 
 from ptbench.command import Command, positive, resolution
+from ptbench.io.axes import LAYOUT
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("result", type=Path, metavar="RESULT.json")
-    parser.add_argument("a", metavar="A", help='a variant\'s name, or parts that name one: "wavefront layout=soa"')
+    parser.add_argument("a", metavar="A", help=f'a variant\'s name, or parts that name one: "wavefront {LAYOUT}=soa"')
     parser.add_argument("b", metavar="B", help="the variant that is held against A")
     parser.add_argument("--scene", default="", help="default: every scene in which both ran")
     parser.add_argument("--depth", type=positive, metavar="N", help="default: every depth")

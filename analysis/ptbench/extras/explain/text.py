@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from ptbench.extras.explain.accounting import ADD_UP_WITHIN, OUTSIDE, PASSES, TRACING, WHOLE, Account, Step
 from ptbench.extras.explain.facts import NS_A_RAY, percent, rays_per_spp, same_work, signed
 from ptbench.extras.explain.found import Found, Pair
+from ptbench.io.axes import LAUNCH
 from ptbench.io.cells import Result
 from ptbench.io.inspection import KernelCounters, price_of_a_ray
 from ptbench.numbers import figures
@@ -176,7 +177,7 @@ def _passes(name: str, account: Account) -> str:
     )
     if account.adds_up:
         return text + " (within 5 %)."
-    graph = account.cell.axes.get("launch", "stream")
+    graph = account.cell.axes.get(LAUNCH, "stream")
     without = f"; that pass ran without the {graph}" if graph != "stream" else ""
     return text + f" (more than 5 % off): they are that pass's times, not the timed samples'{without}."
 

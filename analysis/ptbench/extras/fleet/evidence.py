@@ -12,6 +12,7 @@ import numpy as np
 from ptbench.errors import InputError
 from ptbench.extras.fleet.gpus import Gpu
 from ptbench.extras.fleet.model import KernelTime
+from ptbench.io.axes import LAUNCH
 from ptbench.io.cells import Cell
 from ptbench.io.inspection import Inspected, inspected_of
 
@@ -34,7 +35,7 @@ class Evidence:
 def evidence_of(cell: Cell, entries: Sequence[Inspected]) -> Evidence | None:
     """The counters of a cell's variant in its scene, or of the nearest variant; None: nothing was counted."""
     # The counted kernels were launched by stream, whatever the cell's choice of `launch`.
-    wanted = replace(cell, axes={**cell.axes, **({"launch": "stream"} if "launch" in cell.axes else {})})
+    wanted = replace(cell, axes={**cell.axes, **({LAUNCH: "stream"} if LAUNCH in cell.axes else {})})
     counted = [entry for entry in entries if times_of(entry)]
     own = inspected_of(wanted, counted)
     if own is not None and _is_same_work(cell, own):

@@ -12,6 +12,7 @@ from ptbench.extras.fleet.model import USED
 from ptbench.extras.fleet.text import MODEL
 from ptbench.figures import style
 from ptbench.figures.saving import save_figure
+from ptbench.io.axes import INTEGRATOR
 
 _BAND = "#e4e4e4"
 
@@ -31,7 +32,7 @@ def save_predictions(fleet: Fleet, folder: Path) -> list[Path]:
 def draw(fleet: Fleet, other: Other) -> Figure:
     """Draws one page: filled marks for cells with their own counters, hollow ones for those of a near variant."""
     points = other.predictions
-    integrators = list(dict.fromkeys(one.cell.axes["integrator"] for one in points))
+    integrators = list(dict.fromkeys(one.cell.axes[INTEGRATOR] for one in points))
     looks = {name: style.look(index) for index, name in enumerate(integrators)}
     title = f"{other.gpu.name} predicted from counters of {fleet.first.name}"
     page = style.Page(6.6, 4.4, title, _caption(fleet, other))
@@ -42,7 +43,7 @@ def draw(fleet: Fleet, other: Other) -> Figure:
     axes.fill_between(ends, ends / (1 + NEAR_ENOUGH), ends / (1 - NEAR_ENOUGH), color=_BAND, linewidth=0, zorder=0)
     axes.plot(ends, ends, color="#909090", linewidth=0.8, zorder=1)
     for one, predicted, measured in zip(points, x, y, strict=True):
-        look = looks[one.cell.axes["integrator"]]
+        look = looks[one.cell.axes[INTEGRATOR]]
         low, high = one.row.ratio.low, one.row.ratio.high
         if low is not None and high is not None:
             axes.plot([predicted] * 2, [low, high], color=look.colour, linewidth=1, zorder=2)

@@ -23,6 +23,7 @@ from ptbench.extras.fleet.text import (
 from ptbench.extras.fleet.verdicts import Pair, crossover, ran_one_program, verdict_pairs
 from ptbench.findings.quantities import Quantity, disturbed_text, link_to
 from ptbench.findings.source import SEVERAL, Source
+from ptbench.io.axes import INTEGRATOR
 from ptbench.io.results import load_kept
 from ptbench.numbers import figures, percent
 from ptbench.stats.estimates import Estimate, geometric_mean_of_ratios
@@ -98,7 +99,7 @@ class FleetSource(Source, form=SEVERAL):
         return [
             row.ratio.value
             for row in self._other.comparison.rows
-            if not chosen or row.pair.reference.axes["integrator"] in chosen
+            if not chosen or row.pair.reference.axes[INTEGRATOR] in chosen
         ]
 
     @property

@@ -13,6 +13,7 @@ from ptbench.extras.fleet.fleet import BAR, NEAR_ENOUGH, Fleet, Other, Predictio
 from ptbench.extras.fleet.gpus import Gpu
 from ptbench.extras.fleet.model import MEMORY, USED
 from ptbench.extras.fleet.verdicts import crossover, ran_one_program, verdict_pairs
+from ptbench.io.axes import INTEGRATOR
 from ptbench.io.inspection import Inspected, KernelCounters
 from ptbench.numbers import figures, interval, ratio
 
@@ -71,7 +72,7 @@ def ratios_section(mark: str, other: Other) -> Section:
     """The section on time ratios of two GPUs by integrator; `compare` lists every cell."""
     by_integrator: dict[str, list] = {}
     for row in other.comparison.rows:
-        by_integrator.setdefault(row.pair.reference.axes["integrator"], []).append(row)
+        by_integrator.setdefault(row.pair.reference.axes[INTEGRATOR], []).append(row)
     rows = []
     for integrator, found in sorted(by_integrator.items()):
         values = [row.ratio.value for row in found]

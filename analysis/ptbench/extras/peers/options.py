@@ -9,6 +9,7 @@ from pathlib import Path
 from ptbench.command import Command
 from ptbench.crosscheck.options import blocks, percent, whole
 from ptbench.extras.peers.wanted import CHANCE, EVALUATED, LIGHTS, MEGAKERNEL, OF_MITSUBA
+from ptbench.io.axes import DIRECT_LIGHT
 
 _NAME = re.compile(r"[A-Za-z][\w.+ -]{0,59}")
 _AXIS = re.compile(r"\w+=\w+")
@@ -24,7 +25,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--variant", type=_variant, action="append", default=[], metavar="NAME:AXIS=CHOICE,..",
         help="of ptbench, repeatable; pictures and efficiencies are held against the first (default: the fastest "
-        "known with direct_light=nee_mis and off, and Embree's trees)",
+        f"known with {DIRECT_LIGHT}=nee_mis and off, and Embree's trees)",
     )  # fmt: skip
     parser.add_argument(
         "--mitsuba", type=_mitsuba_text, action="append", default=[], metavar="VARIANT[:path|bsdf[:evaluated]]",

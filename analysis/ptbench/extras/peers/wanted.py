@@ -4,12 +4,23 @@ import shlex
 from dataclasses import dataclass
 from pathlib import Path
 
+from ptbench.io.axes import (
+    ACCELERATOR,
+    ARITHMETIC,
+    COMPACTION,
+    DIRECT_LIGHT,
+    INTEGRATOR,
+    LAYOUT,
+    LEVELS,
+    LIGHT_SAMPLING,
+    TRAVERSAL,
+)
 from ptbench.io.files import package_file
 
 MEGAKERNEL, EVALUATED = "megakernel", "evaluated"
 # Estimators of direct light: next-event estimation combined with BSDF sampling by MIS, and BSDF sampling alone.
 LIGHTS, CHANCE = "nee_mis", "off"
-_OWN_ESTIMATOR = "direct_light="
+_OWN_ESTIMATOR = f"{DIRECT_LIGHT}="
 _MOST_IN_TURN = 16  # most mesh objects to intersect without a tree over them (renderer.h: most_objects_in_turn)
 OF_MITSUBA = {"path": LIGHTS, "bsdf": CHANCE}
 
@@ -51,35 +62,39 @@ def own_variants(backend: str, meshes: int) -> list[Wanted]:
     if backend == "cuda":
         return _own_on_gpu(meshes)
     if not meshes:
-        faces = ("integrator=packet", f"direct_light={LIGHTS}", "light_sampling=projected")
+        faces = (f"{INTEGRATOR}=packet", f"{DIRECT_LIGHT}={LIGHTS}", f"{LIGHT_SAMPLING}=projected")
         return [_own(f"packet {LIGHTS} projected", *faces)] + [
-            _own(f"{name} {light}", f"integrator={name}", f"direct_light={light}")
+            _own(f"{name} {light}", f"{INTEGRATOR}={name}", f"{DIRECT_LIGHT}={light}")
             for light in (LIGHTS, CHANCE)
             for name in ("packet", "depth_first")
         ]
-    base = ("integrator=depth_first", "levels=two_level")
+    base = (f"{INTEGRATOR}=depth_first", f"{LEVELS}=two_level")
     own = [
-        _own(f"bvh8 {light}", *base, "accelerator=bvh8", f"direct_light={light}") for light in (LIGHTS, CHANCE)
+        _own(f"bvh8 {light}", *base, f"{ACCELERATOR}=bvh8", f"{DIRECT_LIGHT}={light}") for light in (LIGHTS, CHANCE)
     ]  # fmt: skip
-    embree = ("integrator=depth_first", "accelerator=embree_native")
-    return [*own, *(_own(f"embree_native {light}", *embree, f"direct_light={light}") for light in (LIGHTS, CHANCE))]
+    embree = (f"{INTEGRATOR}=depth_first", f"{ACCELERATOR}=embree_native")
+    return [*own, *(_own(f"embree_native {light}", *embree, f"{DIRECT_LIGHT}={light}") for light in (LIGHTS, CHANCE))]
 
 
 def _own_on_gpu(meshes: int) -> list[Wanted]:
-    base, lit = ("arithmetic=precise",), (f"direct_light={LIGHTS}", "light_sampling=projected")
+    base, lit = (f"{ARITHMETIC}=precise",), (f"{DIRECT_LIGHT}={LIGHTS}", f"{LIGHT_SAMPLING}=projected")
     by_tree = meshes > _MOST_IN_TURN
-    kernel = ("integrator=persistent", *base)
+    kernel = (f"{INTEGRATOR}=persistent", *base)
     if meshes:
         # Speculative traversal: lanes postpone leaves until all have one. No megakernel is faster on large meshes.
-        kernel += ("accelerator=cwbvh", "traversal=speculative", *(("levels=two_level",) if by_tree else ()))
+        kernel += (f"{ACCELERATOR}=cwbvh", f"{TRAVERSAL}=speculative", *((f"{LEVELS}=two_level",) if by_tree else ()))
     own = [_own(f"persistent {LIGHTS} projected", *kernel, *lit)]
-    own += [_own(f"persistent {light}", *kernel, f"direct_light={light}") for light in (LIGHTS, CHANCE)]
+    own += [_own(f"persistent {light}", *kernel, f"{DIRECT_LIGHT}={light}") for light in (LIGHTS, CHANCE)]
     if not meshes or by_tree:
         return own
     # A wavefront with persistent traversal is at least as fast over large meshes, but intersects mesh objects in turn.
-    queue = ("integrator=wavefront", "compaction=cub_select_flagged", "layout=soa", *base)
-    queue += ("accelerator=cwbvh", "traversal=persistent")
-    return [*own, _own(f"queue {LIGHTS} projected", *queue, *lit), _own(f"queue {CHANCE}", *queue, "direct_light=off")]
+    queue = (f"{INTEGRATOR}=wavefront", f"{COMPACTION}=cub_select_flagged", f"{LAYOUT}=soa", *base)
+    queue += (f"{ACCELERATOR}=cwbvh", f"{TRAVERSAL}=persistent")
+    return [
+        *own,
+        _own(f"queue {LIGHTS} projected", *queue, *lit),
+        _own(f"queue {CHANCE}", *queue, f"{DIRECT_LIGHT}=off"),
+    ]
 
 
 def _own(name: str, *axes: str) -> Wanted:

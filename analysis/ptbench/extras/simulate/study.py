@@ -21,6 +21,7 @@ from ptbench.extras.simulate.model import (
     times_ms,
 )
 from ptbench.extras.simulate.parts import Parts, Point
+from ptbench.io.axes import DEVICES, PARTITION
 from ptbench.io.cells import Cell
 from ptbench.io.results import load
 
@@ -146,11 +147,11 @@ def device_checks(parts: Parts, cells: tuple[Cell, ...]) -> tuple[Point, ...]:
     noise = _Noise(parts.noise, parts.definition["seed"], parts.definition["trials"])
     found = []
     for cell in cells:
-        count = int(cell.axes.get("devices", "1"))
+        count = int(cell.axes.get(DEVICES, "1"))
         alone = next((other for other in cells if count > 1 and _is_alone(cell, other)), None)
         if alone is None or cell.scene != parts.work_scene:
             continue
-        partition = cell.axes["partition"]
+        partition = cell.axes[PARTITION]
         case = Case(cell.pixels, cell.spp, count, partition)
         said = efficiency(case, parts.work, parts.cost, near, noise(partition, count))
         measured = float(np.median(alone.ms_per_spp) / (count * np.median(cell.ms_per_spp)))
@@ -160,11 +161,11 @@ def device_checks(parts: Parts, cells: tuple[Cell, ...]) -> tuple[Point, ...]:
 
 def _is_alone(cell: Cell, other: Cell) -> bool:
     """Whether `other` is the same render as `cell`, on one GPU."""
-    own, its = ({k: v for k, v in one.axes.items() if k not in ("devices", "partition")} for one in (cell, other))
+    own, its = ({k: v for k, v in one.axes.items() if k not in (DEVICES, PARTITION)} for one in (cell, other))
     same = (cell.scene, cell.spp, cell.depth, cell.resolution, own)
     return (
         other.measured
         and cell.measured
-        and other.axes.get("devices", "1") == "1"
+        and other.axes.get(DEVICES, "1") == "1"
         and (other.scene, other.spp, other.depth, other.resolution, its) == same
     )

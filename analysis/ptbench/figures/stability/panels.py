@@ -7,6 +7,7 @@ from itertools import groupby
 
 from ptbench.errors import NotDrawable
 from ptbench.figures.stability.caption import caption
+from ptbench.io.axes import ARITHMETIC, PRECISION, ROBUSTNESS
 from ptbench.io.stability import Case, Row, Stability
 from ptbench.stability.layout import Layout, Place, point_label
 
@@ -18,10 +19,10 @@ RELATIVE, ABSOLUTE = "error / exact value", "absolute error"
 # Lines of a panel: a label, and the axes of its variants. Fast arithmetic means that of the file's backend.
 LINES = (
     ("robust float", {}),
-    ("robust double_intersection", {"precision": "double_intersection"}),
-    ("robust double", {"precision": "double"}),
-    ("naive float", {"robustness": "naive"}),
-    ("fast float", {"arithmetic": "fast"}),
+    ("robust double_intersection", {PRECISION: "double_intersection"}),
+    ("robust double", {PRECISION: "double"}),
+    ("naive float", {ROBUSTNESS: "naive"}),
+    ("fast float", {ARITHMETIC: "fast"}),
 )
 BOUNDS = {"robust float": "allowed in single precision", "robust double": "allowed in double precision"}
 _CAPTION = (

@@ -9,7 +9,8 @@ from ptbench.findings.commits import shown_commit
 from ptbench.findings.source import Source
 from ptbench.numbers import figures
 
-EMBREE = "embree"  # what names of Embree's trees begin with, in and out of the harness; the other trees are ours
+# Beginnings of the names of Embree's trees: in ptbench, and called by itself. The other trees are ptbench's.
+EMBREE = ("embree", "rtc")
 PEER = "embree_native"
 
 

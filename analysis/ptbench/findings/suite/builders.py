@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from ptbench.errors import FindingError
 from ptbench.figures.time_to_image import BASELINE, Crossing, Way, crossings
 from ptbench.findings.quantities import Quantity, Ratio
+from ptbench.io.axes import ACCELERATOR, BUILDER, INTEGRATOR
 from ptbench.stats.estimates import Estimate
 from ptbench.studies.rows import time_ratio
 
@@ -93,7 +94,7 @@ class Crossed:
 
 def built(ways: Sequence[Way]) -> list[Built]:
     """Every builder's times beside the baseline of its scene and accelerator; raises FindingError without one."""
-    bases = {_place(way): way for way in ways if way.cell.axes["builder"] == BASELINE}
+    bases = {_place(way): way for way in ways if way.cell.axes[BUILDER] == BASELINE}
     if missing := [way.scene for way in ways if _place(way) not in bases]:
         raise FindingError(f"{missing[0]}: no tree of {BASELINE}")
     return [Built(way, bases[_place(way)]) for way in ways]
@@ -106,4 +107,4 @@ def crossed(ways: Sequence[Way]) -> list[Crossed]:
 
 
 def _place(way: Way) -> tuple[str, ...]:
-    return way.scene, way.cell.axes["integrator"], way.cell.axes["accelerator"]
+    return way.scene, way.cell.axes[INTEGRATOR], way.cell.axes[ACCELERATOR]
