@@ -249,7 +249,7 @@ def _rays_per_path(cell: Cell) -> np.ndarray:
 
 
 def _other_rays(cell: Cell, partner: Cell, level: float) -> str | None:
-    """Tells by how much the rays per path of two cells differ, if by more than samples of other seeds do.
+    """Tells by how much the rays per path of two cells differ, if by more than samples with other seeds differ.
 
     Welch's test compares the means over samples. Equal seeds make the samples alike, and the test refuse less often.
     """

@@ -11,6 +11,15 @@ from dataclasses import dataclass
 from ptbench.convergence.assessment import assess
 from ptbench.convergence.efficiency import HIGHER, LOWER, by_place, compare
 from ptbench.extras.passport.passport import Passport
+from ptbench.io.axes import (
+    ACCELERATOR,
+    COMPACTION,
+    DIRECT_LIGHT,
+    FIRST_BOUNCE,
+    INTEGRATOR,
+    SORTING,
+    SPECIALISATION,
+)
 from ptbench.io.cells import Cell, Result, Study
 from ptbench.stats.estimates import FASTER, SLOWER, UNSURE, Estimate
 from ptbench.studies.questions import usual_baseline
@@ -32,12 +41,12 @@ class Question:
 
 
 QUESTIONS = (
-    Question("One kernel rather than a queue?", "integrator", lambda choice, _: choice.startswith(QUEUES)),
-    Question("Compact the queue?", "compaction"),
-    Question("Sort the queue by material?", "sorting"),
-    Question("Cache the first bounce?", "first_bounce"),
-    Question("Compile the kernel for its scene?", "specialisation", lambda choice, _: choice == "generic"),
-    Question("A wide tree rather than a binary one?", "accelerator", lambda choice, _: choice == "bvh2"),
+    Question("One kernel rather than a queue?", INTEGRATOR, lambda choice, _: choice.startswith(QUEUES)),
+    Question("Compact the queue?", COMPACTION),
+    Question("Sort the queue by material?", SORTING),
+    Question("Cache the first bounce?", FIRST_BOUNCE),
+    Question("Compile the kernel for its scene?", SPECIALISATION, lambda choice, _: choice == "generic"),
+    Question("A wide tree rather than a binary one?", ACCELERATOR, lambda choice, _: choice == "bvh2"),
 )
 LIGHTS = "Connect vertices to lights, at equal error?"
 
@@ -139,9 +148,9 @@ def _lights(passport: Passport) -> Iterable[Answer]:
 
 
 def _efficiencies(run: Result) -> Iterable[tuple[str, Side]]:
-    plain_choice = usual_baseline(run, "direct_light")
+    plain_choice = usual_baseline(run, DIRECT_LIGHT)
     for place, group in by_place(list(assess(run).values())).items():
-        plain = next((one for one in group if one.cell.axes["direct_light"] == plain_choice), None)
+        plain = next((one for one in group if one.cell.axes[DIRECT_LIGHT] == plain_choice), None)
         for one in group:
             compared = None if plain is None or one is plain else compare(one, plain)
             if compared is not None and compared.efficiency is not None:
