@@ -45,7 +45,7 @@ _COLUMNS = (
     "",
     "Verdict",
 )
-Key = tuple[str, str, str, str, str, str]  # a batch of rays: mesh, triangle hash, accelerator, builder, class, kernel
+Key = tuple[str, str, str, str, str, str]  # key of a batch: mesh, triangle hash, accelerator, builder, rays, kernel
 
 
 @dataclass(frozen=True)

@@ -28,10 +28,10 @@ class Sweep:
     title: str
     quantity: str
     unit: str
-    said: Callable[[str], str]  # turns the label of an x tick into words for a sentence
+    said: Callable[[str], str]  # puts the label of a tick on the swept parameter's axis into words
     x: Callable[[Cell], int | None] | None = None
     tick: Callable[[Cell], str] | None = None
-    overtaking: bool = True  # whether growth is the question: axes are logarithmic, and it is told who overtakes where
+    overtaking: bool = True  # whether growth is in question: axes are logarithmic, and overtakings are told
 
 
 def _size(cell: Cell) -> str:
@@ -186,7 +186,7 @@ def crossover_words(panel: lines.Panel, named: dict[int, str]) -> str:
 
 
 def _listed(labels: Sequence[str]) -> str:
-    # Labels may contain commas, in which case another separator is used.
+    # Labels are listed with bars between them if any contains a comma, else with commas.
     return (" | " if any("," in label for label in labels) else ", ").join(labels)
 
 

@@ -28,9 +28,9 @@ class Question:
         return value or "?"
 
 
-# An axis that older files lack although some of their studies are about it.
+# An axis that some studies of older files are about, although these files do not name it as an axis.
 _ROBUSTNESS = "robustness"
-# Parameters of scenes that studies go along, with the dimension of cells that tells the points apart.
+# Parameters of scenes that studies sweep, with the setting of cells (such as the scene) that tells their values apart.
 _SWEPT = {"materials": "scene"}
 
 
@@ -121,7 +121,7 @@ def varying_dimensions(cells: Sequence[Cell], question: Question | None, swept: 
             continue
         groups: dict[tuple, set[str | None]] = {}
         for cell in cells:
-            # Where two choices have different standards of a tunable, that difference is not mentioned in labels.
+            # Labels do not mention a tunable if it differs only because two choices have different default values.
             choices = tuple(cell.axes.items()) if name in tunables else ()
             groups.setdefault((cell.scene, dimension(cell, swept), choices), set()).add(dimension(cell, name))
         if any(len(values - {None}) > 1 for values in groups.values()):

@@ -21,7 +21,7 @@ LEAST_SCENES = 3  # least number of measured scenes for a model to be trusted
 ALIKE = 0.02  # relative difference of two forecasts up to which the choice with fewer changes is preferred
 # Extra feature distance of a measurement for each axis whose choice differs from the scene's.
 ANOTHER_CHOICE = 0.5
-# A choice is not forecast if its nearest measurement is this much farther in features than the nearest of any choice.
+# A choice is not forecast if its nearest measurement is farther, by this feature distance, than that of any choice.
 _MOST_BEHIND = 2.0
 
 
@@ -65,7 +65,7 @@ class Trial:
     scenes: int
     factor: float | None  # factor that bounds 95 % of the errors of forecast ratios; None: too few scenes
     forecasts: int
-    good: int  # settings where the choice forecast as best was measured within 5 % of the best
+    good: int  # number of settings in which the choice forecast as best was measured within WITHIN of the best
     settings: int
     reach: float  # largest feature distance of a scene to its nearest other scene
 

@@ -70,13 +70,13 @@ def _own_on_gpu(meshes: int) -> list[Wanted]:
     by_tree = meshes > _MOST_IN_TURN
     kernel = ("integrator=persistent", *base)
     if meshes:
-        # Speculative traversal: lanes postpone leaves until all have one. No megakernel is faster on large meshes.
+        # Speculative traversal postpones leaves until all lanes have one; over large meshes no megakernel is faster.
         kernel += ("accelerator=cwbvh", "traversal=speculative", *(("levels=two_level",) if by_tree else ()))
     own = [_own(f"persistent {LIGHTS} projected", *kernel, *lit)]
     own += [_own(f"persistent {light}", *kernel, f"direct_light={light}") for light in (LIGHTS, CHANCE)]
     if not meshes or by_tree:
         return own
-    # A wavefront with persistent traversal is at least as fast over large meshes, but intersects mesh objects in turn.
+    # Persistent traversal in a wavefront is at least as fast over large meshes, but has no tree over mesh objects.
     queue = ("integrator=wavefront", "compaction=cub_select_flagged", "layout=soa", *base)
     queue += ("accelerator=cwbvh", "traversal=persistent")
     return [*own, _own(f"queue {LIGHTS} projected", *queue, *lit), _own(f"queue {CHANCE}", *queue, "direct_light=off")]

@@ -157,7 +157,7 @@ def _percent(share: float) -> str:
     return f"{figures(100 * share, 2)} %"
 
 
-# The tables of the simulation by the names that pages use.
+# Functions that make the tables of the simulation, by the names that pages of findings call them.
 TABLES = {
     "efficiency": efficiency_table,
     "reduction": reduction_table,

@@ -9,7 +9,7 @@ from ptbench.findings.commits import shown_commit
 from ptbench.findings.source import Source
 from ptbench.numbers import figures
 
-EMBREE = "embree"  # what names of Embree's trees begin with, in and out of the harness; the other trees are ours
+EMBREE = "embree"  # prefix of the names of Embree's trees, with or without ptbench; others are ptbench's own
 PEER = "embree_native"
 
 
