@@ -13,8 +13,8 @@ from ptbench.io.stability import Stability
 class StudyFigure:
     """A figure drawn from a study of a result file; the module of `collect`'s result class must have `draw`."""
 
-    # What a study asks for: a figure's name, or the axis or tunable whose values it compares. A figure named
-    # AXIS_by_ALONG replaces scaling_by_ALONG for studies of that axis.
+    # The name under which a study asks for this figure, or the axis or tunable whose values the study compares. For
+    # studies of an axis along a parameter, a figure named AXIS_by_PARAMETER replaces scaling_by_PARAMETER.
     name: str
     collect: Callable[[Result, Study], object]  # computes the figure's numbers; raises NotDrawable where there are none
     part: str = ""  # suffix that the figure adds to the study's name; empty: the main figure, which every study has

@@ -35,8 +35,8 @@ WORK_COUNTERS = ("launches", "graph_nodes", "host_waits")
 # A busy host counts as no delay of a GPU render if its wall time exceeds its device time by at most this share of it.
 MOST_HOST_SHARE = limit("most_host_share")
 
-# The harness's reasons why a variant is inapplicable in a study for several backends or choices: codes, and the texts
-# in files older than the codes.
+# Reasons that the harness gives for leaving a variant out of a study that is written for several backends or choices:
+# codes, and the texts in files older than the codes.
 _ELSEWHERE_CODE = "not_on_backend"
 _NOTHING_TO_TUNE_CODE = "no_such_tunable"
 _ELSEWHERE = re.compile(r"(\S+=\S+) is not there on the backend \S+")

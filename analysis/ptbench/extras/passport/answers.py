@@ -26,8 +26,8 @@ class Question:
 
     asked: str
     axis: str
-    # Whether a choice on the axis stands on the side that the ratio is relative to; the second argument is the axis's
-    # baseline in the file.
+    # Whether a choice on the question's axis belongs to the variants "without", whose time is the numerator of the
+    # ratio; the second argument is the axis's baseline in the file.
     is_without: Callable[[str, str | None], bool] = lambda choice, baseline: choice == baseline
 
 

@@ -64,8 +64,8 @@ class HeatPage:
 def colour(over_allowed: float) -> str:
     """The colour of an error over the allowed one: blue up to 1, red above, the darker the farther from 1."""
     decades = -DECADES if over_allowed == 0 else DECADES if math.isinf(over_allowed) else math.log10(over_allowed)
-    # The pale middle of the colour scale is skipped, so that 0.9 and 1.1 look different. Steps of half a decade keep
-    # the number of colours low; the cell's number tells the rest.
+    # The pale middle of the colour scale is skipped, so that errors of 0.9 and 1.1 times the allowed one look
+    # different. Steps of half a decade keep the number of colours low; the number in the cell tells the rest.
     share = min(math.floor(2 * abs(decades)) / (2 * DECADES), 1.0)
     offset = 0.1 + 0.4 * share
     return to_hex(colormaps["RdBu_r"](0.5 - offset if over_allowed <= 1 else 0.5 + offset))
