@@ -62,8 +62,8 @@ class Experiment:
     suite: str  # suite in claims/suites that runs the experiment; empty: the experiment is a call of `ptbench rays`
     rays: tuple[str, ...]
     result: str  # name of the result file that the claim's experiment writes
-    also: tuple[str, ...]  # result files of other suites that stand in where the experiment's own suite was not run
-    machines: tuple[str, ...]  # two folders of results/: the first's rate over the second's; empty: each machine alone
+    also: tuple[str, ...]  # names of other suites' result files that serve where the experiment's own suite was not run
+    machines: tuple[str, ...]  # two folders of results/, whose ray rates give a ratio; empty: each machine alone
     backend: str
     seconds: int
     statistic: str

@@ -27,7 +27,7 @@ class Compared:
     repeats: tuple[Repeat, ...]
     floors: tuple[Floor, ...]  # noise floors, one per machine with an A/A run
     rankings: tuple[Ranking, ...]
-    ranked: tuple[str, ...]  # letters (A, B, ..) that name those of the compared files in which variants are ranked
+    ranked: tuple[str, ...]  # letters (A, B, ..) of the compared files that rankings of variants include
     labels: Labels
 
     def marks_of(self, comparison: Comparison) -> tuple[str, str]:

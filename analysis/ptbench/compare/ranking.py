@@ -38,7 +38,7 @@ class Ranking:
     scene: str
     resolution: str
     depth: int
-    spp: tuple[int, ...]  # samples per pixel of the ranked cells, one value per compared file
+    spp: tuple[int, ...]  # samples per pixel of the ranked cells, one value per ranked file
     work: str  # settings of the task besides scene, size, depth and spp, such as "shading_fmas=64"; mostly empty
     cells: tuple[tuple[Cell, ...], ...]
     places: tuple[tuple[int, ...], ...]  # rank by [variant][file]; the fastest variant is 1

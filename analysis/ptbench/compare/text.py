@@ -253,7 +253,7 @@ def _either(one: int, two: int) -> str:
 
 def _remarks(row: Row) -> Iterable[str]:
     for remark in row.remarks:
-        # A remark in a table repeats neither the ratio's interval nor differing samples per pixel, which have columns.
+        # Remarks in a table omit the ratio's interval and differing samples per pixel, which have their own columns.
         head, found, tail = remark.partition("] reaches ")
         if found and head.startswith("interval ["):
             yield f"reaches {tail}"

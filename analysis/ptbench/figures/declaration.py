@@ -16,7 +16,7 @@ class StudyFigure:
     # The name under which a study asks for this figure, or the axis or tunable whose values the study compares. For
     # studies of an axis along a parameter, a figure named AXIS_by_PARAMETER replaces scaling_by_PARAMETER.
     name: str
-    collect: Callable[[Result, Study], object]  # computes the figure's numbers; raises NotDrawable where there are none
+    collect: Callable[[Result, Study], object]  # computes the figure's numbers; raises NotDrawable with the reason
     part: str = ""  # suffix that the figure adds to the study's name; empty: the main figure, which every study has
     place: int = 0  # sort key of the figures that one study has
     is_axis: bool = False  # whether `name` is an axis: the figure then stands in for the rows of choices

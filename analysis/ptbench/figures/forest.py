@@ -17,7 +17,7 @@ LOOKS = {
     FASTER: style.Look(style.COLOURS[1], "s", "-"),
     SAME: style.Look(style.COLOURS[0], "o", "-"),
     UNSURE: style.Look("#6e6e6e", "D", "-"),
-    # Markers and colours of efficiency verdicts: higher is better.
+    # Markers and colours for verdicts on efficiencies, of which higher ones are better.
     "lower": style.Look(style.COLOURS[2], "^", "-"),
     "higher": style.Look(style.COLOURS[1], "s", "-"),
     "not told apart from 1": style.Look("#6e6e6e", "D", "-"),

@@ -21,7 +21,7 @@ _ROW, _TIGHT_ROW = 0.27, 0.22
 _TIGHT_FROM = 40  # number of rows in a figure from which on they are closer together
 _HEAD = 0.34
 _GAP = 0.22
-_TITLE = 3.0  # inches that a group's title may widen the labels' column; a longer one runs on above the plot
+_TITLE = 3.0  # inches up to which a group's title widens the labels' column; longer ones reach over the plot
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ def collect(result: Result, study: Study, default_title: str) -> Data:
             items.append(Item(label, row.is_baseline, row.estimate, row.ratio, row.verdict, instead))
         shown = {item.label for item in items}
         if result.baselines:
-            # A note names a choice that was not run with some settings; figures of older files give the choice a row.
+            # Choices that were not run with some settings are told in a note; figures of older files show them as rows.
             shown |= {question.choice_of(row.cell) for row in of_group}
         group_of = dict(zip(parts.split, values, strict=True))
         for absent in missed(result, study):

@@ -28,10 +28,10 @@ class Sweep:
     title: str
     quantity: str
     unit: str
-    said: Callable[[str], str]  # puts the label of a tick on the swept parameter's axis into words
+    said: Callable[[str], str]  # words for the label of a tick on the axis of the swept parameter
     x: Callable[[Cell], int | None] | None = None
     tick: Callable[[Cell], str] | None = None
-    overtaking: bool = True  # whether growth is in question: axes are logarithmic, and overtakings are told
+    overtaking: bool = True  # whether the axes are logarithmic and the caption tells which line overtakes which
 
 
 def _size(cell: Cell) -> str:

@@ -33,7 +33,7 @@ LABEL_SIZE = 9.5
 CAPTION_SIZE = 8.5
 TITLE_SIZE = 12.0
 LINE_HEIGHT = 1.35  # line height as a multiple of the font size
-LINE_SPACING = LINE_HEIGHT / 1.164  # LINE_HEIGHT in matplotlib's unit, the font's own line height
+LINE_SPACING = LINE_HEIGHT / 1.164  # line height in matplotlib's unit, the line height of the font DejaVu Sans
 MARGIN = 0.2  # inches around everything on a page
 
 _SETTINGS = {

@@ -68,7 +68,7 @@ class Sample:
     involuntary_switches: int | None = None
     checkpoints: tuple[Checkpoint, ...] = ()  # checkpoints of a convergence cell's sample
     film_hash: str = ""  # hash of the sample's film; empty in older files
-    work: dict[str, float] = field(default_factory=dict)  # work counters of one sample, such as "launches"; or empty
+    work: dict[str, float] = field(default_factory=dict)  # counters of one sample, such as "launches"; may be empty
     own_device_ms: tuple[float, ...] = ()  # render on several GPUs: time of each in ms without the reduction
     slowest_device_ms: float | None = None  # time in ms until the slowest GPU had rendered
     device_reduce_ms: float | None = None  # time in ms of the film reduction after the slowest GPU
@@ -319,13 +319,13 @@ class Comparison:
 
     study: str
     cell: str
-    baseline: str  # name of the cell that the comparison's ratio refers to; empty: there is none
+    baseline: str  # name of the baseline cell that the ratio is relative to; empty: there is none
     ratio: float | None
     interval: tuple[float, float] | None
     word: str  # verdict on the ratio as one word; empty: there is no ratio
     reason_code: str
     in_time: str
-    in_cycles: str  # verdict in clock cycles instead of time; empty: some clock is unknown
+    in_cycles: str  # verdict on the ratio in clock cycles as one word; empty: a clock is unknown
 
 
 @dataclass(frozen=True)

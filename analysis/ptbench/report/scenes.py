@@ -148,7 +148,7 @@ def _rendered(known: ScenePicture, use: SceneUse, renderer: Renderer) -> ScenePi
         try:
             return replace(known, image=_framed(use, read_whole(kept, LARGEST_IMAGE)), how=how)
         except (InputError, OSError):
-            pass  # a picture in the cache that cannot be read is rendered anew
+            pass  # a cached picture of a scene that cannot be read is rendered anew
     done = _render(use, size, renderer)
     if done.image is None:
         return replace(known, failure=f"not rendered: {textwrap.shorten(done.failure, _LONGEST_REASON)}")

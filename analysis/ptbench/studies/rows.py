@@ -135,7 +135,7 @@ def cycles_ratio(cell: Cell, baseline: Cell) -> Estimate | None:
     return None if cycles is None or baseline_cycles is None else ratio_estimate(cycles, baseline_cycles)
 
 
-# An axis that refines another, with (the refined axis, its choice under which the refinement has no effect).
+# Axes that only refine another axis, as name: (refined axis, its choice with which the refinement has no effect).
 _QUALIFIES = {"sort_key": ("sorting", "none")}
 
 

@@ -18,7 +18,7 @@ DOUBLINGS = {"objects": 3.0, "triangles": 4.0, "materials": 2.0, "depth": 1.0, "
 STEPS = {"kinds": 2.0, "length": 0.15}
 OF_TIME = ("objects", "triangles", "materials", "kinds", "depth", "length", "pixels")
 OF_ERROR = ("kinds", "depth", "length", "lamps", "lamp_share")
-# Added to lamp shares, so that their logarithm is finite at 0: half of the smallest share distinguished from 0.
+# Addend of lamp shares that keeps their logarithm finite at 0: half the smallest share that is told from 0.
 _LEAST_SHARE = 2.0**-16
 
 

@@ -65,7 +65,7 @@ class Trial:
     scenes: int
     factor: float | None  # factor that bounds 95 % of the errors of forecast ratios; None: too few scenes
     forecasts: int
-    good: int  # number of settings in which the choice forecast as best was measured within WITHIN of the best
+    good: int  # number of settings where the choice forecast as best was within 5 % of the best when measured
     settings: int
     reach: float  # largest feature distance of a scene to its nearest other scene
 

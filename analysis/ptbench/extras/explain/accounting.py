@@ -41,7 +41,7 @@ class Account:
     stages: dict[str, float]
     outside: float = 0.0  # time of the instrumented pass outside its stages: gaps between launches, waiting on the host
     passes: float = 0.0  # timed median less the instrumented pass, in ms: negative where instrumentation costs time
-    divided: bool = True  # whether there are stage times; False: one stage stands for the timed median
+    divided: bool = True  # whether the file has stage times; False: a single stage stands for the timed median
 
     @property
     def instrumented(self) -> float | None:

@@ -13,7 +13,7 @@ from ptbench.io.cells import Cell
 from ptbench.io.inspection import Inspected, load_inspected
 
 NEAR_ENOUGH = 0.05  # relative error up to which a predicted time ratio counts as right
-BAR = 0.9  # aim: share of the variants whose predicted time ratio is right
+BAR = 0.9  # least share of variants with a right prediction of the time ratio for the rule to reach its aim
 
 
 @dataclass(frozen=True)

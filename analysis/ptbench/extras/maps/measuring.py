@@ -43,7 +43,7 @@ class Sheet:
     device: str = ""
     sessions: list[dict] = field(default_factory=list)
     runs: dict[str, Run] = field(default_factory=dict)
-    cells: dict[Place, str] = field(default_factory=dict)  # by place on the map, the key in `runs` of the run there
+    cells: dict[Place, str] = field(default_factory=dict)  # by place on the map, the name of its run in `runs`
     ended: str = ""
     _ratios: dict[tuple[Place, str], Estimate | None] = field(default_factory=dict)
 

@@ -12,7 +12,7 @@ from ptbench.io.files import make_folder, write_text
 from ptbench.studies.withdrawn import withdrawals
 from ptbench.terminal import say
 
-__all__ = ["SCHEMA", "plots"]  # names that plots/command.py looks up in the module of each kind of document
+__all__ = ["SCHEMA", "plots"]  # names that plots/command.py looks up in this module
 FIGURE = "variance_by_time"
 
 

@@ -76,7 +76,7 @@ def _own_on_gpu(meshes: int) -> list[Wanted]:
     own += [_own(f"persistent {light}", *kernel, f"direct_light={light}") for light in (LIGHTS, CHANCE)]
     if not meshes or by_tree:
         return own
-    # Persistent traversal in a wavefront is at least as fast over large meshes, but has no tree over mesh objects.
+    # A wavefront with persistent traversal is no slower over large meshes, but has no tree over a scene's mesh objects.
     queue = ("integrator=wavefront", "compaction=cub_select_flagged", "layout=soa", *base)
     queue += ("accelerator=cwbvh", "traversal=persistent")
     return [*own, _own(f"queue {LIGHTS} projected", *queue, *lit), _own(f"queue {CHANCE}", *queue, "direct_light=off")]

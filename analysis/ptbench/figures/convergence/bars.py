@@ -30,7 +30,7 @@ from ptbench.studies.notes import Note
 
 _ROW, _HEAD, _GAP, _FOOT = 0.27, 0.34, 0.5, 0.6  # heights in inches: bar, group's heading, gap between groups, foot
 _LOG_FROM = 8.0
-_EVERY = 10**6  # a number of cells that no group exceeds: bar charts are not split into pages
+_EVERY = 10**6  # more cells than any group has, as bar charts are not split into pages
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class Data:
     unit: str = ""
     line_at: float | None = None
     from_line: bool = False  # whether the axis is logarithmic and bars begin at `line_at`
-    zero_based: bool = True  # whether estimates are bars, which begin at 0 if the axis is linear; False: only intervals
+    zero_based: bool = True  # whether bars are drawn from the axis's start, which is 0 if linear; False: only intervals
 
 
 def _data(found: Groups, groups: Sequence[Bars], title: str, caption: str, result: Result, **fields) -> Data:
