@@ -27,7 +27,7 @@ from ptbench.studies.rows import Row
 _LOG_FROM = 5.0
 _RATIO_HEIGHT, _LOG_RATIO_HEIGHT = 1.35, 2.0  # inches: height of the ratio panel, linear or logarithmic
 _RATIO_TICKS = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1, 1.1, 1.2, 1.3, 1.5, 2, 3, 4, 5, 7, 10)
-# (ratio of the axis's ends, mantissas of ticks) for logarithmic axes up to that ratio; beyond all, powers of ten.
+# Ticks of a logarithmic axis, as (ratio of its ends up to which to use them, mantissas); beyond all, powers of ten.
 _LOG_STEPS = ((3, (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8)), (6, (1, 2, 3, 5, 7)), (20, (1, 2, 3, 5)), (200, (1, 2, 5)))
 _LEGEND_WIDTH, _WIDEST_LEGEND = 1.9, 2.6  # legend's width in inches: to wrap at, and most for one word
 

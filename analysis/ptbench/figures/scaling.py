@@ -31,7 +31,7 @@ class Sweep:
     said: Callable[[str], str]  # words for the label of a tick on the axis of the swept parameter
     x: Callable[[Cell], int | None] | None = None
     tick: Callable[[Cell], str] | None = None
-    overtaking: bool = True  # whether the axes are logarithmic and the caption tells which line overtakes which
+    overtaking: bool = True  # whether growth is shown: logarithmic axes, and a caption that tells overtakings
 
 
 def _size(cell: Cell) -> str:

@@ -68,7 +68,7 @@ class Sample:
     involuntary_switches: int | None = None
     checkpoints: tuple[Checkpoint, ...] = ()  # checkpoints of a convergence cell's sample
     film_hash: str = ""  # hash of the sample's film; empty in older files
-    work: dict[str, float] = field(default_factory=dict)  # counters of one sample, such as "launches"; may be empty
+    work: dict[str, float] = field(default_factory=dict)  # work counters by name, such as "launches"; may be empty
     own_device_ms: tuple[float, ...] = ()  # render on several GPUs: time of each in ms without the reduction
     slowest_device_ms: float | None = None  # time in ms until the slowest GPU had rendered
     device_reduce_ms: float | None = None  # time in ms of the film reduction after the slowest GPU

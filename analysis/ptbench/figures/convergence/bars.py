@@ -64,7 +64,7 @@ class Data:
     unit: str = ""
     line_at: float | None = None
     from_line: bool = False  # whether the axis is logarithmic and bars begin at `line_at`
-    zero_based: bool = True  # whether bars are drawn from the axis's start, which is 0 if linear; False: only intervals
+    zero_based: bool = True  # whether estimates are bars from 0, or from the end of a log axis; False: only intervals
 
 
 def _data(found: Groups, groups: Sequence[Bars], title: str, caption: str, result: Result, **fields) -> Data:
