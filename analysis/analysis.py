@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 if __name__ == "__main__":
-    # The folder of this file holds the package ptbench, in a checkout as well as where pip installed both.
+    # The package ptbench lies in this file's own folder, in a checkout as well as in an installation by pip.
     sys.path.insert(0, str(Path(__file__).resolve().parent))
     from ptbench.cli.main import main
 

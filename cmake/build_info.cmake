@@ -1,4 +1,4 @@
-# Writes build_info.h, which records what the binary was built from. Runs at every build; rewrites only changes.
+# Writes build_info.h, which records what the binary was built from, at every build, but only if it has changed.
 execute_process(COMMAND git -C ${SOURCE_DIR} rev-parse HEAD OUTPUT_VARIABLE sha OUTPUT_STRIP_TRAILING_WHITESPACE
                 RESULT_VARIABLE failed ERROR_QUIET)
 if(failed)

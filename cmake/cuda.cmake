@@ -78,7 +78,7 @@ ptbench_write_host_units(host_units ${choices_with_kernels})
 list(APPEND cuda_host_sources ${host_units})
 list(APPEND cuda_sources ${cuda_host_sources})
 
-# nvcc compiles the .cu sources: those that use Thrust or CUB, queue kernels, and the harness's (clock, ceilings, rays).
+# nvcc compiles .cu sources: choices that use Thrust or CUB, queue kernels, the harness's clock, ceilings and rays.
 set(CMAKE_CUDA_COMPILER ${PTBENCH_NVCC})
 set(CMAKE_CUDA_ARCHITECTURES ${PTBENCH_CUDA_ARCHITECTURES})
 set(CMAKE_CUDA_RUNTIME_LIBRARY Static)

@@ -129,14 +129,14 @@ if(harness_optimisation STREQUAL "" AND CMAKE_BUILD_TYPE STREQUAL "Release")
   set(harness_optimisation "-O1")
 endif()
 target_compile_options(ptbench_harness PRIVATE ${harness_optimisation})
-# The glTF reader computes the same at every optimisation level, so that the harness's level suffices.
+# The glTF reader gives equal results at every optimisation level, so it is compiled at the harness's level.
 set_property(SOURCE ${glb_reader} APPEND PROPERTY COMPILE_OPTIONS ${harness_optimisation})
 # machine.cpp contains the commit and is not grouped, so that a new commit recompiles only this file.
 set_source_files_properties(${PROJECT_SOURCE_DIR}/harness/machine/machine.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 ptbench_precompile_headers(ptbench_harness ${PTBENCH_PRECOMPILED_JSON})
 ptbench_reuse_precompiled_headers(ptbench_rendering ptbench_variants)
-# All programs link the parts of ptbench in this order: of a function that several parts contain, the linker takes the
-# first copy, which must be that of the kernels.
+# All programs link the parts of ptbench in this order: where several parts contain a function, the linker takes
+# the first copy, which must be the one compiled for the kernels.
 set(PTBENCH_PARTS $<TARGET_NAME_IF_EXISTS:ptbench_nvcc> ptbench_variants ptbench_rendering ptbench_harness)
 
 list(JOIN PTBENCH_ROUNDING_OPTIONS " " recorded_flags)

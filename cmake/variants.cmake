@@ -179,7 +179,7 @@ ${choices_not_built}};
 }
 ")
 
-# An object library: from an archive the linker would drop the registrations that nobody names.
+# Choices form an object library: from an archive the linker would drop their registrations, which nothing refers to.
 add_library(ptbench_variants OBJECT ${variant_sources} ${accelerator_units} ${integrator_sources})
 target_link_libraries(ptbench_variants PUBLIC ptbench_options)
 if(PTBENCH_EMBREE_INCLUDE AND PTBENCH_EMBREE_LIBRARY)

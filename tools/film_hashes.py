@@ -17,7 +17,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 SIZE = ["--resolution", "24x24", "--spp", "3", "--untuned", "--backend", "cpu"]
-# Every integrator and kernel is combined with every estimator, as a change may affect only some combinations.
+# Each combination of integrator and kernel is rendered with every estimator, as a change may affect only some.
 CONNECTED = [f"direct_light=nee_mis,light_sampling={choice}" for choice in ("solid_angle", "auto")]
 WAYS = [
     f"integrator={integrator},specialisation={kernel},{estimator}"

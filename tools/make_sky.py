@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 WIDTH, HEIGHT = 64, 32
-SUN = (8, 13)  # row and column of the sun's texel: 48 degrees up, between -z and +x
+SUN = (8, 13)  # row and column of the sun's texel: 42 degrees up, between -z and +x
 Colour = tuple[float, float, float]
 
 

@@ -27,7 +27,7 @@ NEIGHBOURS = {
         *("--axis", "launch=graph", "--axis", "arithmetic=exact", "--tune", "spp_in_flight=4", "--spp", "4096"),
     ],
 }
-LEAST_USE, LONGEST_START = 90, 20.0  # least utilisation of GPU 1 in percent, longest wait for it in seconds
+LEAST_USE, LONGEST_START = 90, 20.0  # percentage of use from which GPU 1 is busy, longest wait for it in seconds
 _ENDLESS = "10000"  # number of repetitions that never ends in practice
 
 

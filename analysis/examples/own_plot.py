@@ -4,7 +4,7 @@ Run it in the repository's root, `.venv/bin/python analysis/examples/own_plot.py
 knows `# %%`, with the package installed (`pip install ".[frames]"`). It writes own_plot.png into the current folder.
 """
 
-# %% A table of samples: one row for each, with a column for every axis and setting
+# %% A table of samples: one row per timed render, with a column for every axis and setting
 from itertools import cycle
 
 import matplotlib
@@ -39,7 +39,7 @@ axes.set_title(f"{samples['machine'].iloc[0]}, commit {samples['commit'].iloc[0]
 figure.legend(loc="outside right upper")
 figure.savefig("own_plot.png", dpi=150)
 
-# %% Where the time goes: shares of the instrumented pass, one row a cell and stage
+# %% Where the time goes: each stage's share of the instrumented pass's time, one row per cell and stage
 stages = result.frame("stages")
 stages["share"] = stages["stage_ms"] / stages["instrumented_wall_ms"]
 of_one = stages[(stages["scene"] == "cornell_open") & (stages["layout"] == "aos") & (stages["depth"] == 8)]

@@ -22,7 +22,7 @@ class Command:
     name: str
     help: str
     add_arguments: Callable[[argparse.ArgumentParser], None]
-    # Function in module `command` of the command's folder that returns the exit code; empty: named like the command.
+    # Name of the function in the command's module `command` that runs it; empty: the function has the command's name.
     function: str = ""
     # Checks a command's parsed options together and returns what is wrong with their combination; empty: nothing.
     fault: Callable[[argparse.Namespace], str] = _nothing_wrong

@@ -32,7 +32,7 @@ class Measured:
 
     def frame(self, table: str = "") -> Any:
         """A table as a pandas.DataFrame; raises ImportError where pandas is not installed."""
-        # pandas is an optional dependency, which rows and columns do not need.
+        # pandas is an optional dependency that only `frame` needs, so it is imported only here.
         from ptbench.frames import frame_of
 
         return frame_of(self.table(table))

@@ -98,7 +98,7 @@ def merged(folder: Path) -> list[dict]:
             name: counters_of(sums, entry["rays"], entry["ceilings"])
             for name, sums in kernels_of(table.read_text(encoding="utf-8").splitlines()).items()
         }
-        # An entry whose module came from the program's cache has no resource usage; another entry's is taken.
+        # A module from the compile cache has no resource usage in its entry; another entry of the module gives it.
         kernels = entry["kernels"] or compiled[_module_of(entry)]
         own = [{key: value for key, value in kernel.items() if key != "counters"} for kernel in kernels]
         for kernel in own:

@@ -22,7 +22,7 @@ from datetime import datetime
 from pathlib import Path
 
 SCHEMA = "ptbench-imports-1"
-MOST = 20  # most files counted per author
+MOST = 20  # largest number of scene files of one author that the survey counts
 RENDER_SECONDS = 120
 SIDE = 16  # width and height of a render in pixels
 
@@ -30,7 +30,7 @@ IMPORTED, REFUSED, NO_RENDER, BROKEN = "imported and rendered", "refused", "impo
 
 # Features that a scene needs, by patterns in the scene's text, independent of what the importer reports.
 TEXT_NEEDS = {
-    # A line "material -1" is about the material in a mesh's own file, so that the scene needs meshes.
+    # A material of index -1 is the one in a mesh's own file, so that the scene needs meshes.
     "mesh": r"^\s*(mesh|obj|custom_obj|GLTF)\b|\.(obj|gltf|glb)\s*$|^\s*ma\w*rial\s+-1\b",
     "texture": r"^\s*(TEXTURE|NORMAL_?MAP|NORMAL|ENV|BUMP)[ \t]+(?!NULL\b|0\b|[-.\d])\S|^\s*TEXTURE[ \t]+[1-9]"
     r"|\.(png|jpe?g|hdr|exr)\s*$",

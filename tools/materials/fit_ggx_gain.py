@@ -7,7 +7,7 @@ table and the fit's largest error of 1 / E. Needs numpy: python3 tools/materials
 import numpy as np
 from numpy.polynomial import chebyshev
 
-ALONG, ACROSS, UPRIGHT = 8, 6, 6  # numbers of coefficients of the fit: in sqrt(x), in alpha, in alpha at x = 1
+ALONG, ACROSS, UPRIGHT = 8, 6, 6  # numbers of basis functions: in sqrt(x), in alpha, in alpha alone (for x = 1)
 
 
 def directional_albedo(x, alpha, points=160):
@@ -46,7 +46,7 @@ def main():
     root, alpha = (grid.ravel() for grid in np.meshgrid(np.append(nodes[0], 1.0), nodes[1], indexing="ij"))
     gain = np.array([1 / directional_albedo(r * r, a) - 1 for r, a in zip(root, alpha, strict=True)])
     matrix, weights = columns(root, alpha), 1 / (1 + gain)
-    for _ in range(30):  # Lawson's iteration, which approaches the minimax fit
+    for _ in range(30):  # Lawson's reweighting turns the least-squares fit into a near-minimax one
         table, *_rest = np.linalg.lstsq(matrix * weights[:, None], gain * weights, rcond=None)
         error = np.abs(matrix @ table - gain) / (1 + gain)
         weights = weights * np.sqrt(0.3 + error / error.max())

@@ -19,7 +19,7 @@ from ptbench.studies.selection import parsed
 # Keys of a claim's file that make up its prediction: a change of any of their values makes it a new prediction.
 _PREDICTED = ("claim", "number", "rule", "prediction", "experiment")
 _NO_PREDICTION = ("seconds", "also")
-# Keys of a suite that say how a study is shown: they may change after the prediction, as they change no measurement.
+# Keys of a suite that say how a figure shows a study: no number depends on them, so a change makes no new prediction.
 _HOW_IT_IS_SHOWN = ("figure", "compares", "along")
 
 THEIRS = "theirs"
@@ -48,22 +48,22 @@ class Condition:
     """A condition of a claim: one number that the experiment gives, and the interval in which it must lie."""
 
     name: str
-    side: str  # condition's place on the experiment's axis: below the publication's setting, at it, or above it
+    side: str  # whether the measured setting is below the publication's along the axis, at it, or above it
     cell: str
     over: str
     predicted: Span
-    claimed: Span  # interval in which the claim holds
+    claimed: Span  # interval that the measured number must lie in for the claim to hold
 
 
 @dataclass(frozen=True)
 class Experiment:
     """The experiment of a claim: what is run, and which numbers are taken from it."""
 
-    suite: str  # name of a suite in claims/suites; empty: the experiment is a call of `ptbench rays`
+    suite: str  # suite in claims/suites that runs the experiment; empty: the experiment is a call of `ptbench rays`
     rays: tuple[str, ...]
-    result: str  # file name of the experiment's result
-    also: tuple[str, ...]  # names of results of other suites, used where the experiment's own suite was not run
-    machines: tuple[str, ...]  # two folders of results/ to compare, first over second; empty: each machine by itself
+    result: str  # name of the result file that the claim's experiment writes
+    also: tuple[str, ...]  # names of other suites' result files that serve where the experiment's own suite was not run
+    machines: tuple[str, ...]  # two folders of results/, whose ray rates give a ratio; empty: each machine alone
     backend: str
     seconds: int
     statistic: str

@@ -26,7 +26,7 @@ def claims(call: Call) -> int:
     told = [one for claim in chosen for one in told_of(ledger, claim, results, recorded)]
     for one in told:
         _say(one, detailed=bool(call.names))
-    if call.results is not None:  # only results/ of the checkout has committed verdicts to check
+    if call.results is not None:  # verdicts are committed, and thus checked, only for the checkout's own results/
         return 0
     faults = [] if call.write else _contradictions(told, recorded, chosen)
     everything = (
@@ -59,7 +59,7 @@ def told_of(ledger: Ledger, claim: Claim, results: Path, recorded: Mapping) -> l
     for one in evidence:
         order = order_of(ledger, claim, one.machine, one.measured)
         kept = recorded.get(claim.name, {}).get(one.machine, {}).get("order")
-        if order.grade == UNKNOWN and kept is not None:  # without git, the record says if the prediction came first
+        if order.grade == UNKNOWN and kept is not None:  # without git, the order is that of the committed verdict
             order = Order(**kept)
         told.append(Told(claim, judge(claim, one), one, order))
     return told

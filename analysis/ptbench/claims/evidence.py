@@ -232,7 +232,7 @@ class _OfSuite:
         ours, base = errors
         if len(ours) != len(base):
             raise FindingError(f"{condition.name}: {len(ours)} and {len(base)} seeds")
-        with np.errstate(invalid="ignore"):  # the mean of dual squared errors over seeds may come out negative
+        with np.errstate(invalid="ignore"):  # a mean of dual squared errors may be negative
             estimate = _over_seeds(lambda rows: np.sqrt(base[rows].mean(-1) / ours[rows].mean(-1)), len(ours))
         return Found(condition, estimate)
 

@@ -11,7 +11,7 @@ from ptbench.claims.claim import Claim, Ledger, prediction_in
 from ptbench.git import git
 
 TEST, BY_DATE, LOOK_UP, UNCOMMITTED, UNKNOWN = "test", "test by dates", "look-up", "not committed", "unknown"
-# Grade of a result repeated on the machine from whose earlier result the prediction was derived: it tests nothing.
+# Grade of a result that tests nothing: the prediction was derived from an earlier result of the same machine.
 REPEAT = "repeat"
 
 
@@ -29,7 +29,7 @@ class Order:
     """Whether the result or the prediction came first, with the commit and dates that show it."""
 
     grade: str
-    predicted: str = ""  # commit that last changed the prediction
+    predicted: str = ""  # commit that last changed the claim's prediction
     predicted_on: str = ""
     measured: str = ""
     measured_on: str = ""

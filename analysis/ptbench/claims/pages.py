@@ -26,7 +26,7 @@ _READ = {
     "commit": "the commit's message was read",
     "memory": "from memory or notes, not looked up",
 }
-_AUTHOR = re.compile(r"(?:^|, )(?:\w\. ?)+")  # initials of an author, with which each name in a list of authors begins
+_AUTHOR = re.compile(r"(?:^|, )(?:\w\. ?)+")  # initials of one author, at the beginning of a list or after a comma
 
 
 @dataclass(frozen=True)

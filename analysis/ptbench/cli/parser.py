@@ -35,7 +35,7 @@ class Parser(argparse.ArgumentParser):
             name = argument.partition("=")[0]
             if argument == "--" or (self._subparsers is not None and not argument.startswith("-")):
                 return
-            # As in argparse, a lone dash or a word with a space is no option, and options may be abbreviated.
+            # As argparse does: a lone dash or a word with a space is no option, and an option may be abbreviated.
             if not argument.startswith("-") or argument == "-" or " " in argument or _is_number(argument):
                 continue
             if not any(option == name or (name.startswith("--") and option.startswith(name)) for option in known):

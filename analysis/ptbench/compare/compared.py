@@ -27,7 +27,7 @@ class Compared:
     repeats: tuple[Repeat, ...]
     floors: tuple[Floor, ...]  # noise floors, one per machine with an A/A run
     rankings: tuple[Ranking, ...]
-    ranked: tuple[str, ...]  # letters (A, B, ..) of the compared files whose variants are ranked
+    ranked: tuple[str, ...]  # letters (A, B, ..) of the compared files that rankings of variants include
     labels: Labels
 
     def marks_of(self, comparison: Comparison) -> tuple[str, str]:
@@ -60,7 +60,7 @@ def compare_files(paths: Sequence[Path], noise: Sequence[Path] = (), *, films_ma
         floor = floor_of(result, repeats)
         return THRESHOLD if floor is None else floor.threshold
 
-    # A repeated run of the reference's program only tells noise; ranked as another machine, it would narrow a ranking.
+    # A repeated run of the reference's program shows only noise, so it takes no part in the ranking of variants.
     ranked = [index for index, one in enumerate(comparisons) if not one.repeated] or list(range(len(comparisons)))
     return Compared(
         tuple(results),

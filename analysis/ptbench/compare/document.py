@@ -30,7 +30,7 @@ def as_json(compared: Compared) -> dict:
             "runs": [_repeat(repeat) for repeat in compared.repeats],
             "floors": [_floor(floor) for floor in compared.floors],
         },
-        # In a ranking, "places" and "spp" have one entry for each of "ranked_files", and "at" is an index of these.
+        # In the JSON of a ranking, "places" and "spp" have one entry per file of "ranked_files", which "at" indexes.
         "ranked_files": [MARKS.index(mark) for mark in compared.ranked],
         "rankings": [_ranking(group) for group in compared.rankings],
     }

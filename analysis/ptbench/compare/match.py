@@ -19,7 +19,7 @@ from ptbench.stats.intervals import welch_test
 
 # Axes that say how a variant computes its image, not what image it computes.
 _HOW_IT_COMPUTES = (ARITHMETIC, PRECISION, ROBUSTNESS)
-# Probability that any pair of cells that did equal work is refused, in a comparison of two files, for its ray counts.
+# Probability of refusing, for its ray counts, any pair of cells that did equal work, in one comparison of two files.
 _FAMILY_ERROR = limit("family_error")
 
 MACHINE_KEYS = (
@@ -75,7 +75,7 @@ class Matching:
     pairs: tuple[Pair, ...]
     alone: tuple[Alone, ...]
     across_backends: bool
-    assumed: tuple[str, ...]  # one sentence per older file: what it does not say, and what was assumed instead
+    assumed: tuple[str, ...]  # one sentence per file of an older schema: values it lacks, and those assumed instead
 
 
 def match(reference: Result, other: Result, *, films_may_differ: bool = False) -> Matching:
@@ -156,7 +156,7 @@ def _by_identity(reference: Result, other: Result, axes: Sequence[str], across: 
     possible = [
         (*_apart(cell, partner), order, cell, partner)
         for order, cell in enumerate(reference.cells)
-        # A cell without a scene hash may show any scene and gets no partner.
+        # A cell without a scene hash may show any scene, so it is not paired with a cell of the other file.
         if cell.scene_hash
         for partner in candidates.get(tuple(_fields(cell, axes, across).values()), ())
     ]
@@ -259,7 +259,7 @@ def _other_rays(cell: Cell, partner: Cell, level: float) -> str | None:
     return f"{rays.mean():.6g} rays a path against {theirs.mean():.6g}: not the same work"
 
 
-# Sets of fields, tried in order: an unpaired cell is reported with cells of the other file that differ in one set only.
+# Sets of fields: an unpaired cell is reported with cells of the other file that differ from it in the first such set.
 _TELLABLE = (
     ("spp",), *((axis,) for axis in _HOW_IT_COMPUTES), ("tunables",), ("checkpoints",), ("backend",), ("depth",),
     ("resolution",), ("backend", "spp"), ("depth", "spp"), ("resolution", "spp"), ("resolution", "depth", "spp"),
@@ -305,7 +305,7 @@ class _There:
         for cell in result.cells:
             self._hashes.setdefault(cell.scene, set()).add(cell.scene_hash)
         fields = {cell.name: _fields(cell, axes, across) for cell in result.cells}
-        # Unpaired cells are searched first: a cell without a partner most likely became one of them in this file.
+        # The nearest cell to one without a partner is sought first among this file's cells that lack a partner as well.
         self._lonely = _Cells([of_cell for name, of_cell in fields.items() if name not in paired])
         self._every = _Cells(list(fields.values()))
 

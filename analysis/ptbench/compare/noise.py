@@ -42,7 +42,7 @@ class Repeat:
     other: Result
     ratios: tuple[float, ...]
     geometric_mean: Estimate
-    disturbed: tuple[Disturbance, Disturbance]  # disturbed samples of each file, over the cells that are in both files
+    disturbed: tuple[Disturbance, Disturbance]  # counts of disturbed samples in either file, over the cells in both
 
     @property
     def refusal(self) -> str:

@@ -27,7 +27,7 @@ class Change:
     behind: int
     at: int
     turned_at: int
-    ratio: Estimate  # time of variant `ahead` over that of variant `behind`, in file `at`
+    ratio: Estimate  # time of the variant `ahead` over that of the variant `behind`, both in file number `at`
     turned_ratio: Estimate
 
 
@@ -38,7 +38,7 @@ class Ranking:
     scene: str
     resolution: str
     depth: int
-    spp: tuple[int, ...]  # samples per pixel, one value per file
+    spp: tuple[int, ...]  # samples per pixel of the ranked cells, one value per ranked file
     work: str  # settings of the task besides scene, size, depth and spp, such as "shading_fmas=64"; mostly empty
     cells: tuple[tuple[Cell, ...], ...]
     places: tuple[tuple[int, ...], ...]  # rank by [variant][file]; the fastest variant is 1
@@ -72,7 +72,7 @@ def _work_of(cell: Cell) -> str:
 
 def _ranking(key: tuple, variants: list[tuple[Cell, ...]], limits: Sequence[float]) -> Ranking:
     medians = np.array([[float(np.median(cell.ms_per_spp)) for cell in cells] for cells in variants])
-    # Variants with equal medians share a place.
+    # Variants with equal median times get equal places in the ranking.
     places = 1 + (medians[:, None, :] > medians[None, :, :]).sum(axis=1)
     changes: list[Change] = []
     within_noise = 0

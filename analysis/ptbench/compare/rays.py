@@ -45,7 +45,7 @@ _COLUMNS = (
     "",
     "Verdict",
 )
-Key = tuple[str, str, str, str, str, str]  # a batch of rays: mesh, triangle hash, accelerator, builder, class, kernel
+Key = tuple[str, str, str, str, str, str]  # batch's mesh, triangle hash, accelerator, builder, ray class and kernel
 
 
 @dataclass(frozen=True)

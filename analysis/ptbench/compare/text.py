@@ -28,7 +28,7 @@ from ptbench.stats.estimates import (
 from ptbench.studies.disturbed import MOST_DISTURBED_SAID, disturbance_in
 from ptbench.studies.withdrawn import among, between
 
-_SHOWN = 5  # most reasons of one kind, or changes of a ranking, that a comparison lists on stdout
+_SHOWN = 5  # largest number of reasons of one kind, or of changes of one ranking, that a comparison lists on stdout
 MARKS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 
 
@@ -253,7 +253,7 @@ def _either(one: int, two: int) -> str:
 
 def _remarks(row: Row) -> Iterable[str]:
     for remark in row.remarks:
-        # A table's remarks leave out the interval and differing samples per pixel, which have columns of their own.
+        # Remarks in a table omit the ratio's interval and differing samples per pixel, which have their own columns.
         head, found, tail = remark.partition("] reaches ")
         if found and head.startswith("interval ["):
             yield f"reaches {tail}"

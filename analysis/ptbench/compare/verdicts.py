@@ -61,7 +61,7 @@ class Normalised:
     by: str
     factor: float | None
     ratio: Estimate | None
-    how: str  # how the normalised ratio was computed, in a sentence, or why there is none
+    how: str  # sentence on how the ratio was normalised by the machines' capacity, or why it was not
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ class Comparison:
     normalised: tuple[Normalised, ...]
     one_machine: bool
     repeated: bool  # whether both files are of one machine and one program: an A/A run
-    no_floors: tuple[Floor, ...] = ()  # noise floors above what is plausible; with any, no verdict holds
+    no_floors: tuple[Floor, ...] = ()  # noise floors too large to be plausible; if there is any, no verdict is given
 
     def count(self, word: str) -> int:
         """The number of cells with a verdict."""
@@ -193,7 +193,7 @@ def capacity_of(result: Result) -> Capacity:
         "SMs" if on_gpu else "threads",
         clock,
         "sampled" if clocks else "rated",
-        # Memory moves data twice per clock, as in the CUDA runtime's own bandwidth figure.
+        # Peak memory bandwidth in GB/s at two transfers per clock, as the CUDA runtime computes this figure.
         2 * memory * 1e6 * bus / 8 / 1e9 if on_gpu and memory and bus else None,
     )
 

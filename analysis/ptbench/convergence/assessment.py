@@ -32,9 +32,9 @@ NO_VERDICT = "no verdict"
 # Probability that any verdict on the errors of one result file is wrong.
 LEVEL_OF_A_FILE = 0.01
 LEAST_SEEDS = limit("fewest_seeds")
-# Largest share of the last squared error that an undetected bias may make up in a variant called converging.
+# Largest share of the squared error at the last checkpoint that an undetected bias may have in a "converging" variant.
 MOST_HIDDEN = 0.1
-# Log-log slope of the error over one octave of samples above which the error falls more slowly than averaged noise.
+# Log-log slope of the error over an octave of samples; above it, the error falls more slowly than averaged noise does.
 FLAT_SLOPE = -0.9
 
 RULES = (
@@ -65,7 +65,7 @@ class Verdict:
     word: str
     reason: str = ""
     plateau: float | None = None  # root mean square error at which the error stops falling, the bias B
-    declared: bool = False  # whether the cell declares a bias that predicts the plateau
+    declared: bool = False  # whether the plateau is expected, because the cell declares a bias
     is_bound: bool = False  # `plateau` is only a lower bound of the bias B, derived from the mean error
 
     @property
@@ -84,7 +84,7 @@ class Assessment:
     verdict: Verdict
     fit: Fit | None = None
     bias2_family: tuple[float, float] | None = None  # confidence interval of bias^2 that the verdict rests on
-    ms_per_spp: dict[str, Estimate] = field(default_factory=dict)  # ms per sample per pixel by clock, such as "wall_ms"
+    ms_per_spp: dict[str, Estimate] = field(default_factory=dict)  # ms per sample per pixel, by name of the clock
     doubts: tuple[str, ...] = ()
     alone: Cell | None = None  # companion cell: the same render without checkpoints
 
@@ -184,7 +184,7 @@ def _mean_off(curve: Curve, level: float) -> np.ndarray | None:
     noise = mean_error_of_reference(curve.reference, curve.cell.pixels)
     means = curve.mean_error.mean(axis=0)
     halves = [half_width(standard_error(channel), curve.count - 1, level / 3, noise) for channel in curve.mean_error.T]
-    # A mean error below 1e-12 is the rounding of its sum, so it does not count as a difference.
+    # A mean error below 1e-12 is due to rounding in its sum, and no sign that the image differs from the reference.
     return means if (np.abs(means) > np.maximum(halves, 1e-12)).any() else None
 
 

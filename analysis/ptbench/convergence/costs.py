@@ -8,7 +8,7 @@ from ptbench.io.cells import Cell
 from ptbench.stats.estimates import Estimate, ratio_estimate
 from ptbench.stats.intervals import bootstrap_interval, resampled
 
-# Ways to state a cost; variance alone is for choices whose verdicts on time are withdrawn (studies/withdrawn.py).
+# Costs by which estimators are compared: variance alone if verdicts on time are withdrawn (studies/withdrawn.py).
 TIME, WORK, VARIANCE = "time", "time to equal error", "variance at equal samples"
 _BIASED = "biased"
 

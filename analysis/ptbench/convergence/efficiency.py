@@ -148,7 +148,7 @@ def _varied_tunables(cells: Sequence[Cell]) -> set[str]:
 def _settings(cell: Cell) -> dict[str, str]:
     scene = cell.scene
     if cell.convergence is not None and scene.startswith(f"{cell.convergence.reference.scene}_"):
-        # A scene that renders the reference's image is named by its suffix, so that labels match across scenes.
+        # A scene whose name begins with its reference image's scene is labelled by the rest, so that labels match.
         scene = "…" + scene.removeprefix(cell.convergence.reference.scene)
     return {"scene": scene, **cell.axes, **cell.tuned}
 
@@ -162,7 +162,7 @@ class Compared:
 
     work: Estimate
     efficiency: Estimate | None
-    doubt: str = ""  # why the efficiency gets no verdict
+    doubt: str = ""  # why there is no verdict on a cell's efficiency against the baseline
 
     @property
     def word(self) -> str:

@@ -66,7 +66,7 @@ class Slope:
     first: int
     last: int
     estimate: Estimate
-    p: float | None = None  # p-value of the hypothesis that the slope is -1
+    p: float | None = None  # p-value of the hypothesis that the log-log slope of the error is -1
     rejected: bool = False
 
     @property
@@ -155,7 +155,7 @@ def slopes_of(curve: Curve) -> tuple[Slope | None, tuple[Slope, ...]]:
         return None, ()
     mean = curve.mean
     spread = curve.mse.std(axis=0, ddof=1) / np.sqrt(curve.count)
-    # Slopes need checkpoints with a clear error: heavy tails spoil the first, and the reference's noise the last.
+    # Slopes need errors clear of noise: heavy tails spoil the first checkpoints, and the reference's noise the last.
     clear = np.flatnonzero(mean > 3 * spread)
     if not len(clear) or (mean[clear[0] : clear[-1] + 1] <= 0).any():
         return None, ()
@@ -177,7 +177,7 @@ def _slope(curve: Curve, part: slice) -> Slope:
 
     value, error = jackknife(slope, values)
     freedom = curve.count - 1
-    # The reference's noise shifts the errors of all seeds and checkpoints by the same amount.
+    # The reference's noise shifts the squared errors of all seeds and checkpoints alike, and so widens the interval.
     offset = reference_error(curve.reference, curve.cell.pixels)
     common = offset * abs(float((x / np.maximum(values.mean(axis=0), lowest)).sum()))
     half = half_width(error, freedom, LEVEL, common)
@@ -200,7 +200,7 @@ def reference_error(reference: Reference, pixels: int) -> float:
 
 def mean_error_of_reference(reference: Reference, pixels: int) -> float:
     """The standard error that the reference's noise adds to one channel's mean error."""
-    # The variance is a mean over three channels; the factor 3 assumes the worst case, that one channel has all of it.
+    # The reference's variance is the mean of three channels'; the factor 3 allows that one channel has all of it.
     return 0.0 if reference.is_exact else float(np.sqrt(3 * reference.variance / pixels))
 
 

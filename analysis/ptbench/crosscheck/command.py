@@ -127,7 +127,7 @@ def _done(options: argparse.Namespace, planned: dict) -> dict[str, dict]:
 def _check_all(scenes: list[str], jobs: int, check: Callable[[str], dict], done: dict, kept: Callable) -> None:
     """Fills `done` with `jobs` scenes at a time; a failing scene's InputError is raised when the others are through."""
     failures = []
-    pool = ThreadPoolExecutor(jobs)  # threads suffice, since each waits for a renderer's process
+    pool = ThreadPoolExecutor(jobs)  # scenes are checked in threads, which only wait for renderers' processes
     try:
         running = {pool.submit(check, scene): scene for scene in scenes}
         for one in as_completed(running):

@@ -30,7 +30,7 @@ def main() -> int:
     job = json.load(sys.stdin)
     variant = _variant(mitsuba, job["variant"])
     mitsuba.set_variant(variant)
-    mitsuba.set_log_level(mitsuba.LogLevel.Error)  # Mitsuba would log warnings to stdout, which carries the answer
+    mitsuba.set_log_level(mitsuba.LogLevel.Error)  # keep warnings off stdout, which carries the worker's answer
     begun = time.perf_counter()
     if "xml" in job:
         scene = mitsuba.load_file(job["xml"])

@@ -23,7 +23,7 @@ class Pooled:
     errors: tuple[float, ...]
     worst_p: float
     limit_p: float
-    sees: float  # bias of the worst channel that the pooled test would detect with the probability POWER
+    sees: float  # bias of the worst channel that the test of the pooled image mean detects with probability POWER
     aim: float
 
     @property
@@ -46,7 +46,7 @@ def pooled(scenes: list[tuple[dict, int]]) -> Pooled:
     mean = np.where(lit, (weights * bias).sum(axis=0), 0.0)
     meier = 1 + 4 * (weights * (1 - weights) / freedom).sum(axis=0)
     error = np.where(lit, np.sqrt(meier / squares.sum(axis=0)), 0.0)
-    # Degrees of freedom by Welch and Satterthwaite: a report's share of the pooled mean's variance equals its weight.
+    # Degrees of freedom of the pooled mean by Welch and Satterthwaite: weights are reports' shares of its variance.
     together = 1 / (weights**2 / freedom).sum(axis=0)
     limit_p = min(image["limit_p"] for image in images)
     sees = (special.stdtrit(together, 1 - limit_p / 2) + special.stdtrit(together, POWER)) * error

@@ -15,7 +15,7 @@ from ptbench.io.files import package_file, read_whole
 from ptbench.io.images import faulty_pixels, read_pfm
 from ptbench.program import Program, run_program, said_by
 
-WHEEL = "mitsuba==3.9.1"  # version of Mitsuba that pyproject.toml requires, too
+WHEEL = "mitsuba==3.9.1"  # pip package that error messages advise to install; pyproject.toml requires the same version
 # Defaults that make ptbench's render of a cross-check fast: the least noisy estimator, which a scene without diffuse
 # surfaces refuses, and trees for scenes with meshes. No such choice changes the expected image.
 _LEAST_NOISE = f"{DIRECT_LIGHT}=nee_mis"

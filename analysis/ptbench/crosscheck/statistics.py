@@ -15,12 +15,12 @@ import numpy as np
 from ptbench.crosscheck.limits import SIDE
 from ptbench.stats import special
 
-# Probability that any test of any scene of one call tells equal renderers apart.
+# Probability that a call of `ptbench crosscheck`, over all scenes and tests, tells equal renderers apart.
 LEVEL_OF_A_CALL = 0.01
 POWER = 0.9
 # Relative rounding difference allowed between two programs where nothing is random: about 170 ulps of single precision.
 ROUNDING = 1e-5
-# Edges of the classes of the histogram in which the pixels' z scores are counted.
+# Edges of the classes of the histogram of Welch's t over the pixels of two renderers' images.
 EDGES = (-4.0, -3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0, 4.0)
 
 
@@ -99,7 +99,7 @@ class Comparison:
 
 @dataclass(frozen=True)
 class _Welch:
-    mean: np.ndarray  # larger of the two renderers' absolute means
+    mean: np.ndarray  # larger of the absolute values of the two renderers' means
     difference: np.ndarray
     error: np.ndarray
     freedom: np.ndarray
@@ -199,7 +199,7 @@ def _pixel_test(here: np.ndarray, there: np.ndarray, allowed: float, limit: floa
     weight = np.divide(1.0, variance, out=np.zeros_like(variance), where=variance > 0) * ~still[..., None]
     products = (pairs.sum(axis=0) ** 2 - (pairs**2).sum(axis=0)) / (seeds * (seeds - 1))
     terms = (weight * products).sum(axis=-1)
-    # The allowed bias is subtracted, so that only a larger difference counts as evidence.
+    # The squared allowed bias is subtracted from the summed squared differences, so that only a larger bias counts.
     total = float(terms.sum() - (weight * (allowed * found.mean) ** 2).sum())
     error = float(np.sqrt((terms**2).sum()))
     z = total / error if error > 0 else 0.0

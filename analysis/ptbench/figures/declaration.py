@@ -13,14 +13,14 @@ from ptbench.io.stability import Stability
 class StudyFigure:
     """A figure drawn from a study of a result file; the module of `collect`'s result class must have `draw`."""
 
-    # What a study asks for: a figure's name, or the axis or tunable whose values it compares. A figure named
-    # AXIS_by_ALONG replaces scaling_by_ALONG for studies of that axis.
+    # The name under which a study asks for this figure, or the axis or tunable whose values the study compares. For
+    # studies of an axis along a parameter, a figure named AXIS_by_PARAMETER replaces scaling_by_PARAMETER.
     name: str
     collect: Callable[[Result, Study], object]  # computes the figure's numbers; raises NotDrawable with the reason
     part: str = ""  # suffix that the figure adds to the study's name; empty: the main figure, which every study has
-    place: int = 0  # sort key among the figures of one study
-    is_axis: bool = False  # whether `name` is an axis; the figure then replaces the rows of the axis's choices
-    has_photographs: bool = False  # whether the figure contains renders, so that its colours must not be reduced
+    place: int = 0  # sort key of the figures that one study has
+    is_axis: bool = False  # whether `name` is an axis: the figure then stands in for the rows of choices
+    has_photographs: bool = False  # whether pages contain renders, whose colours must not be reduced when saved
 
 
 @dataclass(frozen=True)
@@ -28,5 +28,5 @@ class StabilityFigure:
     """A figure of a stability file, which may have several pages."""
 
     name: str
-    collect: Callable[[Stability], Sequence]  # computes the figure's pages; raises NotDrawable with the reason
+    collect: Callable[[Stability], Sequence]  # computes the pages of the figure; raises NotDrawable with the reason
     draw: Callable[..., Figure]  # draws one of the pages that `collect` computed

@@ -17,7 +17,7 @@ LOOKS = {
     FASTER: style.Look(style.COLOURS[1], "s", "-"),
     SAME: style.Look(style.COLOURS[0], "o", "-"),
     UNSURE: style.Look("#6e6e6e", "D", "-"),
-    # Looks of ratios for which higher is better.
+    # Markers and colours for verdicts on efficiencies, of which higher ones are better.
     "lower": style.Look(style.COLOURS[2], "^", "-"),
     "higher": style.Look(style.COLOURS[1], "s", "-"),
     "not told apart from 1": style.Look("#6e6e6e", "D", "-"),
@@ -36,7 +36,7 @@ class Item:
 
     label: str
     ratio: Estimate
-    word: str  # word of the verdict, a key of LOOKS
+    word: str  # verdict on the ratio, as a key of LOOKS
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,7 @@ def draw(data: Data) -> Figure:
     return page.figure
 
 
-_NARROW = 3.57  # width in inches: a phone's 375 CSS pixels without the page's margins
+_NARROW = 3.57  # width in inches of a figure for phones: 375 CSS pixels less the page's margins
 _NARROW_SIZE = 8.0
 _NARROW_PLOT = 1.5
 
@@ -135,7 +135,7 @@ def draw_narrow(data: Data) -> Figure:
     body = sum(heads) + sum(map(sum, rows)) + 0.5
     page = style.Page(_NARROW, body, data.title, data.caption)
     limits, log = _limits(data)
-    # One axes spans all rows, and y is in inches from its bottom.
+    # All rows share one axes object, in which y is in inches from the bottom.
     height = body - 0.5
     axes = page.axes(style.MARGIN, 0.5, _NARROW_PLOT, height)
     axes.set_ylim(0, height)

@@ -25,11 +25,11 @@ from ptbench.studies.rows import Row
 
 # Ratio of the largest to the least time or ratio from which on an axis is logarithmic, to tell fast choices apart.
 _LOG_FROM = 5.0
-_RATIO_HEIGHT, _LOG_RATIO_HEIGHT = 1.35, 2.0  # inches: height of the panel of ratios if linear and if logarithmic
+_RATIO_HEIGHT, _LOG_RATIO_HEIGHT = 1.35, 2.0  # inches: height of the ratio panel, linear or logarithmic
 _RATIO_TICKS = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1, 1.1, 1.2, 1.3, 1.5, 2, 3, 4, 5, 7, 10)
-# Ticks of a logarithmic axis by the largest ratio of its ends; beyond the last ratio ticks are powers of ten.
+# Ticks of a logarithmic axis, as (ratio of its ends up to which to use them, mantissas); beyond all, powers of ten.
 _LOG_STEPS = ((3, (1, 1.5, 2, 2.5, 3, 4, 5, 6, 8)), (6, (1, 2, 3, 5, 7)), (20, (1, 2, 3, 5)), (200, (1, 2, 5)))
-_LEGEND_WIDTH, _WIDEST_LEGEND = 1.9, 2.6  # legend's width in inches: where names wrap, and most for one long word
+_LEGEND_WIDTH, _WIDEST_LEGEND = 1.9, 2.6  # legend's width in inches: to wrap at, and most for one word
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class Abscissa:
     quantity: str
     unit: str
     ticks: dict[int, str]
-    log: bool = False  # whether x is logarithmic whatever the spacing of values; a zero is placed left of all others
+    log: bool = False  # whether x is logarithmic however its values are spaced; x = 0 then stands left of all others
 
     def tick(self, x: float) -> str:
         """The label of a tick at a value."""
@@ -232,7 +232,7 @@ def _scale_x(axes: Axes, panel: Panel, abscissa: Abscissa, plot_width: float) ->
     if len(xs) == 1:
         axes.set_xlim(first - 1, first + 1)
     elif first == 0 and abscissa.log and len(xs) > 2:
-        # The axis is linear from 0 to the smallest positive value, which lies two octaves to the right of 0.
+        # The x axis is linear from 0 to the smallest positive value, which is drawn two octaves right of 0.
         smallest = xs[1]
         axes.set_xscale("symlog", base=2, linthresh=smallest, linscale=1)
         axes.set_xlim(-0.15 * smallest, last * (last / smallest) ** 0.05)
@@ -279,7 +279,7 @@ def _scale_ratios(axes: Axes, values: list[float], log: bool) -> None:
         _log_y(axes, [*values, 1.0])
         return
     low, high = min([*values, 1.0]), max([*values, 1.0])
-    # The axis spans at least 2 % on each side, so that half a per cent of noise does not fill the panel.
+    # The axis of ratios spans at least 2 % on each side, so that half a per cent of noise does not fill the panel.
     if log:
         margin = max((high / low) ** 0.1, 1.02)
         axes.set_yscale("log")

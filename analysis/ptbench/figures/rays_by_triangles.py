@@ -54,7 +54,7 @@ def collect(files: Sequence[Rays], peers: Sequence[Peer]) -> series.Data:
         if (name, of) in lines
     ]
     order = dict.fromkeys(one.label for panel in panels for one in panel.series)
-    # OptiX's lines come first, as the reference, so that their colours and markers do not depend on the other lines.
+    # Lines of OptiX, the reference, come first, so that their colours and markers are the same in all figures.
     order = sorted(order, key=lambda label: label not in _NAMES.values())
     return series.Data(
         "Rays a second by number of triangles",

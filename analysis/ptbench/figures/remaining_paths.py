@@ -24,7 +24,7 @@ class Line:
 
     scene: str
     fractions: tuple[float, ...]
-    counts: tuple[float, ...]  # paths per sample per pixel, summed over the pixels
+    counts: tuple[float, ...]  # by bounce, paths alive per sample per pixel, summed over the pixels
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ def collect(result: Result, study: Study) -> Data:
                 Note("no counts", f"{text}.", f"{text} ({', '.join(c.name + ' ' + c.status for c in of_scene)})")
             )
             continue
-        # Every variant traces the same paths, so the cell with the greatest depth is used.
+        # All variants of a scene trace the same paths, so the figure shows the cell with the greatest path depth.
         cell = max(counted, key=lambda cell: cell.depth)
         live, paths, spp = cell.instrumented.live_paths, cell.instrumented.paths, cell.instrumented.spp
         wrong = next((k for k, (a, b) in enumerate(zip((paths, *live), live, strict=False)) if b > a), None)
@@ -127,7 +127,7 @@ def draw(data: Data) -> Figure:
     ends = [(len(line.fractions) - 1, 100 * line.fractions[-1]) for line in data.lines]
     style.label_lines(page, axes, ends, labels, looks)
 
-    # The counts stand below their bounce, as numbers at risk do under a survival curve.
+    # The numbers of live paths stand below their bounce, as numbers at risk stand below a survival curve.
     top = table_height - 0.06
     page.text(style.MARGIN, top, "Paths alive per spp", size=style.LABEL_SIZE, va="top", weight="bold")
     middle = top - style.text_height(style.LABEL_SIZE)

@@ -18,10 +18,10 @@ from ptbench.studies.rows import Row, measure, scenes_of
 
 _LOG_FROM = 8.0
 _ROW, _TIGHT_ROW = 0.27, 0.22
-_TIGHT_FROM = 40  # number of rows from which on rows are set tighter
+_TIGHT_FROM = 40  # number of rows in a figure from which on they are closer together
 _HEAD = 0.34
 _GAP = 0.22
-_TITLE = 3.0  # most inches to which a group's title widens the column of labels; a longer title runs on above the plot
+_TITLE = 3.0  # inches up to which a group's title widens the labels' column; longer ones reach over the plot
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ def collect(result: Result, study: Study, default_title: str) -> Data:
             items.append(Item(label, row.is_baseline, row.estimate, row.ratio, row.verdict, instead))
         shown = {item.label for item in items}
         if result.baselines:
-            # A note tells why a choice was not run with some settings; figures of older files have a row for it.
+            # Choices that were not run with some settings are told in a note; figures of older files show them as rows.
             shown |= {question.choice_of(row.cell) for row in of_group}
         group_of = dict(zip(parts.split, values, strict=True))
         for absent in missed(result, study):
@@ -177,7 +177,7 @@ def draw(data: Data) -> Figure:
         page.text(time_x, head_y, headings[0], **heading)
         page.text(ratio_x, head_y, headings[1], **heading)
         baselines = [item.time.value for item in group.items if item.is_baseline and item.time is not None]
-        # The baseline's line is drawn only for a single baseline: of several, none would fit most rows.
+        # A line marks the baseline's time if the group has one baseline; with several it would not fit most rows.
         if len(baselines) == 1:
             axes.axvline(baselines[0], color="#888888", linewidth=0.8, linestyle=(0, (4, 2)), zorder=1)
         axes.set_ylim(-0.5, count - 0.5)

@@ -24,7 +24,7 @@ DPI = 200
 _TOLERANCE = 12
 _MOST_COLOURS = 256
 _WEBP_QUALITY = 75
-# Fallback fonts: most systems without DejaVu Sans have Verdana, which is as wide; narrower ones cause no overlap.
+# Fonts for text in an SVG. Most systems without DejaVu Sans have Verdana, equally wide; narrower ones do not overlap.
 _FONTS = "'DejaVu Sans', Verdana, sans-serif"
 
 
@@ -70,9 +70,9 @@ def png_of(figure: Figure, dpi: float, *, few_colours: bool) -> bytes:
     """The page as a PNG file; pages with renders need all their colours."""
     with io.BytesIO() as drawn:
         figure.savefig(drawn, format="rgba", dpi=dpi)
-        # The size in pixels is rounded down, as in matplotlib's own canvas.
+        # A PNG's width and height in pixels are rounded down, as in matplotlib's own canvas.
         size = int(figure.bbox_inches.width * dpi), int(figure.bbox_inches.height * dpi)
-        # The page has a white background, so that transparency can be dropped.
+        # Pages have a white background, so the image's transparency can be dropped.
         image = Image.frombytes("RGBA", size, drawn.getvalue()).convert("RGB")
     with io.BytesIO() as written:
         (_in_few_colours(image) if few_colours else image).save(written, "PNG", optimize=True, dpi=(dpi, dpi))
@@ -83,7 +83,7 @@ def _in_few_colours(image: Image.Image) -> Image.Image:
     """Reduces an image to its most frequent colours; every other colour becomes the nearest of those."""
     pixels = np.asarray(image, dtype=np.int32)
     codes = ((pixels[..., 0] << 16) + (pixels[..., 1] << 8) + pixels[..., 2]).ravel()
-    # Run-length encoding makes counting colours fast: a page has far fewer runs than pixels.
+    # Colours are counted by runs of equal pixels, which is fast, as a page has far fewer runs than pixels.
     begins = np.concatenate([[0], np.flatnonzero(codes[1:] != codes[:-1]) + 1])
     lengths = np.diff(begins, append=len(codes))
     there, of_run = np.unique(codes[begins], return_inverse=True)

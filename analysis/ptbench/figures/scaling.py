@@ -29,10 +29,10 @@ class Sweep:
     title: str
     quantity: str
     unit: str
-    said: Callable[[str], str]  # turns the label of an x tick into words for a sentence
+    said: Callable[[str], str]  # words for the label of a tick on the axis of the swept parameter
     x: Callable[[Cell], int | None] | None = None
     tick: Callable[[Cell], str] | None = None
-    overtaking: bool = True  # whether growth is the question: axes are logarithmic, and it is told who overtakes where
+    overtaking: bool = True  # whether growth is shown: logarithmic axes, and a caption that tells overtakings
 
 
 def _size(cell: Cell) -> str:
@@ -187,7 +187,7 @@ def crossover_words(panel: lines.Panel, named: dict[int, str]) -> str:
 
 
 def _listed(labels: Sequence[str]) -> str:
-    # Labels may contain commas, in which case another separator is used.
+    # Labels are listed with bars between them if any contains a comma, else with commas.
     return (" | " if any("," in label for label in labels) else ", ").join(labels)
 
 

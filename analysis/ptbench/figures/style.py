@@ -33,7 +33,7 @@ LABEL_SIZE = 9.5
 CAPTION_SIZE = 8.5
 TITLE_SIZE = 12.0
 LINE_HEIGHT = 1.35  # line height as a multiple of the font size
-LINE_SPACING = LINE_HEIGHT / 1.164  # line spacing in matplotlib's unit, DejaVu Sans's own line height
+LINE_SPACING = LINE_HEIGHT / 1.164  # line height in matplotlib's unit, the line height of the font DejaVu Sans
 MARGIN = 0.2  # inches around everything on a page
 
 _SETTINGS = {
@@ -54,7 +54,7 @@ _SETTINGS = {
     "lines.linewidth": 1.6,
     "lines.markersize": 6,
     "errorbar.capsize": 2.5,
-    "text.parse_math": False,  # no formulas between $ signs, which a scene's name may contain, such as "a$b$c"
+    "text.parse_math": False,  # a "$" in text is literal and begins no formula, as in a scene named "a$b$c"
     "svg.hashsalt": "ptbench",  # a constant salt for ids in an SVG, which are otherwise random
     "svg.fonttype": "none",  # text stays text in an SVG: a quarter of the size, and searchable
 }
@@ -95,7 +95,7 @@ def text_width(text: str, size: float, weight: str = "normal") -> float:
 
 @cache
 def _character_width(character: str, size: float, weight: str) -> float:
-    # A character's width is measured between two letters x, because a lone space has no width.
+    # The width of a character is measured between two x, since matplotlib gives a lone space no width.
     return text_width(f"x{character}x", size, weight) - text_width("xx", size, weight)
 
 
@@ -231,7 +231,7 @@ def spread(targets: Sequence[float], sizes: Sequence[float], low: float, high: f
     for index in order:
         offsets.append(edge + sizes[index] / 2)
         edge += sizes[index]
-    pools: list[list[float]] = []  # stacks of items pushed together, each as [sum of wanted bottoms, number of items]
+    pools: list[list[float]] = []  # stacks of touching labels, each as [sum of wanted bottoms, number of labels]
     for index, offset in zip(order, offsets, strict=True):
         pools.append([targets[index] - offset, 1])
         while len(pools) > 1 and pools[-2][0] / pools[-2][1] >= pools[-1][0] / pools[-1][1]:

@@ -91,7 +91,7 @@ def crossings(of_scene: Sequence[Way]) -> list[Crossing]:
     found: list[Crossing] = []
     first = min(of_scene, key=lambda way: way.before_ms)
     while overtaking := [one for way in of_scene if (one := _overtakes(first, way)) is not None]:
-        # Where two builders overtake at an equal number of samples, the one with the faster samples stays ahead.
+        # Where several builders overtake at one number of samples, the one with the least time per sample is ahead.
         found.append(min(overtaking, key=lambda one: (one.spp, one.later.sample.value)))
         first = found[-1].later
     return found
@@ -99,7 +99,7 @@ def crossings(of_scene: Sequence[Way]) -> list[Crossing]:
 
 def _overtakes(first: Way, way: Way) -> Crossing | None:
     spp = series.crossing((first.before_ms, way.before_ms), (first.sample.value, way.sample.value))
-    # A builder overtakes only if its time per sample is lower and the two confidence intervals do not overlap.
+    # A builder overtakes another only if its time per sample is lower and their confidence intervals are disjoint.
     is_quicker = way.sample.value < first.sample.value and _differ(first.sample, way.sample)
     return Crossing(first, way, spp) if spp is not None and is_quicker else None
 

@@ -17,7 +17,7 @@ from ptbench.stats.estimates import CONFIDENCE, FASTER, SAME, SLOWER, THRESHOLD,
 
 _COLOURS = {FASTER: style.COLOURS[1], SLOWER: style.COLOURS[2], SAME: style.COLOURS[0], UNSURE: "#6e6e6e"}
 _WORDS = {FASTER: "pays", SLOWER: "costs", SAME: "same", UNSURE: "unsure"}
-_BOXES = (("open box", "none", 0.17), ("closed box", "full", -0.17))  # scene, marker's fill, offset from row's middle
+_BOXES = (("open box", "none", 0.17), ("closed box", "full", -0.17))  # scene, marker's fill, y offset in its row
 _ROW, _HEAD, _GAP = 0.36, 0.3, 0.08
 _PLOT = 4.0
 _TICKS = (0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3)
@@ -28,8 +28,8 @@ class Line:
     """A row of the overview figure."""
 
     label: str
-    ratios: tuple[Ratio, Ratio]  # ratios of time in the open box and in the closed box
-    same_films: tuple[bool, bool]  # whether variant and baseline left the same film, in either box
+    ratios: tuple[Ratio, Ratio]  # time of the variant over the baseline, in the open box and the closed one
+    same_films: tuple[bool, bool]  # whether variant and baseline rendered equal films, by scene
 
 
 @dataclass(frozen=True)

@@ -33,7 +33,7 @@ _HEAD = re.compile(r"\A---\n(\{.*?\n\})\n---\n", re.DOTALL)
 _EXPRESSION = re.compile(r"\{\{.*?\}\}|\{%.*?%\}|\{#.*?#\}", re.DOTALL)
 _FILE = r"(?![\w.]*\.(?:json|md|py|png|svg|txt))"
 _DECIMAL = re.compile(rf"(?<![\w.=])\d+(?:[.,]\d+)+{_FILE}")
-# Numbers with a decimal point or a unit of measurement, which a page must not contain literally.
+# Numbers with a decimal point or a unit, which a page of findings takes from result files, never from its own text.
 _MEASURED = re.compile(
     rf"(?<![\w.])\d+(?:[.,]\d+)+{_FILE}|(?<![\w.,])\d+ ?(?:%|(?:ns|µs|ms|s|times|[kMG]?rays/s|[MG]Hz)\b)"
 )

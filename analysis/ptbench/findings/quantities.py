@@ -20,7 +20,7 @@ class Quantity:
     """A measured number, such as milliseconds per sample per pixel, with its interval where there is one."""
 
     estimate: Estimate
-    of: str  # name of the cell that the number belongs to, for messages
+    of: str  # name of the cell with the quantity, for error messages
 
     def __str__(self) -> str:
         return self._text(self.estimate.value)

@@ -17,9 +17,9 @@ from ptbench.findings.quantities import link_to
 from ptbench.found import modules
 from ptbench.io.nodes import Node, read_json
 
-# Forms of files that are not identified by a schema's name.
+# Forms of source files that are recognised otherwise than by a schema's name.
 SEVERAL, TEXT, FOLDER, LIST, SUITE, OTHER = "several files", "text", "a folder", "a list", "ptbench run", "other JSON"
-# The schema name that identifies files of `ptbench stability`.
+# The schema name by which `ptbench stability` marks its result files.
 STABILITY = "ptbench-stability-1"
 _MODULES = ("findings/sources/*.py", "extras/*/source.py")
 _NO_PART_OF_IT = ("kernels_behind", "optional")
@@ -28,7 +28,7 @@ _NO_PART_OF_IT = ("kernels_behind", "optional")
 class Source:
     """A file of results/ as a source for pages, which may use every public method and property of its class."""
 
-    commit = ""  # commit of the program that wrote the file; empty: the file does not say, or needs none
+    commit = ""  # commit of the program that wrote the source file; empty: unknown or irrelevant
     _kinds: ClassVar[dict[str, type[Source]]] = {}
 
     def __init_subclass__(cls, form: str = "", **others: object) -> None:
@@ -97,5 +97,5 @@ def source_of(results: Path, about: Mapping) -> Source | None:
     file = results / about["file"]
     if about.get("optional") and not file.exists() and not Path(f"{file}.gz").exists():
         return None
-    # How old a page allows its source to be is not part of the cache's key, so that pages share an opened file.
+    # What a page demands of a source, such as how old it may be, is not in the cache's key: pages share the source.
     return _opened(results, json.dumps({key: value for key, value in about.items() if key not in _NO_PART_OF_IT}))

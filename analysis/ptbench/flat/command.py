@@ -74,6 +74,6 @@ def _arrow_type(values: Sequence, kind: str):
 
     if kind == NUMBER:
         return pa.float64()
-    if kind == INTEGER:  # a 64-bit seed may exceed the signed range
+    if kind == INTEGER:  # a signed column does not hold all 64-bit seeds
         return pa.uint64() if max((v for v in values if v is not None), default=0) > _LARGEST_SIGNED else pa.int64()
     return pa.bool_() if kind == FLAG else pa.string()

@@ -58,7 +58,7 @@ class Row:
     title: str
     pictures: tuple[Picture, ...]
     resolution: tuple[int, int] | None  # width and height of each picture in pixels; None: as the gallery's sheet
-    pixels: bool  # whether to show pixels without interpolation, for a row about single pixels
+    pixels: bool  # whether a row's pictures are shown without interpolation, as it is about single pixels
 
 
 @dataclass(frozen=True)

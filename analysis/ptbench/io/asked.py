@@ -7,8 +7,8 @@ from ptbench.io.axes import FIRST_BOUNCE, SORTING
 
 LIVE_PATHS = "live_paths"
 CONVERGENCE = "convergence"
-# Names of figures in older files, with what a study with that figure compares, and along which parameter. A study of an
-# older file with any other figure is along no parameter, and the figure is named after what it compares.
+# Older files name only a study's figure: by that name, what the study compares (empty: not said) and along which
+# parameter. A study with any other figure is along no parameter, and compares what the figure is named after.
 _OLDER = {
     "sorting_by_depth": (SORTING, "depth"),
     "first_bounce_by_depth": (FIRST_BOUNCE, "depth"),

@@ -21,7 +21,7 @@ class Axis:
     decides_error: bool
     decides_samples: bool
     since: str = ""  # commit that introduced the axis; empty: every result file has it
-    as_before: str = ""  # choice that all variants implicitly had before the axis existed
+    as_before: str = ""  # choice that files without the axis imply; may be empty
 
 
 @cache

@@ -33,11 +33,11 @@ COMPARISON_REASONS = (
 GPU_BACKEND = "cuda"
 # Counters that each sample may have, in fields named "pt_NAME".
 WORK_COUNTERS = ("launches", "graph_nodes", "host_waits")
-# Share of a GPU render's wall time beyond device time up to which a busy host did not delay it.
+# A busy host counts as no delay of a GPU render if its wall time exceeds its device time by at most this share of it.
 MOST_HOST_SHARE = limit("most_host_share")
 
-# The harness's reasons why a variant is inapplicable in a study for several backends or choices: codes, and the texts
-# in files older than the codes.
+# Reasons that the harness gives for leaving a variant out of a study that is written for several backends or choices:
+# codes, and the texts in files older than the codes.
 _ELSEWHERE_CODE = "not_on_backend"
 _NOTHING_TO_TUNE_CODE = "no_such_tunable"
 _ELSEWHERE = re.compile(r"(\S+=\S+) is not there on the backend \S+")
@@ -69,7 +69,7 @@ class Sample:
     involuntary_switches: int | None = None
     checkpoints: tuple[Checkpoint, ...] = ()  # checkpoints of a convergence cell's sample
     film_hash: str = ""  # hash of the sample's film; empty in older files
-    work: dict[str, float] = field(default_factory=dict)  # counters such as "launches", if the file has them per sample
+    work: dict[str, float] = field(default_factory=dict)  # work counters by name, such as "launches"; may be empty
     own_device_ms: tuple[float, ...] = ()  # render on several GPUs: time of each in ms without the reduction
     slowest_device_ms: float | None = None  # time in ms until the slowest GPU had rendered
     device_reduce_ms: float | None = None  # time in ms of the film reduction after the slowest GPU
@@ -154,8 +154,8 @@ class MeshFacts:
     node_bytes: int
     leaf_bytes: int
     sah_cost: float
-    build_ms: float  # build time on the host's clock, including copies where the GPU builds
-    encode_ms: float  # encoding time on the host
+    build_ms: float  # time to build a tree on the host's clock, with copies where the GPU builds
+    encode_ms: float  # time on the host to encode the tree for its kernels
 
 
 @dataclass(frozen=True)
@@ -192,7 +192,7 @@ class Cell:
     convergence: Convergence | None = None
     tuned: dict[str, str] = field(default_factory=dict)  # tunables that differ from their choice's default
     variant_in_file: str = ""  # variant's name in its file; older files list every choice
-    failed_repetitions: tuple[int, ...] = ()  # repetitions that failed, one for each of `errors`
+    failed_repetitions: tuple[int, ...] = ()  # numbers of the repetitions that failed, in the order of `errors`
 
     @property
     def shown(self) -> str:
@@ -306,7 +306,7 @@ class Study:
     type: str = "time"
     # The axis or tunable whose choices a study compares; empty if it compares none, or if an older file does not say.
     compares: str = ""
-    along: str = ""  # parameter along which the comparison is followed; empty: none
+    along: str = ""  # parameter over whose values the study compares choices, such as depth; empty: none
 
     @property
     def is_convergence(self) -> bool:
@@ -320,13 +320,13 @@ class Comparison:
 
     study: str
     cell: str
-    baseline: str  # name of the comparison's baseline cell; empty: there is none
+    baseline: str  # name of the baseline cell that the ratio is relative to; empty: there is none
     ratio: float | None
     interval: tuple[float, float] | None
-    word: str  # word of the verdict; empty: there is no ratio
+    word: str  # verdict on the ratio as one word; empty: there is no ratio
     reason_code: str
     in_time: str
-    in_cycles: str  # word of the verdict by clock cycles; empty: a clock is unknown
+    in_cycles: str  # verdict on the ratio in clock cycles as one word; empty: a clock is unknown
 
 
 @dataclass(frozen=True)
@@ -340,7 +340,7 @@ class NotApplicable:
     reason: str
     reason_code: str = ""  # code of why the variant was left out; empty in older files
     tuned: dict[str, str] = field(default_factory=dict)  # tunables that differed from their choice's default value
-    reason_axis: str = ""  # axis of the inapplicable choice; empty in older files, and where no choice is to blame
+    reason_axis: str = ""  # axis of the choice that made the variant inapplicable; empty: unknown (older files) or none
 
     @property
     def elsewhere(self) -> str:
@@ -370,7 +370,7 @@ class Result(OfARun):
     cells: tuple[Cell, ...]
     not_applicable: tuple[NotApplicable, ...]
     baselines: dict[str, str] = field(default_factory=dict)  # the backend's baseline by axis; empty in older files
-    retaken: int = 0  # disturbed samples that were replaced by repeated ones
+    retaken: int = 0  # number of disturbed samples that were measured again and replaced
     comparisons: dict[tuple[str, str], Comparison] | None = None  # comparisons by study and cell; None: not in the file
 
     @property

@@ -22,7 +22,7 @@ _CLOCKS_DIFFER = limit("clocks_differ")
 # Fields that must differ between the samples of a cell.
 _OWN = ("repetition_index", "pt_seed", "pt_order")
 _MOST_NAMED = 3
-_ROUNDING = 1e-12  # relative rounding difference allowed between the ratios that C++ and Python compute
+_ROUNDING = 1e-12  # relative difference allowed between a file's ratios and those recomputed here, for rounding
 
 
 @dataclass(frozen=True)
@@ -153,7 +153,7 @@ def times_of(row: Node, cell: str) -> Iterator[Contradiction]:
     wall = times.get("pt_wall_ms")
     if wall is None or wrong:
         return
-    limits = {  # bounds that the wall time sets on each time, as (least, most, in words)
+    limits = {  # bounds on a sample's times by its wall time, as (least, most, in words)
         "real_time": (wall, wall, f"{shown(wall)}, its pt_wall_ms"),
         "pt_device_ms": (0, wall * (1 + _CLOCKS_DIFFER), f"at most {shown(wall)}, its pt_wall_ms"),
         "pt_end_to_end_ms": (wall, math.inf, f"at least {shown(wall)}, its pt_wall_ms"),
@@ -191,7 +191,7 @@ def _medians(cell: _Cell) -> Iterator[Contradiction]:
             if not values or not all(map(_is_number, [*values, row.fields().get(key)])):
                 continue
             median, found = statistics.median(values), row.need(key)
-            # With an even number of samples, the middle two may be added or halved first, which rounds differently.
+            # An even number's middle samples may be halved before or after they are added, which rounds differently.
             if not math.isclose(found.value, median, rel_tol=1e-14):
                 allowed = f"{shown(median)}, the median of its {len(values)} samples"
                 yield Contradiction(found.place, f"{shown(found.value)} in {cell.shown}", allowed)
@@ -243,7 +243,7 @@ def _missing(cell: _Cell, asked: int | None, most: int | None) -> Iterator[Contr
         yield Contradiction(cell.node.place, found, f"samples 0 to {limit - 1}: {limit} were asked for")
 
 
-# Key by which films must be equal bit for bit: group of cells, seed, and samples per pixel taken so far.
+# What identifies a film: group of cells, seed, samples per pixel so far. Films of equal key must be equal bit for bit.
 _Film = tuple[object, int | None, int | None]
 
 
@@ -256,7 +256,7 @@ def _films(cells: Iterable[_Cell], first_seed: int | None) -> Iterator[Contradic
     """
     known: dict[_Film, tuple[str, _Cell]] = {}
     for cell in cells:
-        if cell.failed:  # a cell may have failed because of a wrong film
+        if cell.failed:  # a failed cell's film may be the wrong one
             continue
         bitwise = cell.node.need("claim").value == "bitwise" if cell.node.maybe("claim") is not None else False
         group: object = _settings(cell.node) if bitwise else cell.node.need("cell").text()

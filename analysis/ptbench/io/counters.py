@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from ptbench.io.nodes import Node
 
-# Counters per ray, or fractions; files up to commit ede9627 name X_per_Y as X_a_Y.
+# Names of hardware counters, per ray or as fractions; files up to commit ede9627 spell "_per_" as "_a_".
 MEASURED = (
     "achieved_occupancy",
     "active_lanes",
@@ -24,7 +24,7 @@ class Counters:
     thread_instructions_per_ray: float
     memory_bytes_per_ray: float
     of_ceiling: dict[str, float]
-    bound: str  # name of the throughput ceiling that the kernel is nearest to
+    bound: str  # name of the throughput ceiling of which the kernel reaches the largest fraction
     l1_hit_rate: float | None = None
     l2_hit_rate: float | None = None
     memory_stalls: float | None = None

@@ -17,7 +17,7 @@ Written by `python3 -m ptbench.io.fields` from the schemas in [schema](schema).
 A field that is not required is there where its meaning says so. "Since commit": files of earlier programs lack it.
 `[]` is each item of an array, `NAME` each key of an object whose keys are names.
 """
-_MOST_SHOWN = 9  # most values of an enumeration that a table lists
+_MOST_SHOWN = 9  # largest number of values up to which a schema table lists an enumeration's values
 _LIMITS = {"minimum": "from", "exclusiveMinimum": "above", "maximum": "to"}
 
 
@@ -53,7 +53,7 @@ class _Schema:
         if "properties" in root:
             parts.append(self._table("", root))
         for key, node in root.get("$defs", {}).items():
-            if node.get("deprecated"):  # deprecated definitions are only mentioned in the file's description
+            if node.get("deprecated"):  # a deprecated definition of the schema gets no table of its fields
                 continue
             if "properties" in node:
                 parts.append(self._table(key, node))
@@ -88,7 +88,7 @@ class _Schema:
     def _target(self, reference: str) -> tuple[_Schema, dict]:
         file, _, pointer = reference.partition("#/$defs/")
         name = re.fullmatch(r"ptbench-(\w+)\.schema\.json", file)[1] if file else self.name
-        if not pointer:  # a whole file of another kind
+        if not pointer:  # a schema reference without pointer means the whole file
             return _Schema(name), schema(name)
         found = schema(name)["$defs"]
         for step in pointer.split("/"):

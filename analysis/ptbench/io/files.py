@@ -68,7 +68,7 @@ def read_whole(path: Path, largest: int = LARGEST_INPUT) -> bytes:
                 data += more
     except OSError as error:
         raise _unreadable(path, _reason(path, error), largest) from error
-    except ValueError as error:  # a file name with a null character raises ValueError
+    except ValueError as error:  # the file name contains a null character
         raise _unreadable(path, "a name that no file can have", largest) from error
     if len(data) > largest:
         raise _unreadable(path, "more bytes than when it was opened, too large", largest)
@@ -173,7 +173,7 @@ def write_whole(target: Path, write: Callable[[Path], None]) -> Path:
     temporary = Path(name)
     try:
         write(temporary)
-        # mkstemp makes private files, so the usual permissions are set, for figures to be shared like other files.
+        # A file of mkstemp is private; figures and results get the permissions that the umask gives any new file.
         umask = os.umask(0)
         os.umask(umask)
         temporary.chmod(0o666 & ~umask)

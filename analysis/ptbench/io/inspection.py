@@ -19,7 +19,7 @@ from ptbench.io.names import tuned_in
 from ptbench.io.nodes import Node, read_json, shown
 from ptbench.io.older import filled_in
 
-# Implied choices of the most recent axes, last first, which older files omit at the end of a variant's name.
+# Choices that variants implied before their axes existed, newest axis first; names in older files end without them.
 _LAST = tuple(
     axis.as_before for axis in itertools.takewhile(lambda axis: axis.as_before, reversed(known_axes().values()))
 )
@@ -58,7 +58,7 @@ class Inspected:
     tuned: dict[str, str] = field(default_factory=dict)  # tunables that differ from their choice's default
     others: tuple[KernelCounters, ...] = ()  # kernels of libraries that ran in the render
     architecture: str = ""
-    rays_per_spp: float | None = None  # rays of the counted render, per sample of all pixels
+    rays_per_spp: float | None = None  # rays of the render whose counters were read, per sample of all pixels
     ceilings: dict[str, float] = field(default_factory=dict)  # measured throughput ceilings, in the file's units
 
 
@@ -150,7 +150,7 @@ def _counted(counters: Node, word: str) -> dict:
 
 def inspected_of(cell: Cell, entries: list[Inspected]) -> Inspected | None:
     """The entry for a cell's scene and variant, even where either file is too old to name some axes."""
-    # Names of all variants list axes in one order, so that axes a file lacks can be skipped, and last ones stripped.
+    # All files list axes in one order, so the choices of axes unknown to a file are left out of a variant's name.
     later, choices = filled_in(), tuple(cell.axes.values())
     without = tuple(choice for name, choice in cell.axes.items() if later.get(name) != choice)
     known = {_plain(choices), _plain(without)}
@@ -172,8 +172,8 @@ class PriceOfARay:
     """The factors of the time per ray of kernel B over A; their product is `time`."""
 
     instructions: float
-    lanes: float  # 1 / active lanes of kernel B's warps, over kernel A's
-    issue: float  # 1 / fraction of the issue ceiling that kernel B reaches, over kernel A's
+    lanes: float  # 1 / active lanes per warp: kernel B's over kernel A's
+    issue: float  # 1 / fraction reached of the issue ceiling: kernel B's over kernel A's
 
     @property
     def time(self) -> float:
@@ -198,5 +198,5 @@ def price_of_a_ray(a: Inspected, b: Inspected) -> PriceOfARay | None:
     if not all(values):
         return None
     threads_a, warps_a, issue_a, threads_b, warps_b, issue_b = values
-    # The factor of active lanes comes from both instruction counts, so that the product of the factors is exact.
+    # Active lanes are thread over warp instructions, so that the product of the factors is exactly the time's ratio.
     return PriceOfARay(threads_b / threads_a, (warps_b / threads_b) / (warps_a / threads_a), issue_a / issue_b)

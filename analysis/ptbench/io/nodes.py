@@ -203,7 +203,7 @@ def _key_twice(value: object, place: str) -> tuple[str, str, str] | None:
     return next((found for where, item in items if (found := _key_twice(item, where)) is not None), None)
 
 
-# Matches the escape of a surrogate, which must come in pairs.
+# Matches one half of a surrogate pair written as an escape, "\ud800" to "\udfff"; valid halves come in pairs.
 _HALF_ESCAPED = re.compile(r"\\u[dD][89a-fA-F]")
 
 

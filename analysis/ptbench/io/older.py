@@ -29,9 +29,9 @@ _BASELINES: dict[str, dict[str, str]] = {
         "precision": "float",
     },
 }
-# Axes missing in the first files of a version, each with the axis behind which its implied choice is inserted.
+# For the first files of a schema version: axes that these lack, each with the axis behind which it is inserted.
 _FILLED_AFTER: dict[str, dict[str, str]] = {"1": {"russian_roulette": "direct_light", "sampler": "direct_light"}}
-# Plainest formulas, as choices by axis, of files of `ptbench stability`, which name no baselines; by schema.
+# Baselines of files of `ptbench stability`, which name none, as choices by axis: the plainest formulas; by schema.
 _PLAINEST: dict[str, dict[str, str]] = {
     "ptbench-stability-1": {"precision": "float", "arithmetic": "exact", "robustness": "robust"},
 }

@@ -18,7 +18,7 @@ from ptbench.io.run import OfARun
 SCHEMA = "ptbench-rays-1"
 QUERIES = ("closest", "any")
 _PEER_KEYS = {"mesh", "batches"}
-# Words that precede the version of a peer program, by the key of the peer's file that holds the version.
+# Words before a peer program's version in the program's name, by the key of the peer's file that holds the version.
 _PEER_PROGRAMS = {"mitsuba": "through Mitsuba ", "optix": ""}
 
 
@@ -68,7 +68,7 @@ class RayMesh:
     triangles: int
     hash: str
     rays: dict[str, int]  # number of rays in a batch, by class of rays
-    agree: dict[str, bool]  # by class of rays, whether all trees and kernels (and brute force, if run) have equal hits
+    agree: dict[str, bool]  # by class of rays, whether all trees and kernels (brute force, too, if run) give equal hits
     trees: tuple[Tree, ...]
 
 

@@ -44,7 +44,7 @@ def load(path: Path | str) -> Result:
     return result_of(read_json(Path(path)))
 
 
-_KEPT: dict[bytes, dict[Path, Result]] = {}  # cache of loaded results, by digest of the file's bytes and path
+_KEPT: dict[bytes, dict[Path, Result]] = {}  # loaded result files, kept by digest of the contents and by path
 
 
 def load_kept(path: Path) -> Result:
@@ -290,7 +290,7 @@ def _cell(
         negative=node.optional_integer("negative") or 0,
         saturated=node.optional_integer("saturated") or 0,
         unfinished_walks=node.optional_integer("unfinished_walks") or 0,
-        # A cell that was interrupted before its counting pass has no object for that pass, or an empty one.
+        # The counting pass of a cell interrupted before it has no object in the file, or an empty one.
         instrumented=None if instrumented is None or instrumented.value == {} else _instrumented(instrumented),
         samples=tuple(samples[name]),
         errors=tuple(with_shown_names(message, order, usual) for _, message in errors[name]),

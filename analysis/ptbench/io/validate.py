@@ -37,7 +37,7 @@ KINDS = (
     "gpu-tests",
     "passport",
 )
-# Files that people write: validated like the others, but not in the tables of what ptbench writes.
+# Kinds of files that people write, such as claims: they are validated, but not described among ptbench's outputs.
 WRITTEN_BY_HAND = ("claim", "map")
 _BY_SCHEMA = {
     "ptbench-crosscheck-1": "crosscheck",
@@ -112,7 +112,7 @@ def journal_complaints(path: Path) -> Iterator[str]:
     for number, line in enumerate(lines, start=1):
         place = f"line {number}"
         if damage := seal.fault(line):
-            is_whole = False  # contradictions between lines would name wrong ones after a damaged line
+            is_whole = False  # after a damaged line, contradictions would be reported at wrong lines
             yield f"{place}: found {damage}, allowed: lines as ptbench wrote them"
             continue
         try:
@@ -149,7 +149,7 @@ def validate(path: Path) -> list[str]:
 def _contradictions(root: Node) -> Iterator[str]:
     try:
         yield from map(str, contradictions(root))
-    except InputError as error:  # raised for a row of a result file that belongs to no known cell
+    except InputError as error:  # the error for a row of the result file that belongs to no cell of it
         yield str(error).removeprefix(visible(f"{root.file}: "))
 
 

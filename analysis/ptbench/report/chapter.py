@@ -63,7 +63,7 @@ class LeftOut:
     not_applicable: tuple[tuple[str, str, str], ...] = ()  # variants left out: (study or case, reason, count)
     failed: tuple[tuple[str, str], ...] = ()  # failures: (cell or check, error message)
     not_drawn: tuple[tuple[str, str], ...] = ()  # figures not drawn: (study, reason)
-    doubts: tuple[tuple[str, int, str], ...] = ()  # doubtful numbers: (doubt, count, total)
+    doubts: tuple[tuple[str, int, str], ...] = ()  # doubts about numbers: (doubt, how many have it, of how many)
 
 
 @dataclass(frozen=True)

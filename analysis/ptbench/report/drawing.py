@@ -17,7 +17,7 @@ from ptbench.studies.notes import Note
 # Size in bytes of an SVG, with thousands of points, from which on a PNG is tried, which takes seconds.
 _LARGE_SVG = 500_000
 _PICTURES_DPI = 120  # resolution of pictures of renders, which serve for viewing only
-_CSS_PIXELS = 96  # CSS pixels per inch
+_CSS_PIXELS = 96  # number of CSS pixels in an inch
 
 
 @dataclass(frozen=True)

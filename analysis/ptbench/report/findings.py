@@ -185,7 +185,7 @@ class Efficiency:
     baseline: str
     estimate: Estimate
     is_withdrawn: bool
-    word: str  # side of 1 on which the efficiency's whole interval lies, or why there is no verdict
+    word: str  # side of 1 on which the efficiency's interval lies, or why no verdict is given
 
 
 def efficiencies_of(result: Result, study: Study) -> list[Efficiency]:

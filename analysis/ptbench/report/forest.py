@@ -25,7 +25,7 @@ from ptbench.studies.questions import Question, dimension, label_of, question_of
 from ptbench.studies.rows import Row, baseline_of
 from ptbench.studies.withdrawn import between
 
-MOST_ROWS = 44  # most rows on a page; with more comparisons, rows are means per choice and scene
+MOST_ROWS = 44  # largest number of rows on an overview page; more are averaged by choice and scene
 
 
 def draw_overview(result: Result, title: str, prefix: str) -> tuple[Image, ...]:

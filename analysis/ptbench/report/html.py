@@ -192,7 +192,7 @@ def _cell(text: str, side: str) -> str:
 def _download(download: Download) -> str:
     data = _data("application/gzip", download.compressed)
     kib = max(1, round(len(download.compressed) / 1024))
-    # The link downloads the compressed file; the page's script turns it into plain CSV.
+    # The table's link is to a gzip file; with JavaScript, the page turns that into a link to plain CSV.
     return (
         f'<p><a class="csv" download="{escape(download.name)}.gz" href="{data}">{escape(download.name)}.gz</a>: '
         f"{download.rows} rows, one {escape(download.about)}; {kib} KiB, compressed by gzip.</p>\n"

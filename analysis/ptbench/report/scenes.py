@@ -149,7 +149,7 @@ def _rendered(known: ScenePicture, use: SceneUse, renderer: Renderer) -> ScenePi
         try:
             return replace(known, image=_framed(use, read_whole(kept, LARGEST_IMAGE)), how=how)
         except (InputError, OSError):
-            pass  # a kept picture that cannot be read is rendered again
+            pass  # a cached picture of a scene that cannot be read is rendered anew
     done = _render(use, size, renderer)
     if done.image is None:
         return replace(known, failure=f"not rendered: {textwrap.shorten(done.failure, _LONGEST_REASON)}")
@@ -165,7 +165,7 @@ def _rendered(known: ScenePicture, use: SceneUse, renderer: Renderer) -> ScenePi
 def _render(use: SceneUse, size: tuple[int, int], renderer: Renderer) -> gallery.Rendered:
     """Renders a scene from its own file, by name, or from a file of its name with its hash; else the first failure."""
     attempts = []
-    # Suites may use scene files that the program does not know by name.
+    # A suite may have used a scene file whose name the program does not know.
     files = sorted(path for path in _SCENES.rglob("*.json") if path.stem == use.scene)
     own = [use.file] if use.file and os.path.isfile(use.file) else []
     for source in (*own, use.scene, *map(str, files)):

@@ -12,7 +12,7 @@ from ptbench.io.results import result_of
 from ptbench.io.stability import Stability, is_stability, stability_of
 from ptbench.terminal import visible
 
-# Schemas of cross-checks, peer comparisons and leak searches, which lie beside results and are not in reports.
+# Schemas of cross-checks, peer comparisons and leak searches: their files lie beside results, and no report shows them.
 _NO_RESULTS = ("ptbench-crosscheck-", "ptbench-peers-", "ptbench-leaks-")
 
 

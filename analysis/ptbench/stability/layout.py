@@ -10,7 +10,7 @@ from ptbench.io.stability import BROKEN, KNOWN_LIMIT, SCHEMA, Case, Row, Stabili
 
 # Axes that affect how numbers are computed; other axes affect only the order of computation.
 FORMULA_AXES = (PRECISION, ARITHMETIC, ROBUSTNESS)
-# Axes that affect how samples are drawn: they are part of a row, as each case is run with the relevant ones.
+# Axes that affect how samples are drawn: variants that differ in them make different rows of a stability report.
 ESTIMATOR_AXES = tuple(name for name, axis in known_axes().items() if axis.decides_samples)
 
 

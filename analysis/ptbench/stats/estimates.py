@@ -155,7 +155,7 @@ def ratio_estimate(values: np.ndarray, baseline: np.ndarray) -> Estimate:
     ratio = float(np.median(values) / np.median(baseline))
     if n == 1:
         return Estimate(ratio, None, None, 1)
-    # One generator draws for both sides: two of equal seed would resample both sides alike.
+    # Both sides are resampled by one generator, as two generators of equal seed would resample them alike.
     medians, baseline_medians = _medians_of(values, baseline)
     low, high = _percentiles(medians / baseline_medians)
     return Estimate(ratio, low, high, n)

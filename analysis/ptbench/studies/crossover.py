@@ -14,7 +14,7 @@ class Crossover:
     """The first x from which on the whole interval of the ratio is below 1; None: there is no such measured x."""
 
     x: int | None
-    is_first: bool = False  # whether x is the smallest measured value, so that no ratio above 1 was seen below it
+    is_first: bool = False  # whether x is the smallest measured value, so that the crossover may lie below it
     doubts: tuple[str, ...] = ()
     missing: tuple[int, ...] = ()  # values above the crossover x at which the line has no ratio
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Protocol
 
 UNKNOWN = "unknown"
-_HASHES = ("cuda_kernel_source_hash", "program_hash")  # keys of program hashes; the first one in all files decides
+_HASHES = ("cuda_kernel_source_hash", "program_hash")  # hashes of programs; the first that all files have counts
 
 
 class Measured(Protocol):

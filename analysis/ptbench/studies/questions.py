@@ -121,7 +121,7 @@ def varying_dimensions(cells: Sequence[Cell], question: Question | None, swept: 
             continue
         groups: dict[tuple, set[str | None]] = {}
         for cell in cells:
-            # Where two choices have different standards of a tunable, that difference is not mentioned in labels.
+            # Labels do not mention a tunable if it differs only because two choices have different default values.
             choices = tuple(cell.axes.items()) if name in tunables else ()
             groups.setdefault((cell.scene, dimension(cell, swept), choices), set()).add(dimension(cell, name))
         if any(len(values - {None}) > 1 for values in groups.values()):

@@ -136,7 +136,7 @@ def cycles_ratio(cell: Cell, baseline: Cell) -> Estimate | None:
     return None if cycles is None or baseline_cycles is None else ratio_estimate(cycles, baseline_cycles)
 
 
-# Axes that only refine one choice of another axis: that axis, and its choice with which they have no effect.
+# Axes that only refine another axis, as name: (refined axis, its choice with which the refinement has no effect).
 _QUALIFIES = {SORT_KEY: (SORTING, "none")}
 
 

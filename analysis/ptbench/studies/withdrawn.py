@@ -24,14 +24,14 @@ class Withdrawal:
     axis: str
     choices: tuple[str, ...]
     backends: tuple[str, ...]
-    spares: dict[str, tuple[str, ...]]  # choices of other axes with which the verdicts stand
+    spares: dict[str, tuple[str, ...]]  # by axis, choices with which a cell's verdicts are not withdrawn
     scenes: tuple[str, ...]  # scenes to which the withdrawal is limited; empty: all scenes
     withdrawn: str  # which verdicts on the choice are withdrawn, in words
     gist: str  # reason for the withdrawal in a few words
     reason: str
-    bound: dict[str, float]  # bound of the withdrawn ratio by choice, which `bound_is` puts in words; may be empty
+    bound: dict[str, float]  # bounds of the withdrawn ratio by choice, which `bound_is` explains in words; may be empty
     bound_is: str
-    source: str  # committed file that has the bounds
+    source: str  # path in the repository of the file that shows the bounds on the withdrawn ratio
     stays: str  # verdicts that stay valid despite the withdrawal
     until: str
 

@@ -18,7 +18,7 @@ class ShardFile:
     file: Path
     shard: int
     machine: str
-    identity: str  # identity of the run: machine, build, settings, cells
+    identity: str  # hash of a run's machine, build, settings and cells
     date: str
     films: dict[tuple[str, int], str]  # film hashes by cell and repetition
 
@@ -29,7 +29,7 @@ class Group:
 
     machine: str
     shards: dict[int, ShardFile] = field(default_factory=dict)
-    twice: list[Path] = field(default_factory=list)  # files left out as duplicates of a shard
+    twice: list[Path] = field(default_factory=list)  # result files left out: another file has the shard
 
     def missing(self, count: int) -> list[int]:
         """The numbers of the missing shards."""

@@ -80,7 +80,7 @@ def _say_missing(submission: Submission, array: Array, group: Group | None, queu
 def _states(array: Array) -> dict[int, str]:
     try:
         return slurm.tasks_of(array.jobs) if array.jobs else {}
-    except InputError:  # results may be collected on a machine without Slurm
+    except InputError:  # results may be collected on a machine without Slurm's commands
         return {}
 
 
@@ -104,7 +104,7 @@ def collect_command(folder: Path) -> int:
                 _say_missing(submission, array, group, _states(array))
                 continue
             out = submission.folder / f"{group.machine}.json"
-            if out in written:  # the machine's name is taken by another build or GPU model of the array
+            if out in written:  # another build or GPU model of the machine has written its result
                 out = out.with_name(f"{group.machine}.{next(iter(group.shards.values())).identity[:8]}.json")
             merge(submission, group, out)
             written.add(out)

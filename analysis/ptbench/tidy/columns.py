@@ -256,7 +256,7 @@ def types_of(rows: Sequence[Mapping], *groups: Mapping[str, str]) -> dict[str, s
             continue
         prefix = FROM_FILES[name]
         others = tuple(other for other in FROM_FILES.values() if other and other != prefix)
-        # A column without a prefix is an axis, so all other prefixes are excluded.
+        # Columns of axes have no prefix, so columns with any of the other prefixes are excluded.
         types |= {
             key: kind for key in found if key not in fixed and key.startswith(prefix) and not key.startswith(others)
         }

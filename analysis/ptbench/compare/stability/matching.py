@@ -76,7 +76,7 @@ class Against:
     reference: Stability
     other: Stability
     pairs: tuple[Pair, ...]
-    alone: tuple[tuple[bool, Row], ...]  # each row that only one file has, after whether that is the reference
+    alone: tuple[tuple[bool, Row], ...]  # rows that one file lacks, each as (whether the reference has it, row)
 
     @cached_property
     def changed(self) -> list[Pair]:

@@ -17,8 +17,8 @@ from ptbench.stability.layout import Layout, point_label, short_power
 SCHEMA_VERSION = "1"
 MUST_PASS, NEED_NOT_PASS = "failed that must pass", "failed that need not pass"
 TALLIES = (PASSED, MUST_PASS, BROKEN, KNOWN_LIMIT, NEED_NOT_PASS, NOT_APPLICABLE)
-_SHOWN = 40  # most changed stability checks that stdout lists
-_NAMED = 8  # most stability cases that a sentence names
+_SHOWN = 40  # largest number of changed stability checks that stdout lists
+_NAMED = 8  # largest number of stability cases that one sentence names
 
 
 def stability_sections(compared: StabilityCompared, whole: bool) -> list[Section]:

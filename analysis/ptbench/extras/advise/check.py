@@ -13,7 +13,7 @@ from ptbench.stats.estimates import MINIMUM_SAMPLES, Estimate, ratio_estimate
 from ptbench.studies.disturbed import is_contended
 
 GOOD, NOT_GOOD, OPEN = "within", "not within", "undecided"
-# Ratio to the least time above which a variant cannot be the best, however wide the intervals are.
+# A variant whose time is above this multiple of the least cannot be the best, however wide the intervals.
 _CLOSE = 1.3
 
 

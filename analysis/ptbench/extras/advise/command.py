@@ -39,7 +39,7 @@ class Call:
     tried: int | None = None  # number of generated scenes to try the advice on, in place of a given scene
     seed: int = 1
     loaded: bool = False
-    out: Path | None = None  # file that a try of the advice writes
+    out: Path | None = None  # file into which a try of the advice on generated scenes writes its results
     resume: bool = False
 
 

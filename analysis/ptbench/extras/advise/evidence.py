@@ -21,7 +21,7 @@ from ptbench.stats.estimates import Estimate, ratio_estimate
 from ptbench.studies.disturbed import is_contended
 from ptbench.studies.withdrawn import between
 
-# A choice: the settings in which it differs from the reference, as (axis or tunable, value).
+# A choice of a decision, as (axis or tunable, value) pairs: the settings that differ from the decision's reference.
 Choice = tuple[tuple[str, str], ...]
 
 
@@ -31,7 +31,7 @@ class Decision:
 
     name: str
     reference: Mapping[str, str]
-    only: Mapping[str, str]  # axis choices that a cell needs to be evidence for this decision; empty: every cell is
+    only: Mapping[str, str]  # axis choices that a cell must have to be evidence for the decision; empty: every cell is
     statistic: str
     of_meshes: bool = False  # whether to choose an acceleration structure, which needs a scene with triangles
 
@@ -52,7 +52,7 @@ DECISIONS = tuple(
     Decision(one["name"], one["reference"], one.get("only", {}), one["statistic"], one.get("of_meshes", False))
     for one in json.loads(FILE.read_text(encoding="utf-8"))["decisions"]
 )
-# A tunable that adds artificial shading cost; cells with it are excluded, as with another scene.
+# A tunable that adds artificial shading cost; cells with it are no evidence for advice, as if their scene were another.
 INJECTED = "shading_fmas"
 _OF_A_COMMIT = re.compile(r"_[0-9a-f]{7}\.json(\.gz)?$")
 
@@ -73,9 +73,9 @@ class Point:
     ratio: Estimate
     features: Features
     scene: str
-    setting: str  # depth and image size at which the ratio was measured
+    setting: str  # depth and image size of the measured cells that gave the ratio
     file: str
-    rest: tuple  # settings that the choice and its reference have in common
+    rest: tuple  # settings that the measured choice and its reference share
     by_way_of: str = ""  # choice through which this one was compared, where the reference itself was not run
 
     @property
@@ -101,7 +101,7 @@ class Book:
     machine: str
     device: str
     backend: str
-    points: Mapping[str, tuple[Point, ...]]  # measured ratios by decision
+    points: Mapping[str, tuple[Point, ...]]  # measured ratios of choices to their reference, by name of the decision
     baselines: Mapping[str, str]  # baseline choice by axis, from the newest file that names one
     without: tuple[str, ...]  # measured scenes whose files do not exist in the checkout
 

@@ -12,13 +12,13 @@ from pathlib import Path
 from ptbench.io.cells import Cell
 from ptbench.io.nodes import Node, read_json
 
-# Scene features, with how much makes a distance of 1: powers of two for DOUBLINGS, plain differences for STEPS.
+# Scene features, with the difference that makes a distance of 1: DOUBLINGS count powers of two, STEPS plain units.
 DOUBLINGS = {"objects": 3.0, "triangles": 4.0, "materials": 2.0, "depth": 1.0, "pixels": 2.0, "lamps": 2.0,
              "lamp_share": 2.0}  # fmt: skip
 STEPS = {"kinds": 2.0, "length": 0.15}
 OF_TIME = ("objects", "triangles", "materials", "kinds", "depth", "length", "pixels")
 OF_ERROR = ("kinds", "depth", "length", "lamps", "lamp_share")
-# Half of the smallest lamp share that is distinguished from zero.
+# Addend of lamp shares that keeps their logarithm finite at 0: half the smallest share that is told from 0.
 _LEAST_SHARE = 2.0**-16
 
 
@@ -28,7 +28,7 @@ class Content:
 
     objects: int
     materials: int
-    kinds: int  # kinds of materials, without lamps
+    kinds: int  # number of kinds of materials in the scene, emitters not counted
     lamps: int
     lamp_share: float  # lamps' share of all surface area, in which a mesh counts by its scaled bounding box
 

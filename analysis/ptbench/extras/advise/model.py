@@ -19,9 +19,9 @@ SAME = 0.1  # feature distance below which two scenes count as one scene
 WITHIN = 0.05  # an advised choice at most this fraction above the best time counts as equally good
 LEAST_SCENES = 3  # least number of measured scenes for a model to be trusted
 ALIKE = 0.02  # relative difference of two forecasts up to which the choice with fewer changes is preferred
-# Extra feature distance of a measurement for each axis whose choice differs from the scene's.
+# Feature distance, added in quadrature, for each axis of which a measurement has another choice than its forecast.
 ANOTHER_CHOICE = 0.5
-# A choice is not forecast if its nearest measurement is this much farther in features than the nearest of any choice.
+# Largest feature distance by which a choice's nearest measurement may lie behind the nearest one of all choices.
 _MOST_BEHIND = 2.0
 
 
@@ -65,7 +65,7 @@ class Trial:
     scenes: int
     factor: float | None  # factor that bounds 95 % of the errors of forecast ratios; None: too few scenes
     forecasts: int
-    good: int  # settings where the choice forecast as best was measured within 5 % of the best
+    good: int  # number of settings where the choice forecast as best was within 5 % of the best when measured
     settings: int
     reach: float  # largest feature distance of a scene to its nearest other scene
 

@@ -14,7 +14,7 @@ from ptbench.program import Program
 
 _PIXELS = 4096  # pixels of the probe render, enough for path counts within a few per cent
 MESH = "mesh"
-# Axes whose choices a scene itself may rule out; other inapplicable choices depend on the rest of the variant.
+# Axes with choices that a scene alone may rule out, whatever the variant's other choices are.
 _OF_SCENES = (INTEGRATOR, DIRECT_LIGHT, RUSSIAN_ROULETTE, SAMPLER)
 
 

@@ -52,7 +52,7 @@ class Asked:
     spp: int
     out: Path
     loaded: bool = False  # whether to measure despite load from other processes
-    resume: bool = False  # whether to resume a file of the same try of the advice and keep the scenes decided in it
+    resume: bool = False  # whether to resume the file of an interrupted try of the advice, whose scenes are kept
 
 
 def drawn_scenes(count: int, seed: int) -> Iterator[tuple[dict, int]]:
@@ -131,7 +131,7 @@ def _decided(file: Path, about: dict) -> dict[str, dict]:
 def _in_order(variants: Sequence[dict[str, str]], advised: Sequence[Advised]) -> list[dict[str, str]]:
     """The variants, the advised one first."""
     pick = settings_of([one for one in advised if is_timed(one)])
-    if ACCELERATOR in variants[0]:  # advice learnt from scenes without meshes names no accelerator
+    if ACCELERATOR in variants[0]:  # advice learnt only from scenes without meshes leaves the axis open
         pick = {ACCELERATOR: variants[0][ACCELERATOR], **pick}
     return [pick, *(one for one in variants if one != pick)]
 

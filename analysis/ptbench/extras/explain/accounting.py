@@ -40,8 +40,8 @@ class Account:
     total: Estimate
     stages: dict[str, float]
     outside: float = 0.0  # time of the instrumented pass outside its stages: gaps between launches, waiting on the host
-    passes: float = 0.0  # timed median less the instrumented pass: negative where instrumentation costs time
-    divided: bool = True  # False: the file has no stage times, so that a single stage stands for the timed median
+    passes: float = 0.0  # timed median less the instrumented pass, in ms: negative where instrumentation costs time
+    divided: bool = True  # whether the file has stage times; False: a single stage stands for the timed median
 
     @property
     def instrumented(self) -> float | None:
@@ -91,7 +91,7 @@ class Step:
     """One term of the difference of two cells; `low` and `high` are a stage's range, None outside the stages."""
 
     name: str
-    a: float | None  # time of cell A that this term covers; None: A has no such stage
+    a: float | None  # time of cell A in the stages that this step covers; None: A has no such stage
     b: float | None
     low: float | None = None
     high: float | None = None
@@ -124,7 +124,7 @@ class Accounting:
     a: Account
     b: Account
     steps: tuple[Step, ...]
-    merged: bool  # A and B divide tracing and shading into different stages, so that these are merged into one step
+    merged: bool  # whether A and B divide tracing and shading into different stages, so that one step covers all these
 
     @property
     def difference(self) -> float:

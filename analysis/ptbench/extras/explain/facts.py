@@ -119,7 +119,7 @@ def _slots(a: Cell, b: Cell) -> Iterator[Fact]:
             return None
         is_refilled = cell.axes[INTEGRATOR] == _REFILLED
         if is_refilled and cell.tunables.get("refill_every", 1) > 1:
-            return None  # slots that are empty until the next refill are not counted, so the live share is unknown
+            return None  # slots that wait empty for a refill are not counted, so the queue's live share is unknown
         is_full = cell.counters.get("compactions") or is_refilled
         return 1.0 if is_full else share
 

@@ -34,7 +34,7 @@ class Evidence:
 
 def evidence_of(cell: Cell, entries: Sequence[Inspected]) -> Evidence | None:
     """The counters of a cell's variant in its scene, or of the nearest variant; None: nothing was counted."""
-    # The counted kernels were launched by stream, whatever the cell's choice of `launch`.
+    # Hardware counters are taken with kernels launched by stream, whatever choice of the axis `launch` the cell has.
     wanted = replace(cell, axes={**cell.axes, **({LAUNCH: "stream"} if LAUNCH in cell.axes else {})})
     counted = [entry for entry in entries if times_of(entry)]
     own = inspected_of(wanted, counted)

@@ -13,7 +13,7 @@ from ptbench.io.cells import Cell
 from ptbench.io.inspection import Inspected, load_inspected
 
 NEAR_ENOUGH = 0.05  # relative error up to which a predicted time ratio counts as right
-BAR = 0.9  # share of the variants whose prediction must be right
+BAR = 0.9  # least share of variants with a right prediction of the time ratio for the rule to reach its aim
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class Prediction:
     evidence: Evidence
     bound: str
     shares: dict[str, float]
-    ratios: dict[str, float]  # predicted ratio, by name of the rule
+    ratios: dict[str, float]  # predicted time on the other GPU over that on the first, by name of the prediction rule
 
     @property
     def cell(self) -> Cell:
@@ -80,7 +80,7 @@ class Unowned:
     """A GPU that nobody measured, with predictions from its data sheet."""
 
     gpu: Gpu
-    ratios: dict[str, float]  # predicted ratio by cell name, for cells with their own counters
+    ratios: dict[str, float]  # predicted time ratio by cell name; only cells with hardware counters of their own
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from ptbench.io.files import named_files
 from ptbench.io.nodes import read_json, shown
 from ptbench.io.validate import complaints
 
-# Name of the statistic "time to an image": the build times plus the time for a number of samples per pixel.
+# Name of the statistic "time to an image": build times plus the time for a map's number of samples per pixel.
 TO_IMAGE = "time to an image"
 STATISTICS = (TIME, VARIANCE, TO_IMAGE)
 # What a map's axis may set, besides a parameter of the scene generator ("scene.NAME") and a tunable ("tunable.NAME").

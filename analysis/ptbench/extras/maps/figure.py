@@ -71,7 +71,7 @@ def can_be_drawn(sheet: Sheet) -> bool:
 
 def _interpolated(known: dict, values: Sequence[float], xs: np.ndarray, ys: np.ndarray) -> np.ndarray:
     points = np.log(np.array(list(known), dtype=float))
-    # Points are scaled to the unit square, so that the triangulation has no slivers.
+    # Points on the map are scaled to the unit square before triangulation, which avoids sliver triangles.
     low, span = np.array([xs[0], ys[0]]), np.array([xs[-1] - xs[0], ys[-1] - ys[0]])
     grid = np.stack(np.meshgrid((xs - low[0]) / span[0], (ys - low[1]) / span[1]), axis=-1)
     return LinearNDInterpolator((points - low) / span, np.array(values))(grid)

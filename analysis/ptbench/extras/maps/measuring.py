@@ -30,7 +30,7 @@ SCHEMA = "ptbench-map-result-1"
 SIDES = ("choice", "over")
 BUDGET, SETTLED = "the budget is spent", "every bracket is as narrow as asked, or cannot be narrower"
 
-# A run of a map's point as an object of the map's result file; `_run_of` defines its keys.
+# A run of `ptbench run` at one point of a map, as an object of the map's result file with the keys that `_run_of` sets.
 Run = dict
 Measure = Callable[[Definition, Place], Run]
 
@@ -43,7 +43,7 @@ class Sheet:
     device: str = ""
     sessions: list[dict] = field(default_factory=list)
     runs: dict[str, Run] = field(default_factory=dict)
-    cells: dict[Place, str] = field(default_factory=dict)  # by cell of the map, the key of the cell's run in `runs`
+    cells: dict[Place, str] = field(default_factory=dict)  # by place on the map, the name of its run in `runs`
     ended: str = ""
     _ratios: dict[tuple[Place, str], Estimate | None] = field(default_factory=dict)
 

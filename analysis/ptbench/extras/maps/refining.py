@@ -22,7 +22,7 @@ class Axis:
     name: str
     low: float
     high: float
-    cells: int  # number of cells along this axis in the map's coarse grid
+    cells: int  # number of points along the axis in the map's initial coarse grid
     is_integer: bool = False
 
     @property
@@ -46,8 +46,8 @@ class Axis:
 class Bracket:
     """Two neighbouring cells in a row or column of the map whose verdicts differ."""
 
-    along: int  # axis of the map along which the bracket's cells are neighbours, 0: x, 1: y
-    at: float  # the bracket's coordinate on the other axis of the map
+    along: int  # map axis along which the bracket's two cells are neighbours; 0: x, 1: y
+    at: float  # coordinate of both cells of the bracket on the other axis of the map
     low: float
     high: float
     is_firm: bool  # whether the bracket's ends are decidedly on different sides of ratio 1; False: one is undecided

@@ -35,8 +35,8 @@ class Question:
 
     asked: str
     axis: str
-    # Whether a choice on the axis stands on the side that the ratio is relative to; the second argument is the axis's
-    # baseline in the file.
+    # Whether a choice on the question's axis belongs to the variants "without", whose time is the numerator of the
+    # ratio; the second argument is the axis's baseline in the file.
     is_without: Callable[[str, str | None], bool] = lambda choice, baseline: choice == baseline
 
 
@@ -55,9 +55,9 @@ LIGHTS = "Connect vertices to lights, at equal error?"
 class Side:
     """What one run says, of variants that the other one chose."""
 
-    without: str  # the variant on the side that the ratio is relative to
-    choice: str  # the variant on the other side
-    ratio: Estimate  # times as fast: above 1 the choice pays
+    without: str  # variant without the asked choice, whose time is the ratio's numerator
+    choice: str  # variant with the asked choice, whose time is the ratio's denominator
+    ratio: Estimate  # how many times as fast `choice` is as `without`: above 1 it pays
     word: str
     reason: str = ""
 

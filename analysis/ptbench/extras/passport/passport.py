@@ -44,7 +44,7 @@ def load_passport(path: Path) -> Passport:
     if root.need("schema").value != SCHEMA:
         raise bad_value(path, "$.schema", str(root.need("schema").value), SCHEMA)
     for complaint in complaints(root.value, "passport"):
-        if not complaint.startswith("$.runs["):  # what a run lacks is said where it is read
+        if not complaint.startswith("$.runs["):  # faults of a run are reported when it is parsed below
             place, _, rest = complaint.partition(": found ")
             found, _, allowed = rest.partition(", allowed: ")
             raise bad_value(path, place, found, allowed)

@@ -71,7 +71,7 @@ class Peer:
 
 def _is_disturbed(sample: dict, on_gpu: bool) -> bool:
     foreign, device = sample["foreign_cpu_ms"], sample["device_ms"]
-    # Other processes delay only a GPU's host; a peer that is timed by its kernels alone does not notice.
+    # Other processes delay a GPU's renders only through the host, and never those whose kernels alone are timed.
     if on_gpu and (device is None or 1 - device / sample["ms"] <= MOST_HOST_SHARE):
         return False
     # CPU time of other processes below one tick of the system's clock, 10 ms, proves no disturbance.

@@ -114,7 +114,7 @@ def _scale(axes: Axes, points: Sequence[Point]) -> None:
     for axis, ends in ((axes.xaxis, x_ends), (axes.yaxis, y_ends)):
         style.ticks(axis, FixedLocator(ticks_between(*ends)))
     axes.set_xlabel("Time of a sample a pixel, ms (log scale)")
-    # Guide lines of equal work-normalised variance, each half of the next.
+    # Each diagonal guide line joins points of equal variance times time, half that of the next line.
     line = np.array(x_ends)
     low, high = (float(np.log2(x * y)) for x, y in zip(x_ends, y_ends, strict=True))
     for power in range(round(low), round(high) + 1):

@@ -144,7 +144,7 @@ def _pictures(one: OwnVariant | Talking, plan: Plan) -> tuple[np.ndarray, float]
     """One picture per seed, and the least time per sample in milliseconds."""
     width, height = plan.call.resolution
     passes = 1
-    # A peer that keeps every sample in memory may need several passes.
+    # A peer that holds all samples of a render in memory renders in several passes if it cannot hold the image's.
     while plan.spp * width * height > passes * one.wanted.most_lanes and plan.spp % (2 * passes) == 0:
         passes *= 2
     images, times = [], []
@@ -184,7 +184,7 @@ def _spp_of_a_render(ms_per_spp: float, wanted: Wanted, plan: Plan) -> int:
 def _rounds(entry: dict, plan: Plan, running: dict, save: Callable) -> None:
     for number in range(1, plan.rounds + 1):
         order = [peer for peer in entry["peers"] if peer["name"] in running and peer["status"] == OK]
-        # The order is random, so that no peer always follows the same other, and is reproduced when a run is resumed.
+        # The order of peers is random, so that none always follows the same one; the seed lets a resumed run repeat it.
         Random(f"{SEED} {number}").shuffle(order)
         for place, peer in enumerate(order, start=1):
             if any(sample["round"] == number for sample in peer["samples"]):

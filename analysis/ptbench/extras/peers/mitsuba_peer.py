@@ -17,7 +17,7 @@ _MAX_DEPTH = re.compile(r"max_depth = (\d+)")
 
 def register_bsdf_sampling(mi, dr):
     """Registers an integrator without next-event estimation, like direct_light=off: no shadow rays, no weights."""
-    # The function that dr.syntax generates looks names up in the module's globals.
+    # Code that dr.syntax generates finds `mi` and `dr` only among the module's globals.
     globals().update(mi=mi, dr=dr)
 
     class BsdfSampling(mi.SamplingIntegrator):

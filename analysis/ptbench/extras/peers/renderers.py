@@ -35,7 +35,7 @@ class Timed:
     ms: float
     wall_ms: float
     compile_ms: float
-    device_ms: float | None  # part of `ms` spent on the device; None where the renderer cannot measure it
+    device_ms: float | None  # part of the render time `ms` spent on the device; None where the renderer cannot tell
     foreign_cpu_ms: float | None
 
 

@@ -81,13 +81,13 @@ def _own_on_gpu(meshes: int) -> list[Wanted]:
     by_tree = meshes > _MOST_IN_TURN
     kernel = (f"{INTEGRATOR}=persistent", *base)
     if meshes:
-        # Speculative traversal: lanes postpone leaves until all have one. No megakernel is faster on large meshes.
+        # Speculative traversal postpones leaves until all lanes have one; over large meshes no megakernel is faster.
         kernel += (f"{ACCELERATOR}=cwbvh", f"{TRAVERSAL}=speculative", *((f"{LEVELS}=two_level",) if by_tree else ()))
     own = [_own(f"persistent {LIGHTS} projected", *kernel, *lit)]
     own += [_own(f"persistent {light}", *kernel, f"{DIRECT_LIGHT}={light}") for light in (LIGHTS, CHANCE)]
     if not meshes or by_tree:
         return own
-    # A wavefront with persistent traversal is at least as fast over large meshes, but intersects mesh objects in turn.
+    # A wavefront with persistent traversal is no slower over large meshes, but has no tree over a scene's mesh objects.
     queue = (f"{INTEGRATOR}=wavefront", f"{COMPACTION}=cub_select_flagged", f"{LAYOUT}=soa", *base)
     queue += (f"{ACCELERATOR}=cwbvh", f"{TRAVERSAL}=persistent")
     return [

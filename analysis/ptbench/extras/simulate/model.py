@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-# Film size per pixel: three sums of 64 bits.
+# Size in bytes of a pixel of the film: three sums of 64 bits.
 BYTES_PER_PIXEL = 24
 SAMPLES, TILES, BANDS, DYNAMIC = "samples", "tiles", "bands", "dynamic"
 PARTITIONS = (SAMPLES, TILES, BANDS, DYNAMIC)

@@ -38,7 +38,7 @@ class Parts:
 
     definition: Mapping
     cost: Cost
-    cost_points: tuple[Point, ...]  # measured render times that the straight line `cost` is fitted to
+    cost_points: tuple[Point, ...]  # measured render times to which the straight line `cost` is fitted
     device: str
     noise: np.ndarray  # measured times of renders over the median of their cell
     noise_cells: int

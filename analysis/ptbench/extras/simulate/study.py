@@ -45,9 +45,9 @@ class Study:
     parts: Parts
     side: int
     efficiencies: Mapping[tuple[str, int, int], Spread]
-    reductions: Mapping[tuple[int, int], float]  # film reduction in ms by (side, ranks), over the far network
-    even: Mapping[tuple[int, int], int | None]  # least spp at which samples are as fast as tiles, by (side, ranks)
-    stragglers: Mapping[int, float]  # slowest over median rank's time from noise alone, by ranks; median of trials
+    reductions: Mapping[tuple[int, int], float]  # film reduction in ms over the far network, by (image side, ranks)
+    even: Mapping[tuple[int, int], int | None]  # by (side, ranks), least spp where partition by samples equals tiles
+    stragglers: Mapping[int, float]  # slowest over median rank's time, if they differ by noise alone; by ranks
     slow_one: Mapping[tuple[str, int], float]  # parallel efficiency with one slow GPU, by (partition, ranks)
     imbalance: Mapping[tuple[str, int], float]  # load imbalance: largest over mean share of work, by (partition, ranks)
     checks: tuple[Point, ...]  # simulated against measured efficiencies of several GPUs

@@ -157,7 +157,7 @@ def _percent(share: float) -> str:
     return f"{figures(100 * share, 2)} %"
 
 
-# The tables of the simulation by the names that pages use.
+# Functions that make the simulation's tables, by the table names that pages of findings use.
 TABLES = {
     "efficiency": efficiency_table,
     "reduction": reduction_table,

@@ -28,9 +28,9 @@ from ptbench.io.cells import Result, Study
 from ptbench.stats.estimates import INTERVAL_TEXT, Estimate
 from ptbench.studies.notes import Note
 
-_ROW, _HEAD, _GAP, _FOOT = 0.27, 0.34, 0.5, 0.6  # inches: height of a bar, group's heading, gap between groups, foot
+_ROW, _HEAD, _GAP, _FOOT = 0.27, 0.34, 0.5, 0.6  # heights in inches: bar, group's heading, gap between groups, foot
 _LOG_FROM = 8.0
-_EVERY = 10**6  # most cells in a group: bar charts need no splitting into pages
+_EVERY = 10**6  # more cells than any group has, as bar charts are not split into pages
 
 
 @dataclass(frozen=True)
@@ -63,8 +63,8 @@ class Data:
     heading: str
     unit: str = ""
     line_at: float | None = None
-    from_line: bool = False  # whether bars begin at `line_at`, on a logarithmic axis
-    zero_based: bool = True  # whether there are bars, from 0 or on a logarithmic axis; False: intervals alone
+    from_line: bool = False  # whether the axis is logarithmic and bars begin at `line_at`
+    zero_based: bool = True  # whether estimates are bars from 0, or from the end of a log axis; False: only intervals
 
 
 def _data(found: Groups, groups: Sequence[Bars], title: str, caption: str, result: Result, **fields) -> Data:

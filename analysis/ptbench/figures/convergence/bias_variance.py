@@ -31,7 +31,7 @@ class Point:
     label: str
     sigma2: Estimate
     bias2: Estimate
-    found: bool  # whether a plateau was found; else only an upper limit of bias^2 is known
+    found: bool  # whether bias^2 is that of a plateau that was found; else it is only an upper limit
     limit: float
 
 

@@ -26,7 +26,7 @@ from ptbench.io.convergence import Picture
 from ptbench.io.images import TONE_MAPPING, displayed, exposure_of, flip, read_pfm
 from ptbench.studies.notes import Note
 
-_CROP = 96  # side in pixels of the crop that is shown of a larger image
+_CROP = 96  # width and height in pixels of the window cut from a larger image
 _PICTURE, _BETWEEN = 1.6, 0.14  # inches: side of a picture and gap between pictures
 _COLUMNS = 5
 _LINES = 4  # most lines of a variant's name above its picture
@@ -159,7 +159,7 @@ def _sheet(
     for one, image, text, error in zip(members, images, facts, errors, strict=True):
         shots.append(Shot(group.names[one.cell.name], text, displayed(image, exposure)[window], error[window]))
     shown = np.abs([error[window] for error in errors])
-    # The colour scale ignores exact pixels; in an image that is mostly exact the others would have no contrast.
+    # The limit of the colour scale ignores pixels without error: if most are exact, the others would lack contrast.
     limit = float(np.percentile(shown[shown > 0], 98)) if shown.any() else 1.0
     return Sheet(f"{group.title}, after {numbers.figures(time, 3)} ms", tuple(shots), limit), settings, failure
 

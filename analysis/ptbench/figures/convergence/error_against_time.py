@@ -26,7 +26,7 @@ from ptbench.studies.notes import Note
 
 _LEGEND_WIDTH = 2.0  # inches of width in the legend beyond which a line's name is wrapped
 _SECONDS_FROM = 2e4  # milliseconds from which on the time axis is in seconds
-_LOWEST_FLOOR = 100.0  # the reference's noise is not drawn if this many times below the lowest error
+_LOWEST_FLOOR = 100.0  # the reference's noise is left out of the plot if this many times below the lowest error
 _GUIDE = "#dadada"
 
 
@@ -36,8 +36,8 @@ class Line:
 
     label: str
     times: np.ndarray  # render time at each checkpoint in milliseconds
-    errors: np.ndarray  # root of the mean dual squared error over seeds; NaN where the mean is negative
-    low: np.ndarray  # lower end of the drawn band over seeds, by checkpoint
+    errors: np.ndarray  # root of the mean over seeds of the dual squared error; NaN where that mean is negative
+    low: np.ndarray  # lower end of the band over seeds that is drawn around the error, by checkpoint
     high: np.ndarray
     plateau: float | None
     plateau_is_bound: bool  # whether `plateau` is only a lower bound, which is told in words and not drawn as a line

@@ -18,8 +18,8 @@ from ptbench.figures.stability.caption import caption
 from ptbench.io.stability import Stability
 from ptbench.stability.layout import HeatCell, Layout, Place, heat_cell, short_power
 
-MOST_ROWS = 45  # most rows of cases on a page
-DECADES = 4.0  # decades from 1 at which the colour scale saturates
+MOST_ROWS = 45  # largest number of rows (stability cases) on a page of the heat map
+DECADES = 4.0  # decades between 1 and the value at which the heat map's colour is darkest
 GREY, BLANK = "#d0d0d0", "#ffffff"
 
 _ROW, _CELL, _HEAD, _APART, _SPLIT = 0.205, 0.46, 0.31, 0.1, 0.12  # inches of the heat map's layout
@@ -57,15 +57,15 @@ class HeatPage:
     title: str
     caption: str
     columns: tuple[str, ...]
-    must_pass: int  # number of leading columns, of variants that must pass
+    must_pass: int  # number of the leading columns whose variants must pass every check
     groups: tuple[HeatGroup, ...]
 
 
 def colour(over_allowed: float) -> str:
     """The colour of an error over the allowed one: blue up to 1, red above, the darker the farther from 1."""
     decades = -DECADES if over_allowed == 0 else DECADES if math.isinf(over_allowed) else math.log10(over_allowed)
-    # The pale middle of the colour scale is skipped, so that 0.9 and 1.1 look different. Steps of half a decade keep
-    # the number of colours low; the cell's number tells the rest.
+    # The pale middle of the colour scale is skipped, so that errors of 0.9 and 1.1 times the allowed one look
+    # different. Steps of half a decade keep the number of colours low; the number in the cell tells the rest.
     share = min(math.floor(2 * abs(decades)) / (2 * DECADES), 1.0)
     offset = 0.1 + 0.4 * share
     return to_hex(colormaps["RdBu_r"](0.5 - offset if over_allowed <= 1 else 0.5 + offset))
@@ -153,7 +153,7 @@ def draw(data: HeatPage) -> Figure:
     left = style.MARGIN + label_width + 0.14
     is_split = 0 < data.must_pass < len(data.columns)
     width = _CELL * len(data.columns) + (_SPLIT if is_split else 0)
-    # On a page of the heat map, the first family's name shares a line with the column names.
+    # The column names stand in the first family's heading, and need extra room only if they are taller than that.
     head = max(_widest(data.columns, _COLUMN_SIZE) + 0.16 - _HEAD, 0)
     heights = [_HEAD + _ROW * len(group.rows) for group in data.groups]
     body = head + sum(heights) + _LEGEND

@@ -12,11 +12,11 @@ from ptbench.io.stability import Case, Row, Stability
 from ptbench.stability.layout import Layout, Place, point_label
 
 LEAST_POINTS = 3
-MOST_FIGURES = 4  # most cases that get a page each; more cases share one page per family
-MOST_PANELS = 10  # most panels on a page
+MOST_FIGURES = 4  # up to this number, stability cases get a page each; beyond it, each family shares one
+MOST_PANELS = 10  # largest number of panels on one page of stability curves
 RELATIVE, ABSOLUTE = "error / exact value", "absolute error"
 
-# Lines of a panel: a label, and the axes of its variants. Fast arithmetic means that of the file's backend.
+# Lines of a stability panel, as (label, axes of variants); "fast" is the fast arithmetic of the file's backend.
 LINES = (
     ("robust float", {}),
     ("robust double_intersection", {PRECISION: "double_intersection"}),

@@ -25,7 +25,7 @@ from ptbench.studies.selection import parsed
 
 # Largest share of rays whose hits may differ between programs, as triangle tests do at edges.
 MOST_APART = 1e-6
-# Display names of the throughput ceilings.
+# Throughput ceilings as pages of findings name them, by their names in result files.
 CEILINGS = {
     "issue": "issue", "fma": "multiply-adds", "alu": "ALU", "xu": "XU", "l1": "L1", "l2": "L2", "memory": "memory",
 }  # fmt: skip

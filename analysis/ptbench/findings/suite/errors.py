@@ -68,7 +68,7 @@ class Errors(Cells):
         if between(one.cell, base.cell):
             raise FindingError(f"{one.cell.name}: its efficiency is withdrawn (analysis/withdrawn.json)")
         value = compared.efficiency
-        # Higher efficiency means less time at equal error, so the rule for times applies to the reciprocal.
+        # A higher efficiency means less time at equal error, so its reciprocal is judged like a ratio of times.
         word = UNSURE if value.low is None or value.high is None else word_of(1 / value.high, 1 / value.low)
         verdict = withheld(Verdict(word), compared.doubt) if compared.doubt else Verdict(word)
         return Ratio(value, verdict, one.cell.name)

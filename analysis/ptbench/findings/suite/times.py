@@ -113,7 +113,7 @@ class Times(Cells):
 
 
 def _told(row: Row) -> Told:
-    # A verdict with a note other than CLOCK_UNKNOWN is withdrawn, and its ratio is not told.
+    # A ratio of times is shown only if its verdict has no note or CLOCK_UNKNOWN; any other note withdraws it.
     is_told = row.ratio is not None and row.verdict.note in ("", CLOCK_UNKNOWN)
     ratio = Ratio(row.ratio, row.verdict, row.cell.name) if is_told else None
     return Told(row.cell.scene, row.label, Quantity(row.estimate, row.cell.name), ratio)
