@@ -68,7 +68,7 @@ private:
     void add_node(int index, const glm::dmat4& parent, int depth);
     void refuse_of_node(const tinygltf::Node& node, const std::string& pointer);
     void add_mesh(int index, const Affine& map, const Cis565Line* at);
-    // The mesh file of a glTF primitive, written on first use. Empty, with a problem reported, if there is none.
+    // The mesh file of a glTF primitive, written on first use; empty, after a message, if it has no valid triangles.
     const std::string& file_of(int mesh, std::size_t primitive, const std::string& pointer);
     void add_camera(int index, const Affine& map, const std::string& node);
     void add_view(const Vec3d& eye, const Vec3d& look_at, const Vec3d& up, double degrees, double aspect,
@@ -118,7 +118,7 @@ void GltfImporter::refuse_of_node(const tinygltf::Node& node, const std::string&
         refuse(pointer + "/weights", "weights of morph targets", "weights of 0");
     }
     for (const auto& [name, value] : node.extensions) {
-        if (name != "KHR_lights_punctual") {  // lights of KHR_lights_punctual are reported once, elsewhere
+        if (name != "KHR_lights_punctual") {  // glTF lights are reported elsewhere, once per file
             refuse(pointer + "/extensions/" + name, "an extension", "none of a node");
         }
     }
@@ -232,7 +232,7 @@ void GltfImporter::add_node(int index, const glm::dmat4& parent, int depth) {
         return;
     }
     if (depth > deepest || ++visits_ > most_visits) {
-        if (visits_ <= most_visits + 1) {  // report the limit on glTF nodes only once
+        if (visits_ <= most_visits + 1) {  // only the first glTF node beyond the limits is reported
             refuse(pointer, "nodes within nodes without end", "at most 64 levels and 10^5 nodes");
             visits_ = most_visits + 1;
         }

@@ -38,8 +38,8 @@ struct Cis565File {
     std::optional<Cis565Line> background;                  // line BACKGROUND_COLOR, which belongs to no section
     bool has_all_materials = true;                         // false: some MATERIAL section could not be read
     std::map<std::string, std::size_t> materials_by_word;  // index of each material by its label (text) or name (JSON)
-    bool is_json = false;                                  // JSON names materials and lets neutral values be left out
-    std::string stem;                                      // name of a scene without FILE; empty: FILE is required
+    bool is_json = false;                                  // JSON format: materials have names, values may be missing
+    std::string stem;                                      // scene name if no FILE line; empty: the line is required
     std::map<std::string, std::string> mesh_files;         // mesh files by name, from the JSON member "Meshes"
 };
 
@@ -50,8 +50,8 @@ Cis565File read_cis565_file(const std::string& text, ImportResult& result);
 // Keeps, skips or refuses a line of a CIS 565 scene by the use of its keyword, which the file spells `word`.
 void add_course_line(Cis565Section& section, const std::string& word, const Cis565Line& line, ImportResult& result);
 
-// Reads the values of one section of a CIS 565 scene. A value that cannot be read is a problem and makes the section
-// not whole.
+// Reads the values of one section of a CIS 565 scene. A value that cannot be read is reported as a problem, and the
+// section no longer counts as whole.
 class Cis565SectionReader {
 public:
     Cis565SectionReader(const Cis565Section& section, ImportFindings& problems)

@@ -183,8 +183,8 @@ void MaterialImporter::add_colour(ScenePart& part, const std::string& member, co
     part.add(member, json_of(colour(key)), reader_.line(key), black);
 }
 
-// Adds the surface's colour as `member` of the scene file: the texture, with warnings that it hides the colours of the
-// keys `replaced`, or without a texture the colour of `key`.
+// Adds the material's colour as the scene file's `member`: the texture, with warnings that it hides the colours of the
+// lines `replaced`, or without a texture the colour of the line `key`.
 void MaterialImporter::add_surface_colour(ScenePart& part, const std::string& member, const std::string& key,
                                           const std::vector<std::string>& replaced) {
     if (image_.empty()) {
@@ -241,7 +241,7 @@ ScenePart MaterialImporter::subsurface() {
     return part;
 }
 
-// Adds a dielectric's keys. REFL beside REFR is the course's glass, with Fresnel reflection like every dielectric.
+// Adds a dielectric's JSON members. REFL beside REFR is the course's glass, with Fresnel reflection as usual.
 ScenePart MaterialImporter::dielectric() {
     const bool is_rough = is_set("ROUGHNESS");
     ScenePart part = start(is_rough ? "rough_dielectric" : "dielectric", "a dielectric");
@@ -369,7 +369,7 @@ void MaterialImporter::apply_layers() {
     }
 }
 
-// Reports combinations that no material of a scene file can express; returns whether there is one.
+// Reports combinations of keywords that no material of a scene file can express; returns whether there is one.
 bool MaterialImporter::refuse() {
     if (is_set("EMITTANCE")) {
         return false;

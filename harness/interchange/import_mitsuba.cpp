@@ -63,7 +63,7 @@ std::string MitsubaImporter::filled(const XmlElement& element, std::string value
         const auto is_named = [&](const auto& parameter) {
             return value.compare(at + 1, parameter.first.size(), parameter.first) == 0;
         };
-        // Parameters are searched backward, so that a longer name comes before one that is its prefix.
+        // The sorted names are searched backward, so that a longer name is found before one that is its prefix.
         const auto found = std::find_if(parameters_.rbegin(), parameters_.rend(), is_named);
         if (found == parameters_.rend()) {
             file_.refuse(element, fmt::format("a <default> before it that gives {} its value", value.substr(at)));

@@ -177,7 +177,7 @@ MitsubaMaterials::Bsdf MitsubaMaterials::read_blend(MitsubaObject& object, int d
 }
 
 MitsubaMaterials::Bsdf MitsubaMaterials::read_bsdf(const XmlElement& element, int depth) {
-    constexpr int deepest = 8;  // BSDFs in a file may refer to each other in a circle
+    constexpr int deepest = 8;  // limit on nested BSDFs, which may refer to each other in a circle
     MitsubaObject object(element, *file_);
     const std::string type = object.type();
     Bsdf bsdf;

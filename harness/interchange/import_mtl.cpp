@@ -84,7 +84,7 @@ void OwnMaterials::read_library(const std::string& name) {
         return;
     }
     if (!read_.insert(found->lexically_normal()).second) {
-        return;  // read already: some programs name a library before every object
+        return;  // MTL library read already: some programs name it before every object
     }
     try {
         for (MtlMaterial& material : parse_mtl(read_text_file(found->string(), largest_library), found->string())) {
@@ -139,7 +139,7 @@ std::optional<std::size_t> OwnMaterials::entry_called(const std::string& name) {
                                   fmt::format("{}: \"{}\" is read as the material \"{}\", as if a comment "
                                               "began at #",
                                               file_.filename().string(), name, entries_[meant.front()].material.name));
-    by_name_.emplace(name, meant.front());  // stored, so that the warning for this MTL material name comes only once
+    by_name_.emplace(name, meant.front());  // remembers the MTL name, so that its warning comes only once
     return meant.front();
 }
 
@@ -157,7 +157,7 @@ std::optional<std::size_t> OwnMaterials::entry_of(const ObjPart& part) {
         has_told_of_groups_ = true;
         return found;
     }
-    if (is_whole_) {  // with an MTL library missing, an unknown material is no problem, as it may be in there
+    if (is_whole_) {  // with an MTL library missing, an unknown material may be in there and is no problem
         fail(part.material.empty() ? "faces before any usemtl" : "usemtl " + part.material,
              "a material of its libraries, mtllib");
     }

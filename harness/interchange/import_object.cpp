@@ -77,7 +77,7 @@ void ObjectImporter::add_shape() {
     }
 }
 
-// Warns of further shapes in an object, which can have only one. Some programs show a mesh behind all objects too.
+// Warns of an object's further shapes, as it can have only one. Some programs show a mesh behind all objects too.
 void ObjectImporter::warn_of_shapes_beside(const std::string& shape, const std::vector<std::string>& others) {
     const Cis565Line* told = nullptr;
     for (const std::string& key : others) {

@@ -23,7 +23,7 @@ struct ScenePart {
     std::string place;                 // JSON path of the part in the scene file, such as "$.camera"
     std::string name = "";             // name of the material that the part describes; empty for other parts
     const Cis565Line* head = nullptr;  // first line of the section in the source file
-    bool is_whole = true;              // false: a member is missing, since its source line was unreadable
+    bool is_whole = true;              // false: the part lacks a member whose source line was unreadable
     std::vector<SceneMember> members;
 
     void add(const std::string& key, const std::string& value, const Cis565Line* line,
@@ -52,11 +52,11 @@ std::string json_of(const std::string& text);
 // The JSON value of a colour that is a texture, by its file name in the scene, and a test for such a value.
 std::string image_in_scene(const std::string& name);
 bool is_image_in_scene(const std::string& value);
-// Adds a mesh that is to be written beside the scene file, named after it; returns the mesh file's name.
+// Adds a mesh to be written beside the scene file, under a name made from the scene file's; returns the mesh's name.
 std::string add_imported_mesh(ImportResult& result, const ImportSource& source, Mesh mesh);
-// The meshes of an import by the paths of the files that will have them.
+// The meshes of an import, by the paths of the files to which they will be written.
 MeshesToBe::Meshes imported_meshes(const ImportResult& result, const std::string& scene_file);
-// Passes on a mesh file's own warnings, once per file, at the source line that names it first.
+// Repeats a mesh file's own warnings as the import's, once per file, at the source line that names the file first.
 void warn_of_mesh(ImportResult& result, std::size_t line, const std::filesystem::path& file,
                   const std::vector<std::string>& warnings);
 // Name of a material in the scene file: its name in the source, or material_LABEL.

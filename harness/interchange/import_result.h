@@ -37,9 +37,9 @@ struct ImportResult {
     std::string json;  // text of the scene file; empty if there are problems
     std::vector<ImportedMesh> meshes;
     std::vector<ImportedImage> images;
-    FilesBeside files;  // imported meshes and images, as the content of files
+    FilesBeside files;  // files to be written beside the scene file: encoded meshes and images
     ImportFindings problems, warnings, notes;
-    std::set<std::string> meshes_told;  // mesh files whose warnings were passed on
+    std::set<std::string> meshes_told;  // mesh files whose own warnings are among `warnings` already
     std::size_t objects = 0, materials = 0;
 };
 

@@ -291,7 +291,7 @@ void GltfMeshMaker::add_primitive(const tinygltf::Primitive& primitive, const gl
     const bool is_surface =
         mode == TINYGLTF_MODE_TRIANGLES || mode == TINYGLTF_MODE_TRIANGLE_STRIP || mode == TINYGLTF_MODE_TRIANGLE_FAN;
     if (!is_surface || position == primitive.attributes.end()) {
-        return;  // the glTF primitive has no triangles or no positions
+        return;  // a glTF primitive without triangles or without positions adds nothing
     }
     const AccessorView positions = vectors(position->second, place);
     const auto first = static_cast<std::uint32_t>(mesh_.vertices.size());

@@ -58,7 +58,7 @@ private:
         }
     }
 
-    // Largest vertex (or normal) index so far and its line: checked at the end, as vertices may come after faces.
+    // Largest vertex or normal index in OBJ faces so far, and its line: checked at the end, as vertices may come later.
     struct Pending {
         std::uint64_t count = 0;
         std::size_t line = 0;
@@ -156,13 +156,13 @@ private:
         if (const std::string remark = obj_remark(kind, word); !remark.empty()) {
             warn(line_, remark);
         } else if (!keeps_parts_) {
-            return;  // materials and groups matter only if the mesh is split into parts
+            return;  // names of materials and groups matter only if the OBJ mesh is split into parts
         } else if (kind == ObjLine::material || kind == ObjLine::group) {
             (kind == ObjLine::material ? current_.material : current_.group) = rest_of_line();
             has_current_ = false;
         } else if (kind == ObjLine::library) {
             const std::size_t start = std::min(text_.find_first_not_of(" \t"), text_.size());
-            found_.libraries.emplace_back(text_.substr(start));  // a library's file name may contain spaces
+            found_.libraries.emplace_back(text_.substr(start));  // an MTL library's file name may contain spaces
         } else if (kind == ObjLine::image && rest_of_line() != "off") {
             warn(line_, fmt::format("{} is passed over: images are those of the materials", word));
         }
@@ -367,10 +367,10 @@ private:
     std::string joined_;
     std::vector<ObjCorner> corners_;  // corners of the current OBJ face
     std::vector<std::array<float, 3>> normals_;
-    std::vector<std::array<std::uint32_t, 3>> normal_triangles_;  // indices into normals_ of each triangle's corners
+    std::vector<std::array<std::uint32_t, 3>> normal_triangles_;  // each triangle corner's index into normals_
     bool all_have_normals_ = true;
     std::vector<std::array<float, 2>> textures_;
-    std::vector<std::array<std::uint32_t, 3>> texture_triangles_;  // indices into textures_ of each triangle's corners
+    std::vector<std::array<std::uint32_t, 3>> texture_triangles_;  // each triangle corner's index into textures_
     bool all_have_texture_ = true;
     Pending pending_vertex_, pending_normal_;
     std::vector<LatePolygon> late_polygons_;

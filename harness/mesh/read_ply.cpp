@@ -171,7 +171,7 @@ private:
             const auto& triangle = mesh_.triangles[polygon.triangle + (i < 3 ? 0 : i - 2)];
             const std::uint32_t vertex = triangle[std::min<std::size_t>(i, 2)];
             if (vertex >= mesh_.vertices.size()) {
-                return;  // index beyond the vertices, for which check_mesh refuses the mesh
+                return;  // vertex index out of range, for which check_mesh refuses the mesh
             }
             places.push_back(mesh_.vertices[vertex]);
         }
@@ -390,7 +390,7 @@ private:
             last = corner;
         }
         if (count > 3 && mesh_.vertices.empty()) {
-            late_polygons_.push_back(polygon);  // triangulated later, as this PLY file has its vertices after the faces
+            late_polygons_.push_back(polygon);  // polygons are cut later if the PLY file has faces before vertices
         } else if (count > 3) {
             cut(polygon);
         }

@@ -71,7 +71,7 @@ struct MaterialKind {
     std::vector<BeyondMitsuba> (*beyond_mitsuba)(const SceneMaterial& material, std::uint32_t depth) =
         [](const SceneMaterial&, std::uint32_t) { return std::vector<BeyondMitsuba>{}; };
 
-    // Sets the function that packs the kind's parameters, in both precisions: `pack` is a lambda without captures.
+    // Sets the functions that pack the kind's parameters in single and in double precision; `pack` captures nothing.
     template <class Pack>
     void set_pack(Pack pack) {
         pack_single = pack;

@@ -10,8 +10,8 @@
 
 namespace pt {
 
-// How trees over meshes are built: the accelerator, builder and levels by name, which are part of the cache key, and by
-// their hooks.
+// How trees over meshes are built: the choices of the axes accelerator, builder and levels, by their names, which are
+// part of the cache key, and by their hooks.
 struct Acceleration {
     std::string accelerator, builder;
     AcceleratorHook accelerator_hook;
@@ -24,7 +24,7 @@ struct Acceleration {
     static Acceleration none();
 };
 
-// Triangles in scene space relative to the eye, or, for a mesh that several objects share, in the mesh's own space.
+// A mesh's triangles, in scene space relative to the eye or, if several objects share the mesh, in its own space.
 struct PlacedMesh {
     std::vector<Triangle<float>> triangles;
     std::vector<float> cumulative_area;
@@ -38,8 +38,8 @@ struct MeshTree {
     std::vector<LeafTriangle> leaves;
     EncodedTree encoded;
     NativeMesh native;
-    double build_ms = 0;      // host time to build the tree
-    double encode_ms = 0;     // time to convert the tree to the accelerator's format
+    double build_ms = 0;      // host time in ms to build the mesh's tree
+    double encode_ms = 0;     // time in ms to convert the mesh's tree to the accelerator's format
     double sah_cost = 0;      // SAH cost of the builder's tree; 0: no tree
     std::uint64_t bytes = 0;  // bytes of the mesh's tree: nodes, leaves and native data
 

@@ -36,7 +36,7 @@ struct RenderSettings {
     LightSelection light_selection = LightSelection::uniform;
     bool one_sample = false;
     std::uint32_t roulette_start = 0;
-    double guided_share = 0;  // share of guided steps in subsurface walks
+    double guided_share = 0;  // share of guided steps among all steps of subsurface walks
     AdjointSettings adjoint = {};
     FeatureSet sampler = no_features;
 };
@@ -76,7 +76,7 @@ public:
     SceneBuffers(const SceneBuffers&) = delete;
     SceneBuffers& operator=(const SceneBuffers&) = delete;
 
-    // Geometry of each object that shows a mesh, in the order of object numbers.
+    // Geometry of the mesh of each object that shows one, in the order of object numbers.
     const std::vector<MeshGeometry>& meshes() const { return meshes_; }
     // The tree over all meshes together (axis `levels`), or null.
     const std::shared_ptr<const SceneTree>& tree() const { return tree_; }

@@ -343,7 +343,7 @@ std::vector<SceneObject> read_objects(const JsonValue& value, Scene& scene) {
     return objects;
 }
 
-// The text of generated copies for the scene's hash, since they are part of its content as meshes are.
+// Text of an object's generated copies, for the scene's hash: copies belong to the scene's content, as meshes do.
 std::string text_of(const std::vector<SceneObject>& copies) {
     std::string text;
     for (const SceneObject& copy : copies) {
