@@ -50,7 +50,7 @@ std::string course_scene_file(const ImportSource& source);
 // The file name in a line of a CIS 565 scene, behind the keyword if there is one. Names may contain spaces.
 std::string course_file_name(const Cis565Line& line);
 
-// The path of a file as a scene file names it: relative to the scene's folder if that exists, otherwise absolute.
+// The path of a file as a scene file names it: relative to the scene's folder if the folder exists, else absolute.
 std::string name_beside(const std::filesystem::path& scene, const std::filesystem::path& file);
 
 // Converts all sections of a CIS 565 scene into a scene file, or lists the problems.

@@ -81,8 +81,8 @@ private:
     GltfMaterials materials_;
     GltfMeshMaker maker_;
     std::map<std::pair<int, std::size_t>, std::string> files_;
-    std::set<std::string> has_coordinates_;  // mesh files, of those written, that have texture coordinates
-    std::set<std::string> has_normals_;      // mesh files, of those written, that have vertex normals
+    std::set<std::string> has_coordinates_;  // written mesh files that have texture coordinates
+    std::set<std::string> has_normals_;      // written mesh files that have vertex normals
     int visits_ = 0;
     std::uint64_t vertices_ = 0;
     bool has_camera_ = false;
@@ -193,7 +193,7 @@ void GltfImporter::add_view(const Vec3d& eye, const Vec3d& look_at, const Vec3d&
                                       width, gltf_picture_height));
 }
 
-// Adds a camera, which looks along -z of its node with y up. Scales of the node do not apply to a camera.
+// Adds a glTF node's camera, which looks along -z of the node with y up. Scales of the node do not apply to a camera.
 void GltfImporter::add_camera(int index, const Affine& map, const std::string& node) {
     const std::string pointer = fmt::format("/cameras/{}", index);
     if (static_cast<std::size_t>(index) >= model_->cameras.size()) {
@@ -318,7 +318,7 @@ void GltfImporter::import() {
     draft_.finish();
 }
 
-// Reads a data file that a glTF model names, relative to the model. Image files are never read this way.
+// Reads a data file that a glTF model names by a path relative to the model. Images are never read this way.
 std::string read_beside(const ImportSource& source, const std::string& name) {
     return read_file((std::filesystem::path(source.file).parent_path() / name).string(), largest_gltf);
 }

@@ -37,7 +37,7 @@ bool is_file_name(const std::string& word) {
     return false;
 }
 
-// The keyword that excludes `key` in a section of a CIS 565 scene; empty if none does.
+// The keyword that may not stand beside `key` in a section of a CIS 565 scene; empty if there is none.
 std::string rival_of(const std::string& key) {
     static const std::map<std::string, std::string> rivals{
         {"cube", "sphere"}, {"sphere", "cube"}, {"LOOKAT", "VIEW"}, {"VIEW", "LOOKAT"}};

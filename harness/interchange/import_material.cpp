@@ -57,7 +57,7 @@ private:
     std::string label_;  // name of the material in messages, e.g. "material 2"
     Cis565SectionReader reader_;
     ImportFindings* warnings_;
-    std::map<std::string, Vec3d> values_;  // values of the material's lines by key (numbers in x); 0 if missing
+    std::map<std::string, Vec3d> values_;  // values of the material's lines by key (single numbers in x); 0 if missing
     std::string what_;                     // description of the material in messages, e.g. "material 2 is a mirror"
     std::string image_;                    // texture as JSON for the scene file; empty: none
     CourseType type_ = CourseType::by_values;
@@ -161,7 +161,7 @@ void MaterialImporter::warn_of_rgb() {
     }
 }
 
-// Warns that RGB serves as specular colour. No warning for a material with a TYPE, whose colour is always RGB.
+// Warns that RGB serves as a material's specular colour, except with a TYPE, for which the colour is always RGB.
 void MaterialImporter::warn_of_no_specular(const std::string& asking_key) {
     if (is_set("SPECRGB") || !is_set("RGB") || !has("RGB") || type_ != CourseType::by_values) {
         return;

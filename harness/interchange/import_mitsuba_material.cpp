@@ -35,7 +35,7 @@ MitsubaMaterials::Bsdf MitsubaMaterials::read_diffuse(MitsubaObject& object) {
             .image = albedo.image};
 }
 
-// Reads a roughness, which is the square root of Mitsuba's alpha. `changes` receives a remark on the distribution.
+// Reads a roughness, the square root of Mitsuba's alpha. `changes` receives what differs in the microfacet model.
 double MitsubaMaterials::read_roughness(MitsubaObject& object, std::string& changes) {
     const double alpha = object.number("alpha", 0.1);
     const double along = object.number("alpha_u", alpha), across = object.number("alpha_v", alpha);

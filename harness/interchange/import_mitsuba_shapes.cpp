@@ -317,7 +317,7 @@ void MitsubaShapes::write_behind(const Scene& scene) {
     }
 }
 
-// Divides radiances of emitters inside glass by n^2, since Mitsuba's are that much larger (docs/other_renderers.md).
+// Divides radiances of emitters inside glass by n^2, by which Mitsuba's radiances are larger (docs/other_renderers.md).
 void MitsubaShapes::dim_lamps_in_glass(const Scene& scene) {
     if (std::none_of(scene.materials.begin(), scene.materials.end(), is_glass)) {
         return;

@@ -186,7 +186,7 @@ std::string OwnMaterials::material_of(std::size_t entry) {
     return known->second = part.name;
 }
 
-// Writes the triangles of one material as a mesh of their own; nothing if none has an area.
+// Writes the triangles of one MTL material as a mesh of their own; returns nothing if no triangle has an area.
 std::optional<OwnPart> OwnMaterials::part_with(const ObjParts& whole,
                                                const std::vector<std::optional<std::size_t>>& entries,
                                                std::size_t entry) {

@@ -199,7 +199,7 @@ std::optional<std::size_t> ObjectImporter::material_index(const Cis565Line& line
     }
     const std::size_t count = file.materials.size();
     if (file.is_json && line.words.size() == 2 && count > 0) {
-        // For a material name that is not in the scene, the course's loader takes the first material by name.
+        // If an object names no material of the scene, the course's loader takes the first material in order of names.
         const auto first = std::min_element(file.materials.begin(), file.materials.end(),
                                             [](const auto& a, const auto& b) { return a.name < b.name; });
         import_->result->warnings.add(

@@ -11,7 +11,7 @@
 
 namespace pt {
 
-// A key and value of a JSON object in the scene file under construction.
+// A key and its value in a JSON object of the scene file under construction.
 struct SceneMember {
     std::string key, value;            // the member's value as JSON text
     const Cis565Line* line = nullptr;  // source line that the member's value comes from
@@ -49,7 +49,7 @@ std::string plain_part_of(const std::string& text);
 std::string json_of(double value);
 std::string json_of(const Vec3d& v);
 std::string json_of(const std::string& text);
-// The JSON value of a colour that is a texture, by its file name in the scene, and a test for such a value.
+// Makes the JSON value of a colour that is a texture, by the texture's file name; and tests for such a value.
 std::string image_in_scene(const std::string& name);
 bool is_image_in_scene(const std::string& value);
 // Adds a mesh to be written beside the scene file, under a name made from the scene file's; returns the mesh's name.

@@ -15,7 +15,7 @@ namespace pt {
 struct ImportSource {
     std::string text;  // content of the source file
     std::string file;  // path of the source file, near which files that it names are searched
-    std::string out;   // path of the scene file; empty: not written, and mesh names are relative to `file`
+    std::string out;   // path of the scene file to write; empty: none is written, and mesh names are relative to `file`
     std::string name;  // name of the scene; empty: from the source file
 };
 

@@ -22,7 +22,7 @@ const std::vector<ImportFormat>& import_formats();
 // format accepts any text.
 const ImportFormat& import_format_of(const ImportSource& source);
 
-// Reads a source file: readable text, or the bytes of binary glTF. The extension decides how large it may be.
+// Reads a source file of an import: text, or the bytes of binary glTF. The extension decides how large it may be.
 std::string read_import(const std::string& file);
 
 ImportResult import_scene(const ImportSource& source);

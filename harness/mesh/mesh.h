@@ -22,7 +22,7 @@ struct Mesh {
     // Texture coordinates of each triangle's corners: u to the right and v up, (0, 0) the lower left corner of an
     // image. Empty, or one entry a triangle.
     std::vector<std::array<std::array<float, 2>, 3>> coordinates;
-    std::uint32_t degenerate_left_out = 0;  // number of degenerate faces that are not in `triangles`
+    std::uint32_t degenerate_left_out = 0;  // number of degenerate faces, which `triangles` leaves out
     MeshWarnings warnings;                  // warnings about the file that was read
 };
 

@@ -168,7 +168,7 @@ private:
         }
     }
 
-    // Warns of vertices that lost digits in single precision, by reading the file again in double, if that may matter.
+    // Warns of vertices that lost digits in single precision; reads the file again in double if coordinates are large.
     void check_resolution() {
         if (!may_have_lost_digits(mesh_)) {
             return;
@@ -363,7 +363,7 @@ private:
     std::string_view content_;
     const std::string& file_;
     std::size_t at_ = 0, line_ = 0, lines_joined_ = 0;
-    std::string_view text_;  // unread rest of the current OBJ line
+    std::string_view text_;  // part of the current OBJ line that has not been read yet
     std::string joined_;
     std::vector<ObjCorner> corners_;  // corners of the current OBJ face
     std::vector<std::array<float, 3>> normals_;

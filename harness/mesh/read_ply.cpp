@@ -404,7 +404,7 @@ private:
     std::vector<Polygon> late_polygons_;
     Mesh mesh_;
     int coordinate_places_[2] = {-1, -1};
-    std::vector<std::array<float, 2>> coordinates_;  // texture coordinates by vertex
+    std::vector<std::array<float, 2>> coordinates_;  // texture coordinates of the PLY file by vertex
     bool has_faces_ = false;
 };
 

@@ -24,8 +24,8 @@ private:
     std::size_t place_ = 0;
 };
 
-// Warning for a mesh whose vertices rounding has moved by up to `largest`. None below 2^-14 of the mesh's extent and
-// 2^-7 of its mean edge length, where neither outline nor shading shows the error.
+// Warning for a mesh whose vertices were moved by up to `largest` in rounding. There is none below 2^-14 of the mesh's
+// extent and 2^-7 of its mean edge length, where neither outline nor shading shows the error.
 std::optional<std::string> resolution_warning(const Mesh& mesh, double largest);
 
 // Whether coordinates are so large that rounding may be worth a warning, for which the file is read in double.

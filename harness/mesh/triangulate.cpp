@@ -105,7 +105,7 @@ public:
         }
     }
 
-    // Triangulates the polygon ear by ear. Empty if no ear was found or the limit on tests was reached.
+    // Triangulates the polygon by cutting ears. Empty if no ear was found or the limit on tests was reached.
     std::vector<std::array<std::uint32_t, 3>> cut() {
         std::size_t at = 0;
         for (std::size_t left = corners_.size(); left > 2; --left) {

@@ -36,7 +36,7 @@ private:
     std::map<std::string, std::size_t> lines_;
 };
 
-// JSON path of the value that the parser meets next, such as "$.objects[3]".
+// JSON path, such as "$.objects[3]", of the value that the parser reads next.
 std::string LineFinder::place() const {
     if (levels_.empty()) {
         return "$";

@@ -29,7 +29,7 @@ struct BeyondMitsuba {
 struct MitsubaBsdf {
     enum class Type { diffuse, conductor, dielectric, none };
     Type type = Type::diffuse;
-    std::optional<Vec3d> colour;          // colour that the surface reflects or, as a boundary, transmits
+    std::optional<Vec3d> colour;          // colour that the surface reflects or, as a dielectric boundary, transmits
     const SceneTexture* image = nullptr;  // texture that takes the place of the colour; null: none
 };
 

@@ -27,7 +27,7 @@ struct SceneTree {
     FlatTree flat_view() const;
 };
 
-// Most triangle slots of a flat tree. A scene with more triangles, instances included, is refused.
+// Most triangle slots of a tree over all triangles. A scene with more triangles, instances included, is refused.
 inline constexpr std::uint64_t most_flat_slots = std::uint64_t{1} << 25;
 
 // Builds the tree over all meshes of a scene, or null where the choice of `levels` has none. meshes[i] is the geometry

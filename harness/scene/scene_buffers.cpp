@@ -442,7 +442,7 @@ double gain_of(const Scene& scene) {
     return gain;
 }
 
-// Upper bound on the radiance of a sample from emitters that paths hit and an environment not light-sampled.
+// Upper bound on a sample's radiance from emitters that its path hits and from an environment not light-sampled.
 double bound_on_sources(const Scene& scene, std::uint32_t depth) {
     double brightest = brightest_channel(scene.environment);
     double brightest_reflector = 0;

@@ -16,10 +16,10 @@ namespace pt {
 
 // Settings of adjoint-driven Russian roulette and splitting (harness/render/adjoint_table.h).
 struct AdjointSettings {
-    std::uint32_t paths = 0;     // learning paths of the adjoint estimate; 0: no estimate
-    std::uint32_t cells = 8;     // cells of the adjoint grid along each axis
+    std::uint32_t paths = 0;     // number of paths that the adjoint estimate is learnt from; 0: no estimate
+    std::uint32_t cells = 8;     // cells of the adjoint estimate's grid along each axis
     std::uint32_t window = 5;    // ratio of the weight window's upper to lower bound
-    std::uint32_t branches = 1;  // most branches of a path at a vertex; 1: no splitting
+    std::uint32_t branches = 1;  // most branches into which a path splits at a vertex; 1: no splitting
 };
 
 // Render settings of a run: those that can override the scene file, and those that follow from the variant.

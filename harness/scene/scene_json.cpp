@@ -43,7 +43,7 @@ void read_shutter(const JsonValue& value, SceneCamera& camera) {
     }
 }
 
-// Checks where an object is when the shutter opens and when it closes; in between it moves on a straight line.
+// Checks that an object's centre is in range when the shutter opens and when it closes; in between it moves straight.
 void check_motion(const Scene& scene, const SceneObject& object, std::size_t index, const std::string& file) {
     for (const double time : {scene.camera.shutter_open, scene.camera.shutter_close}) {
         const Vec3d centre = object.translate + object.velocity * time;
