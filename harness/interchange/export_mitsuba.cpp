@@ -258,7 +258,7 @@ private:
         if (is_black(sigma)) {
             return;
         }
-        // Mitsuba's colours must not exceed 1, so sigma_t is divided by a power of two, which is exact, as "scale".
+        // Mitsuba's colours end at 1, so sigma_t is divided exactly, by a power of two, and "scale" multiplies it back.
         const double largest = std::exp2(std::ceil(std::log2(std::max({sigma.x, sigma.y, sigma.z}))));
         xml_.open("medium", {{"name", "interior"}, {"type", "homogeneous"}});
         rgb("sigma_t", sigma * (1 / largest));

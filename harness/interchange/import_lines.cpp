@@ -45,7 +45,7 @@ std::string rival_of(const std::string& key) {
     return found == rivals.end() ? "" : found->second;
 }
 
-// Whether a character is a digit or decimal point; a comma behind one is ignored, as many programs read "0.5," as 0.5.
+// Whether a character can end a number; a comma behind it is skipped, as many programs read "0.5," as 0.5.
 bool is_of_number(char c) { return (c >= '0' && c <= '9') || c == '.'; }
 
 class LineSorter {

@@ -66,12 +66,12 @@ public:
     const Cis565Line* line(const std::string& key) const;
     const Cis565Line* required(const std::string& key, const std::string& allowed = "with it");
 
-    // Value of a line that the section must have; nothing if the line is missing or wrong. Single numbers must be >= 0.
+    // Values of a line that a CIS 565 section must have; nothing if it is missing or wrong. A number must be >= 0.
     std::optional<double> required_number(const std::string& key);
     std::optional<Vec3d> required_vector(const std::string& key);
     // Reads a word of a source line as a whole number from 0 to 10^9.
     std::optional<double> whole(const Cis565Line& line, std::size_t word, const std::string& allowed);
-    // Reads a source line as a vector, or as a single number >= 0.
+    // Reads a line of a CIS 565 scene as a vector, or as a single number >= 0.
     std::optional<double> number_of(const Cis565Line& line);
     std::optional<Vec3d> vector_of(const Cis565Line& line);
     // Reads the number or vector of an optional keyword in a section; 0 if its line is missing or wrong.

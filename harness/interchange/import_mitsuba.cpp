@@ -81,7 +81,7 @@ void MitsubaImporter::fill_in(XmlElement& element) {
             value = filled(element, value);
         }
     }
-    constexpr std::size_t longest = 256;  // limit on a value's length, so that substitution cannot blow up a file
+    constexpr std::size_t longest = 256;  // limit on an attribute value after substitution, against huge values
     if (element.tag == "default" && element.value_of("value").size() > longest) {
         file_.refuse(element, "a value of at most 256 letters");
     } else if (element.tag == "default") {

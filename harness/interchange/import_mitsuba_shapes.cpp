@@ -26,7 +26,7 @@ double length_of_vector(const Vec3d& v) { return std::sqrt(dot(v, v)); }
 
 double largest_part_of(const Vec3d& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
-// Scales the map of a shape whose side is 2 in Mitsuba and 1 in scene files.
+// Scales the affine map of a shape whose side is 2 in Mitsuba and 1 in scene files.
 Affine of_twice_the_side(const Affine& map) {
     Affine own = map;
     for (Vec3d& column : own.column) {

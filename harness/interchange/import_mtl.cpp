@@ -62,7 +62,7 @@ std::optional<fs::path> OwnMaterials::library_called(const std::string& name) {
     return fs::is_regular_file(beside, error) ? std::optional(beside) : import_->files.find(name);
 }
 
-// Reads the MTL libraries of a line, which names either one library whose name may contain spaces, or several.
+// Reads the MTL libraries of an mtllib line, which names one library whose name may contain spaces, or several.
 void OwnMaterials::read_libraries(const std::vector<std::string>& names) {
     for (const std::string& whole : names) {
         const std::string name = library_called(whole) ? whole : without_comment(whole);

@@ -118,7 +118,7 @@ bool PartsChecker::check(const ScenePart& part, const std::string& place, const 
     return false;
 }
 
-// Reports an error at the faulty member's source line. Returns whether a stand-in replaced it for a further check.
+// Reports an error of a scene part at the faulty member's source line. Returns whether a stand-in replaced it.
 bool PartsChecker::blame(ScenePart& tried, const ScenePart& part, SceneError error) {
     // A subsurface body around the eye is reported as an error of the camera's eye.
     const bool is_elsewhere = !is_within(error.place, tried.place) && is_within(error.place, parts_.camera.place);
@@ -196,7 +196,7 @@ void PartsChecker::check_all() {
     for (std::size_t i = 0; i < parts_.objects.size() && problems_->count() < most_checked; ++i) {
         check_object(parts_.objects[i]);
     }
-    if (problems_->count() == 0) {  // each part alone is valid, but not the scene as a whole
+    if (problems_->count() == 0) {  // each scene part alone is valid, but not the whole scene
         problems_->add(
             0, fmt::format("as a scene, {}: found {}, allowed: {}", error->place, error->found, error->allowed));
     }

@@ -22,7 +22,7 @@ struct SceneMember {
 struct ScenePart {
     std::string place;                 // JSON path of the part in the scene file, such as "$.camera"
     std::string name = "";             // name of the material that the part describes; empty for other parts
-    const Cis565Line* head = nullptr;  // first line of the section in the source file
+    const Cis565Line* head = nullptr;  // first source line of the section that the part comes from
     bool is_whole = true;              // false: the part lacks a member whose source line was unreadable
     std::vector<SceneMember> members;
 

@@ -21,7 +21,7 @@ struct ImportSource {
 
 // A mesh that the scene file names and that still has to be written.
 struct ImportedMesh {
-    std::string file;  // file name, .ply, in the scene file's folder
+    std::string file;  // name of the mesh file (.ply) in the scene file's folder
     Mesh mesh;
 };
 

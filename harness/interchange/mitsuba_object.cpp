@@ -253,7 +253,7 @@ Affine MitsubaObject::transform_of(const XmlElement& step) {
     return map;
 }
 
-// Reads a transform of a Mitsuba object, whose steps are applied in the order of the file.
+// Reads the transform of a Mitsuba object: steps such as <translate>, applied in the order of the file.
 Affine MitsubaObject::transform(const std::string& name) {
     const XmlElement* found = property(name);
     Affine map;

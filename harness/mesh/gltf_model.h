@@ -76,9 +76,9 @@ private:
 
     const tinygltf::Model& model_;
     const std::string& file_;
-    bool has_normals_ = true;                        // whether all primitives so far have vertex normals
-    bool has_coordinates_ = true;                    // whether all primitives so far have texture coordinates
-    std::vector<std::array<float, 2>> coordinates_;  // texture coordinates by vertex
+    bool has_normals_ = true;                        // whether all glTF primitives so far have vertex normals
+    bool has_coordinates_ = true;                    // whether all glTF primitives so far have texture coordinates
+    std::vector<std::array<float, 2>> coordinates_;  // texture coordinates of the glTF mesh by vertex
     RoundingLoss loss_;
     Mesh mesh_;
 };

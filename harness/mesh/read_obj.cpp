@@ -208,7 +208,7 @@ private:
         }
     }
 
-    // Takes the rest of the line as a name; runs of spaces in it become one space.
+    // Takes the rest of the OBJ line as a name; runs of spaces in it become one space.
     std::string rest_of_line() {
         std::string rest(next_word());
         for (std::string_view word = next_word(); !word.empty(); word = next_word()) {

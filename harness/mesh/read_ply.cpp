@@ -37,7 +37,7 @@ public:
 
     double next(PlyType type) { return format_ == PlyFormat::ascii ? next_word(type) : next_binary(type); }
 
-    // Upper bound on the number of elements of a kind that the remaining bytes can hold.
+    // Upper bound on the number of PLY elements of a kind that the remaining bytes of the file can hold.
     std::uint64_t most_left(const PlyElement& element) const {
         std::uint64_t bytes = 0;
         for (const PlyProperty& property : element.properties) {
@@ -390,7 +390,7 @@ private:
             last = corner;
         }
         if (count > 3 && mesh_.vertices.empty()) {
-            late_polygons_.push_back(polygon);  // polygons are cut later if the PLY file has faces before vertices
+            late_polygons_.push_back(polygon);  // a polygon is triangulated later if the PLY file has faces first
         } else if (count > 3) {
             cut(polygon);
         }

@@ -13,7 +13,7 @@ namespace pt {
 // Largest rounding error of a mesh's vertices when converted from double to single precision.
 class RoundingLoss {
 public:
-    // Records a vertex before and after rounding. `place` is its number, as the reader counts.
+    // Records a mesh vertex before and after rounding. `place` is the vertex's number, as the file's reader counts.
     void add(const std::array<double, 3>& exact, const std::array<float, 3>& rounded, std::size_t place);
 
     double largest() const { return largest_; }  // largest rounding error of a vertex along one axis

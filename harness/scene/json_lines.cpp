@@ -131,7 +131,7 @@ std::string why_not_readable(const std::filesystem::path& file) {
 
 void check_named_file(const JsonValue& value, const InputError& failure) {
     if (std::string_view(failure.what()).find(": the file: found ") == std::string_view::npos) {
-        return;  // the named file could be opened, so its content is at fault
+        return;  // the file that the scene names could be opened, so its content is at fault
     }
     const std::filesystem::path file = value.named_file();
     if (const std::string reason = why_not_readable(file); !reason.empty()) {

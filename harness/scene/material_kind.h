@@ -37,7 +37,7 @@ struct MitsubaBsdf {
 std::vector<BeyondMitsuba> rough_facets_beyond_mitsuba(const SceneMaterial& material, std::uint32_t depth);
 
 struct MaterialKind {
-    // Reads a material of this kind, without its name, from a scene file. Throws InputError.
+    // Reads a material of the kind, without the material's name, from a scene file. Throws InputError.
     SceneMaterial (*read)(const JsonValue& value) = nullptr;
     // Feature flags that kernels need for the material, beyond the kind's own and Feature::emission.
     FeatureSet (*extra_features)(const SceneMaterial& material) = [](const SceneMaterial&) { return no_features; };

@@ -22,7 +22,7 @@ struct AdjointSettings {
     std::uint32_t branches = 1;  // most branches into which a path splits at a vertex; 1: no splitting
 };
 
-// Render settings of a run: those that can override the scene file, and those that follow from the variant.
+// Render settings of a run: some can override the scene file, the others follow from the variant.
 struct RenderSettings {
     std::uint32_t width = 0, height = 0;
     std::uint32_t depth = 0;

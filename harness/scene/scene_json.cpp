@@ -22,7 +22,7 @@ namespace pt {
 
 namespace {
 
-// Longest and shortest lengths in a scene: squares of others would leave the range of float.
+// Longest and shortest lengths allowed in a scene: squares of lengths beyond them would leave the range of float.
 constexpr double largest_length = 1e18;
 constexpr double smallest_length = 1e-18;
 
@@ -365,8 +365,8 @@ std::shared_ptr<const SceneEnvironment> environment_of(EnvironmentImage image, d
             texel[channel] = static_cast<float>(scaled);
         }
     }
-    // The hash of an image includes its width unless it is one texel or twice as wide as high, since the same texels in
-    // another shape are another environment.
+    // The hash of an environment image includes its width unless the image is one texel or twice as wide as high, since
+    // the same texels in another shape are another environment.
     std::uint64_t hash = fnv1a_of_bytes(image.texels.data(), image.texels.size() * sizeof(Vec3<float>));
     hash = image.texels.size() == 1 || image.width == 2 * image.height
                ? hash
