@@ -137,8 +137,7 @@ double shear_of(const Affine& map) {
 
 TranslateRotateScale take_apart(const Affine& map) {
     constexpr double last_bits = 8 * std::numeric_limits<double>::epsilon();
-    constexpr double last_bits_of_angle = 1e-12,
-                     straight = 1e-5;  // in degrees: rounding of decimals, quarter-turn snap
+    constexpr double last_bits_of_angle = 1e-12, straight = 1e-5;  // angle tolerances, degrees: decimals, quarter turns
     Vec3d column[3] = {map.column[0], map.column[1], map.column[2]};
     if (determinant(map) < 0) {
         column[2] = -column[2];

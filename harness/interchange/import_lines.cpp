@@ -148,7 +148,7 @@ void LineSorter::add_label(const Cis565Line& line) {
     }
 }
 
-// Reports a line outside of all sections, except lines behind an unknown section's head, which is reported itself.
+// Reports a line outside of all sections; not behind an unknown section's head, as that line is reported itself.
 void LineSorter::add_outside(const Cis565Line& line) {
     const bool is_first = !file_.camera && file_.materials.empty() && file_.objects.empty() && !is_outside_;
     is_outside_ = true;

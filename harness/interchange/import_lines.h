@@ -62,7 +62,7 @@ public:
     // Reports a problem of a source line and quotes the whole line.
     void fail(const Cis565Line& line, const std::string& allowed);
 
-    // Finds the line of a section with a keyword; null if there is none, which `required` reports as a problem.
+    // Finds the line of a CIS 565 section with a keyword; null if there is none, which `required` reports as a problem.
     const Cis565Line* line(const std::string& key) const;
     const Cis565Line* required(const std::string& key, const std::string& allowed = "with it");
 

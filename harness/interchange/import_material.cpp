@@ -148,7 +148,7 @@ void MaterialImporter::warn_unless_one(const std::string& key) {
     }
 }
 
-// Warns of a colour that is not used, unless it is white and so has no effect.
+// Warns of a material's colour that is not used, unless it is white and so has no effect.
 void MaterialImporter::warn_unless_white(const std::string& key) {
     if (colour(key) != Vec3d(1.0)) {
         warn(key, "is not used: " + what_);

@@ -139,7 +139,7 @@ std::optional<std::size_t> OwnMaterials::entry_called(const std::string& name) {
                                   fmt::format("{}: \"{}\" is read as the material \"{}\", as if a comment "
                                               "began at #",
                                               file_.filename().string(), name, entries_[meant.front()].material.name));
-    by_name_.emplace(name, meant.front());  // remembers the MTL name, so that its warning comes only once
+    by_name_.emplace(name, meant.front());  // remembers the MTL material's name, to warn of it only once
     return meant.front();
 }
 

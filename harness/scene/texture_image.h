@@ -15,7 +15,7 @@ namespace pt {
 
 struct TextureImage {
     std::uint32_t width = 0, height = 0;
-    std::vector<Vec3<float>> texels;  // texels, linear, 0 to 1 (normals: -1 to 1); bottom row first
+    std::vector<Vec3<float>> texels;  // linear texels, 0 to 1 (normals: -1 to 1), bottom row first
 };
 
 // How texel values of an image file are read. `colour`: sRGB. `number`: the first channel, linear from 0 to 1.
