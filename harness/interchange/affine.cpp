@@ -24,7 +24,7 @@ double wrapped(double degrees) {
 // Euler angles in degrees of a rotation Rz Ry Rx, given by its columns of length 1.
 Vec3d angles_of(const Vec3d (&unit)[3]) {
     const double cosine_y = std::hypot(unit[0].x, unit[0].y);
-    constexpr double locked = 1e-9;  // gimbal lock: rotations about x and z share an axis, so the angle z is set to 0
+    constexpr double locked = 1e-9;  // smallest cosine of the y angle without gimbal lock, which sets the z angle to 0
     const double y = std::atan2(-unit[0].z, cosine_y);
     if (cosine_y < locked) {
         return {from_radians(std::atan2(-unit[2].y, unit[1].y)), from_radians(y), 0};
@@ -37,7 +37,7 @@ Vec3d nearest_quarters(const Vec3d& degrees) {
     return {90 * std::round(degrees.x / 90), 90 * std::round(degrees.y / 90), 90 * std::round(degrees.z / 90)};
 }
 
-// Largest difference between a matrix's columns and those made of rotation angles and scales, each over its scale.
+// Largest error of a matrix's columns when rebuilt from rotation angles and scales, relative to each column's scale.
 double error_of_columns(const Vec3d& degrees, const Vec3d& scale, const Vec3d (&column)[3]) {
     const Rotation rotation = rotation_of(degrees);
     double error = 0;
@@ -137,7 +137,7 @@ double shear_of(const Affine& map) {
 
 TranslateRotateScale take_apart(const Affine& map) {
     constexpr double last_bits = 8 * std::numeric_limits<double>::epsilon();
-    constexpr double last_bits_of_angle = 1e-12, straight = 1e-5;  // tolerances of rotation angles, in degrees
+    constexpr double last_bits_of_angle = 1e-12, straight = 1e-5;  // angle tolerances, degrees: decimals, quarter turns
     Vec3d column[3] = {map.column[0], map.column[1], map.column[2]};
     if (determinant(map) < 0) {
         column[2] = -column[2];
@@ -152,7 +152,7 @@ TranslateRotateScale take_apart(const Affine& map) {
         unit[i] = column[i] * (1 / lengths[i]);
     }
     const Vec3d angles = angles_of(unit);
-    // Other Euler angles of the same rotation.
+    // Every rotation has a second set of Euler angles: x and z half a turn further, y mirrored.
     const Vec3d other{wrapped(angles.x + 180), wrapped(180 - angles.y), wrapped(angles.z + 180)};
     const auto snapped = [&](const Vec3d& degrees) {
         return Vec3d{shortest_within(degrees.x, last_bits_of_angle), shortest_within(degrees.y, last_bits_of_angle),
@@ -174,7 +174,7 @@ TranslateRotateScale take_apart(const Affine& map) {
     const Vec3d quarters = nearest_quarters(angles), off = quarters - angles;
     if (!parts.is_exact && std::max({std::abs(off.x), std::abs(off.y), std::abs(off.z)}) < straight) {
         parts.is_straightened = error_of_columns(quarters, decimals, column) > last_bits;
-        // Euler angles are taken from the snapped rotation again, so that quarter turns use as few axes as possible.
+        // A rotation by quarter turns has several sets of Euler angles; those computed anew use the fewest axes.
         parts.rotate_degrees = nearest_quarters(angles_of(rotation_of(quarters).column)) + Vec3d(0.0);
         parts.scale = decimals;
     }

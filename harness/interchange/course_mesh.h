@@ -23,7 +23,7 @@ private:
 
     std::filesystem::path folder_;
     std::optional<std::map<std::string, std::filesystem::path>>
-        project_;  // mesh and image paths by file name; meshes also without extension
+        project_;  // paths of mesh and image files by file name; meshes also by their name without extension
 };
 
 }  // namespace pt

@@ -181,7 +181,7 @@ std::string course_spelling(const std::string& word) {
 }
 
 bool is_course_off(const std::string& key, const std::vector<std::string>& values) {
-    // Values of keywords that change nothing: Schlick's own power 5, one sample per pixel, antialiasing on.
+    // Keyword values that leave a CIS 565 scene as it is: Schlick's power 5, one sample per pixel, antialiasing on.
     static const std::map<std::string, std::string> neutral{{"FRESNELPOW", "5"}, {"SPP", "1"}, {"AA", "ON"}};
     const auto found = neutral.find(key);
     if (found != neutral.end() && values.size() == 1 && values[0] == found->second) {

@@ -16,7 +16,7 @@ enum class CourseUse {
     run,          // keyword for a setting of a run, not of the scene
     lost,         // keyword that changes the picture but cannot be expressed: a warning
     image,        // keyword with a texture's file name; a value such as 0 or OFF means none
-    texture,      // this use and those below: keywords that cannot be expressed and change the scene, a problem
+    texture,      // keyword of a surface map that scene files cannot express: a problem, as are the next three uses
     procedural,
     scattering,
     lights,
@@ -33,7 +33,7 @@ const CourseWord* find_course_word(const std::string& section, const std::string
 // Keywords of a CIS 565 section that have a place in scene files, to be listed in error messages.
 const std::vector<std::string>& course_keys(const std::string& section);
 
-// Why scene files cannot express a keyword of this use, as the end of a message like "TEXTURE a.png: ..".
+// Why scene files cannot express keywords of this use (CourseUse); ends messages such as "TEXTURE a.png: ..".
 std::string missing_for(CourseUse use);
 
 // The spelling by which keywords are compared: in capitals, without '_' and '-'.

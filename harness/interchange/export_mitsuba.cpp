@@ -35,7 +35,7 @@ struct Matrix {
     }
 };
 
-// The largest distance along an axis of any object's bounding box from the camera's eye.
+// The largest coordinate difference between the camera's eye and any object's bounding box.
 double reach_of(const Scene& scene) {
     double reach = 0;
     for (const SceneObject& object : scene.objects) {
@@ -106,14 +106,14 @@ private:
         const bool has_walks =
             any_shown([](const SceneMaterial& m) { return has_trait(m.type, material_trait::has_walks); });
         const bool has_media = any_shown([](const SceneMaterial& m) { return !is_black(m.sigma_a); });
-        // volpathmis weights the channels of a coloured medium by their mean density, like subsurface walks in ptbench.
+        // Mitsuba's volpathmis weights a medium's channels by their mean density, like subsurface walks in ptbench.
         xml_.open("integrator", {{"type", has_walks ? "volpathmis" : has_media ? "volpath" : "path"}});
         if (has_walks) {
             value("integer", "max_depth", "-1");
             whole("rr_depth", roulette_depth(scene_));
         } else {
             whole("max_depth", settings_.depth);
-            whole("rr_depth", std::uint64_t{settings_.depth} + 1);  // beyond max_depth, so there is no Russian roulette
+            whole("rr_depth", std::uint64_t{settings_.depth} + 1);  // Russian roulette starts beyond max_depth: never
         }
         xml_.close();
     }
@@ -202,7 +202,7 @@ private:
         return known->second;
     }
 
-    // Image values are sRGB in Mitsuba as in ptbench. The format "variant" keeps decoded texels in float, not in half.
+    // Mitsuba reads images as sRGB, as ptbench does. Its format "variant" keeps decoded texels in float, not in half.
     void write_image(const std::string& name, const SceneTexture& texture) {
         xml_.open("texture", {{"type", "bitmap"}, {"name", name}});
         value("string", "filename", file_of(texture));
@@ -258,7 +258,7 @@ private:
         if (is_black(sigma)) {
             return;
         }
-        // Mitsuba's colours end at 1, so sigma is divided by a power of two, which causes no rounding.
+        // Mitsuba's colours end at 1, so sigma_t is divided exactly, by a power of two, and "scale" multiplies it back.
         const double largest = std::exp2(std::ceil(std::log2(std::max({sigma.x, sigma.y, sigma.z}))));
         xml_.open("medium", {{"name", "interior"}, {"type", "homogeneous"}});
         rgb("sigma_t", sigma * (1 / largest));
@@ -348,9 +348,9 @@ private:
         xml_.close();
     }
 
-    // A textured quad lies face down, as Mitsuba has an image's first row at the other end of y; both sides of a quad
-    // look the same. An emitting quad becomes two rectangles back to back, slightly apart, as Mitsuba's emit on one
-    // side only.
+    // Writes a quad. A textured one is turned face down, as Mitsuba has an image's first row at the opposite edge; both
+    // sides of a quad look alike. An emitting one becomes two rectangles back to back, slightly apart, as Mitsuba's
+    // rectangles emit on one side only.
     void write_quad(const SceneObject& object) {
         if (!is_emissive(scene_.materials[object.material])) {
             write_rectangle(object, !has_image(object), Vec3d(0.0));
@@ -386,7 +386,7 @@ private:
         }
     }
 
-    // Instances of one mesh with one material: mesh and material index.
+    // Index of a mesh and of a material that several objects share, which are exported as instances of one shape group.
     using Group = std::pair<std::uint32_t, std::uint32_t>;
     static std::string id_of(const Group& group) { return fmt::format("mesh_{}_{}", group.first, group.second); }
 
@@ -449,7 +449,7 @@ private:
     const MitsubaSettings& settings_;
     std::string stem_;
     MitsubaScene made_;
-    double reach_;  // largest distance of an object from the eye, in exported units
+    double reach_;  // largest coordinate difference between the eye and an object, in exported units
     XmlText xml_;
     std::map<std::string, std::string> image_files_;  // names of exported images by the path of the original image
     std::map<std::uint32_t, std::string> mesh_files_;

@@ -36,7 +36,7 @@ public:
           import_{.sections = &sections, .source = &source, .result = &result, .files = CourseFileFinder(source.file)} {
     }
 
-    // Builds the parts of the scene file. Source lines that the parts refer to live as long as this importer.
+    // Converts the sections to parts of the scene file, which point to source lines that live as long as this importer.
     SceneParts parts();
 
 private:
@@ -242,19 +242,19 @@ Vec3d rotation_x_first(const Vec3d& degrees) {
     if (turned <= 1) {
         return degrees;
     }
-    // Rx(a) Ry(b) Rz(c) is the transpose of Rz(-c) Ry(-b) Rx(-a), so its rows are the columns of the latter.
+    // Rx(a) Ry(b) Rz(c) is the transpose of Rz(-c) Ry(-b) Rx(-a): rows of the former are columns of the latter.
     const Rotation transpose = rotation_of(-degrees);
     const auto matrix = [&](int row, int column) { return transpose.column[row][column]; };
     const double cosine_y = std::hypot(matrix(0, 0), matrix(1, 0));
-    // Gimbal lock: if cosine_y is 0, x and z rotate about the same axis, so z is set to 0.
+    // Gimbal lock: if the cosine of the y angle is 0, x and z rotate about the same axis, so the z angle is set to 0.
     const double cosine_z = cosine_y > 0 ? matrix(0, 0) / cosine_y : 1;
     const double sine_z = cosine_y > 0 ? matrix(1, 0) / cosine_y : 0;
-    // The angle about x is computed after undoing the one about z, since the third row is noise if cosine_y is near 0.
+    // The x angle is computed after undoing the z rotation, as the matrix's third row is noise if cosine_y is near 0.
     const double sine_x = sine_z * matrix(0, 2) - cosine_z * matrix(1, 2);
     const double cosine_x = cosine_z * matrix(1, 1) - sine_z * matrix(0, 1);
     const auto angle = [](double sine, double cosine) {
         const double value = std::atan2(sine, cosine) * (180.0 / pi<double>);
-        return std::round(value * 1e12) / 1e12;  // rounding makes 30 of 30.000000000000004 degrees
+        return std::round(value * 1e12) / 1e12;  // removes rounding errors of angles, as in 30.000000000000004 degrees
     };
     return {angle(sine_x, cosine_x), angle(-matrix(2, 0), cosine_y), angle(sine_z, cosine_z)};
 }

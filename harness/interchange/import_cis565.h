@@ -61,7 +61,7 @@ namespace pt {
 ImportResult import_cis565_scene(const std::string& text, const std::string& file, const std::string& name = "");
 ImportResult import_cis565(const ImportSource& source);
 
-// The angles for rotation_of that give the matrix Rx Ry Rz of `degrees`. Angles about a single axis stay as they are.
+// Converts angles of a rotation Rx Ry Rz to angles of Rz Ry Rx (rotation_of). A rotation about one axis keeps its own.
 Vec3d rotation_x_first(const Vec3d& degrees);
 
 }  // namespace pt

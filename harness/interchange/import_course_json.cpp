@@ -188,7 +188,7 @@ Cis565File CourseJsonReader::read() {
     return std::move(file_);
 }
 
-// Strips the file name from the start of a parser's message, since it would be repeated.
+// Strips the file name from the start of a JSON parser's message, since messages of an import begin with it anyway.
 std::string without_file(const std::string& message, const std::string& file) {
     return message.starts_with(file + ": ") ? message.substr(file.size() + 2) : message;
 }

@@ -18,10 +18,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Limits on the cosine between columns of an affine map: shear up to the first is imprecision of the source's digits.
+// Cosines between an affine map's columns up to which shear is imprecision of the source, and up to which rounding.
 constexpr double slight_shear = 1e-6, shear_of_rounding = 1e-12;
 
-// Vertex normals transformed by the map's cofactors, so that they stay perpendicular to surfaces, and outward.
+// Transforms vertex normals by an affine map's cofactor matrix, so that they stay perpendicular and outward.
 std::vector<std::array<float, 3>> normals_placed_by(const std::vector<std::array<float, 3>>& normals,
                                                     const Affine& map) {
     const auto& [x, y, z] = map.column;
@@ -180,7 +180,7 @@ bool ImportDraft::add_mesh(const std::string& file, const Affine& map, std::size
     return true;
 }
 
-// Keeps a mesh transformed by a map without its translation, which would cost the shape digits in single precision.
+// Keeps a mesh transformed by an affine map without its translation: far from 0, vertices lose digits in float.
 std::optional<std::string> ImportDraft::keep_placed(const std::string& file, const Affine& map, bool has_normals,
                                                     const Cis565Line* at) {
     try {

@@ -53,7 +53,7 @@ public:
     // Whether a material has a texture, so that its objects need texture coordinates.
     bool shows_image(std::size_t material) const;
 
-    // Path of a file that the source names, and the name under which the scene file refers to a file.
+    // Finds the path of a file that the source names, and the name by which the scene file refers to a path.
     std::string path_of(const std::string& named) const;
     std::string name_in_scene(const std::string& path) const;
 
@@ -72,8 +72,8 @@ private:
     const ImportSource& source_;
     ImportResult* result_;
     std::deque<Cis565Line> places_;
-    std::map<std::string, Mesh> read_;  // meshes of the source that were read to be transformed, by path
-    std::map<std::string, int> names_;  // for each material name a number that makes its next use unique
+    std::map<std::string, Mesh> read_;  // meshes that were read to be transformed, by path of the source's mesh file
+    std::map<std::string, int> names_;  // by material name, the number that makes its next use unique
 };
 
 }  // namespace pt

@@ -9,7 +9,7 @@ namespace pt {
 
 struct ImportFinding {
     std::size_t line = 0;  // line in the source file, from 1; 0: the whole file
-    std::string text;      // text of the finding, one line
+    std::string text;      // text of the problem, warning or note, one line
 };
 
 // Findings of an import in file order: all are counted, since every line may be wrong, but only the first are kept.

@@ -68,7 +68,7 @@ private:
     void add_node(int index, const glm::dmat4& parent, int depth);
     void refuse_of_node(const tinygltf::Node& node, const std::string& pointer);
     void add_mesh(int index, const Affine& map, const Cis565Line* at);
-    // The mesh file of a glTF primitive, written on first use. Empty, with a problem reported, if there is none.
+    // The mesh file of a glTF primitive, written on first use; empty, after a message, if it has no valid triangles.
     const std::string& file_of(int mesh, std::size_t primitive, const std::string& pointer);
     void add_camera(int index, const Affine& map, const std::string& node);
     void add_view(const Vec3d& eye, const Vec3d& look_at, const Vec3d& up, double degrees, double aspect,
@@ -81,8 +81,8 @@ private:
     GltfMaterials materials_;
     GltfMeshMaker maker_;
     std::map<std::pair<int, std::size_t>, std::string> files_;
-    std::set<std::string> has_coordinates_;  // mesh files, of those written, that have texture coordinates
-    std::set<std::string> has_normals_;      // mesh files, of those written, that have vertex normals
+    std::set<std::string> has_coordinates_;  // written mesh files that have texture coordinates
+    std::set<std::string> has_normals_;      // written mesh files that have vertex normals
     int visits_ = 0;
     std::uint64_t vertices_ = 0;
     bool has_camera_ = false;
@@ -118,7 +118,7 @@ void GltfImporter::refuse_of_node(const tinygltf::Node& node, const std::string&
         refuse(pointer + "/weights", "weights of morph targets", "weights of 0");
     }
     for (const auto& [name, value] : node.extensions) {
-        if (name != "KHR_lights_punctual") {  // lights of KHR_lights_punctual are reported once, elsewhere
+        if (name != "KHR_lights_punctual") {  // glTF lights are reported elsewhere, once per file
             refuse(pointer + "/extensions/" + name, "an extension", "none of a node");
         }
     }
@@ -193,7 +193,7 @@ void GltfImporter::add_view(const Vec3d& eye, const Vec3d& look_at, const Vec3d&
                                       width, gltf_picture_height));
 }
 
-// Adds a camera, which looks along -z of its node with y up. Scales of the node do not apply to a camera.
+// Adds a glTF node's camera, which looks along -z of the node with y up. Scales of the node do not apply to a camera.
 void GltfImporter::add_camera(int index, const Affine& map, const std::string& node) {
     const std::string pointer = fmt::format("/cameras/{}", index);
     if (static_cast<std::size_t>(index) >= model_->cameras.size()) {
@@ -232,7 +232,7 @@ void GltfImporter::add_node(int index, const glm::dmat4& parent, int depth) {
         return;
     }
     if (depth > deepest || ++visits_ > most_visits) {
-        if (visits_ <= most_visits + 1) {  // report the limit on glTF nodes only once
+        if (visits_ <= most_visits + 1) {  // only the first glTF node beyond the limits is reported
             refuse(pointer, "nodes within nodes without end", "at most 64 levels and 10^5 nodes");
             visits_ = most_visits + 1;
         }
@@ -318,7 +318,7 @@ void GltfImporter::import() {
     draft_.finish();
 }
 
-// Reads a data file that a glTF model names, relative to the model. Image files are never read this way.
+// Reads a data file that a glTF model names by a path relative to the model. Images are never read this way.
 std::string read_beside(const ImportSource& source, const std::string& name) {
     return read_file((std::filesystem::path(source.file).parent_path() / name).string(), largest_gltf);
 }

@@ -61,7 +61,7 @@ std::string GltfImages::sampler_refusal(int index) {
 // The bytes of an embedded image: a data URI, or a buffer view checked to lie within its buffer (empty if it does not).
 std::string GltfImages::embedded_content(const tinygltf::Image& image) const {
     if (image.bufferView < 0) {
-        return {image.image.begin(), image.image.end()};  // bytes of a data URI, decoded by parse_gltf_model
+        return {image.image.begin(), image.image.end()};  // content of a data URI, decoded by parse_gltf_model
     }
     const tinygltf::BufferView& part = model_->bufferViews[static_cast<std::size_t>(image.bufferView)];
     const std::vector<unsigned char>& data = model_->buffers[static_cast<std::size_t>(part.buffer)].data;

@@ -14,7 +14,7 @@ namespace pt {
 struct GltfImage {
     std::string value;  // texture as the scene file has it, {"image": NAME}; empty: refused
     bool has_alpha = false;
-    std::string refusal = {};  // why a texture cannot be imported: what is allowed in its place
+    std::string refusal = {};  // what is allowed in place of a texture that cannot be imported, for the error message
 };
 
 class GltfImages {
@@ -32,7 +32,7 @@ private:
 
     const tinygltf::Model* model_;
     ImportDraft* draft_;
-    std::map<int, GltfImage> known_;  // images converted so far, by image index
+    std::map<int, GltfImage> known_;  // glTF images converted so far, by index in the model
     std::set<int> noted_;             // glTF samplers that a note has reported
 };
 

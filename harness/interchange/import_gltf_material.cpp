@@ -193,7 +193,7 @@ void GltfMaterials::Reader::warn_of_thin_walls() const {
          "is of a thin wall there (KHR_materials_volume gives no thickness); here the mesh is solid glass");
 }
 
-// Adds the keys of glass: a surface that reflects or transmits all light.
+// Adds the JSON members of a glass material: a surface that reflects or transmits all light.
 void GltfMaterials::Reader::add_glass(ScenePart& part, const Vec3d& colour, double roughness) {
     const double index = number_in(index_of_refraction, "ior", 1.5);
     if (number_in(specular, "specularFactor", 1) != 1 ||
@@ -266,7 +266,7 @@ double GltfMaterials::Reader::coat_index() {
     return same;
 }
 
-// Adds the keys of a principled material except base colour and emission.
+// Adds the JSON members of a principled material, except base colour and emission.
 void GltfMaterials::Reader::add_principled(ScenePart& part, double metallic, double roughness, double through) {
     const double index = coat_index();
     part.add("metallic", json_of(metallic), place("/pbrMetallicRoughness/metallicFactor", json_of(metallic)), "0");

@@ -37,7 +37,7 @@ bool is_file_name(const std::string& word) {
     return false;
 }
 
-// The keyword that excludes `key` in a section of a CIS 565 scene; empty if none does.
+// The keyword that may not stand beside `key` in a section of a CIS 565 scene; empty if there is none.
 std::string rival_of(const std::string& key) {
     static const std::map<std::string, std::string> rivals{
         {"cube", "sphere"}, {"sphere", "cube"}, {"LOOKAT", "VIEW"}, {"VIEW", "LOOKAT"}};
@@ -45,14 +45,14 @@ std::string rival_of(const std::string& key) {
     return found == rivals.end() ? "" : found->second;
 }
 
-// Whether a character belongs to a number, which ends at any other: many programs read "0.5," as 0.5.
+// Whether a character can end a number; a comma behind it is skipped, as many programs read "0.5," as 0.5.
 bool is_of_number(char c) { return (c >= '0' && c <= '9') || c == '.'; }
 
 class LineSorter {
 public:
     explicit LineSorter(ImportResult& result) : result_(&result) {}
 
-    // Adds a line to the section under way or starts one. `is_first`: an empty line or a comment comes before it.
+    // Adds a line to the current section or starts a section. `is_first`: an empty line or a comment comes before it.
     void add(const Cis565Line& line, bool is_first);
     Cis565File take() { return std::move(file_); }
 
@@ -148,13 +148,13 @@ void LineSorter::add_label(const Cis565Line& line) {
     }
 }
 
-// Reports a line outside of all sections, except lines behind an unknown section's head, which is reported itself.
+// Reports a line outside of all sections; not behind an unknown section's head, as that line is reported itself.
 void LineSorter::add_outside(const Cis565Line& line) {
     const bool is_first = !file_.camera && file_.materials.empty() && file_.objects.empty() && !is_outside_;
     is_outside_ = true;
     if (is_first || !is_key_of_any_section(line.words[0])) {
         fail(line, "MATERIAL n, CAMERA or OBJECT n");
-        file_.has_all_materials = false;  // the section with an unknown head may have been a material
+        file_.has_all_materials = false;  // an unknown section may have been meant as a MATERIAL
     }
 }
 
@@ -206,7 +206,7 @@ std::string Cis565Line::text() const {
     }
     std::size_t cut = longest_text - 3;
     while (cut > 0 && (static_cast<unsigned char>(text[cut]) & 0xc0) == 0x80) {
-        cut -= 1;  // keeps a message from being cut within a UTF-8 character
+        cut -= 1;  // moves the cut of a long message to the start of a UTF-8 character
     }
     return text.substr(0, cut) + "...";
 }
@@ -251,7 +251,7 @@ Cis565File read_cis565_file(const std::string& text, ImportResult& result) {
     bool is_first = true;
     for (std::size_t number = 1; std::getline(stream, content); ++number) {
         Cis565Line line{number, {}};
-        std::istringstream words(content);  // white space includes the \r of Windows files
+        std::istringstream words(content);  // splits a line at white space, which includes the \r of Windows files
         for (std::string word; words >> word && !word.starts_with("//") && word[0] != '#';) {
             const bool is_listed = word.size() > 1 && word.back() == ',' && is_of_number(word[word.size() - 2]);
             line.words.push_back(is_listed ? word.substr(0, word.size() - 1) : word);

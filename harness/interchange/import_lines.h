@@ -38,8 +38,8 @@ struct Cis565File {
     std::optional<Cis565Line> background;                  // line BACKGROUND_COLOR, which belongs to no section
     bool has_all_materials = true;                         // false: some MATERIAL section could not be read
     std::map<std::string, std::size_t> materials_by_word;  // index of each material by its label (text) or name (JSON)
-    bool is_json = false;                                  // JSON names materials and lets neutral values be left out
-    std::string stem;                                      // name of a scene without FILE; empty: FILE is required
+    bool is_json = false;                                  // JSON format: materials have names, values may be missing
+    std::string stem;                                      // scene name if no FILE line; empty: the line is required
     std::map<std::string, std::string> mesh_files;         // mesh files by name, from the JSON member "Meshes"
 };
 
@@ -50,8 +50,8 @@ Cis565File read_cis565_file(const std::string& text, ImportResult& result);
 // Keeps, skips or refuses a line of a CIS 565 scene by the use of its keyword, which the file spells `word`.
 void add_course_line(Cis565Section& section, const std::string& word, const Cis565Line& line, ImportResult& result);
 
-// Reads the values of one section of a CIS 565 scene. A value that cannot be read is a problem and makes the section
-// not whole.
+// Reads the values of one section of a CIS 565 scene. A value that cannot be read is reported as a problem, and the
+// section no longer counts as whole.
 class Cis565SectionReader {
 public:
     Cis565SectionReader(const Cis565Section& section, ImportFindings& problems)
@@ -62,16 +62,16 @@ public:
     // Reports a problem of a source line and quotes the whole line.
     void fail(const Cis565Line& line, const std::string& allowed);
 
-    // Finds the line of a section with a keyword; null if there is none, which `required` reports as a problem.
+    // Finds the line of a CIS 565 section with a keyword; null if there is none, which `required` reports as a problem.
     const Cis565Line* line(const std::string& key) const;
     const Cis565Line* required(const std::string& key, const std::string& allowed = "with it");
 
-    // Value of a line that the section must have; nothing if the line is missing or wrong. Single numbers must be >= 0.
+    // Values of a line that a CIS 565 section must have; nothing if it is missing or wrong. A number must be >= 0.
     std::optional<double> required_number(const std::string& key);
     std::optional<Vec3d> required_vector(const std::string& key);
     // Reads a word of a source line as a whole number from 0 to 10^9.
     std::optional<double> whole(const Cis565Line& line, std::size_t word, const std::string& allowed);
-    // Reads a source line as a vector, or as a single number >= 0.
+    // Reads a line of a CIS 565 scene as a vector, or as a single number >= 0.
     std::optional<double> number_of(const Cis565Line& line);
     std::optional<Vec3d> vector_of(const Cis565Line& line);
     // Reads the number or vector of an optional keyword in a section; 0 if its line is missing or wrong.

@@ -57,7 +57,7 @@ private:
     std::string label_;  // name of the material in messages, e.g. "material 2"
     Cis565SectionReader reader_;
     ImportFindings* warnings_;
-    std::map<std::string, Vec3d> values_;  // values of the material's lines by key (numbers in x); 0 if missing
+    std::map<std::string, Vec3d> values_;  // values of the material's lines by key (single numbers in x); 0 if missing
     std::string what_;                     // description of the material in messages, e.g. "material 2 is a mirror"
     std::string image_;                    // texture as JSON for the scene file; empty: none
     CourseType type_ = CourseType::by_values;
@@ -148,7 +148,7 @@ void MaterialImporter::warn_unless_one(const std::string& key) {
     }
 }
 
-// Warns of a colour that is not used, unless it is white and so has no effect.
+// Warns of a material's colour that is not used, unless it is white and so has no effect.
 void MaterialImporter::warn_unless_white(const std::string& key) {
     if (colour(key) != Vec3d(1.0)) {
         warn(key, "is not used: " + what_);
@@ -161,7 +161,7 @@ void MaterialImporter::warn_of_rgb() {
     }
 }
 
-// Warns that RGB serves as specular colour. No warning for a material with a TYPE, whose colour is always RGB.
+// Warns that RGB serves as a material's specular colour, except with a TYPE, for which the colour is always RGB.
 void MaterialImporter::warn_of_no_specular(const std::string& asking_key) {
     if (is_set("SPECRGB") || !is_set("RGB") || !has("RGB") || type_ != CourseType::by_values) {
         return;
@@ -183,8 +183,8 @@ void MaterialImporter::add_colour(ScenePart& part, const std::string& member, co
     part.add(member, json_of(colour(key)), reader_.line(key), black);
 }
 
-// Adds the surface's colour as `member` of the scene file: the texture, with warnings that it hides the colours of the
-// keys `replaced`, or without a texture the colour of `key`.
+// Adds the material's colour as the scene file's `member`: the texture, with warnings that it hides the colours of the
+// lines `replaced`, or without a texture the colour of the line `key`.
 void MaterialImporter::add_surface_colour(ScenePart& part, const std::string& member, const std::string& key,
                                           const std::vector<std::string>& replaced) {
     if (image_.empty()) {
@@ -241,7 +241,7 @@ ScenePart MaterialImporter::subsurface() {
     return part;
 }
 
-// Adds a dielectric's keys. REFL beside REFR is the course's glass, with Fresnel reflection like every dielectric.
+// Adds a dielectric's JSON members. REFL beside REFR is the course's glass, with Fresnel reflection as usual.
 ScenePart MaterialImporter::dielectric() {
     const bool is_rough = is_set("ROUGHNESS");
     ScenePart part = start(is_rough ? "rough_dielectric" : "dielectric", "a dielectric");
@@ -369,7 +369,7 @@ void MaterialImporter::apply_layers() {
     }
 }
 
-// Reports combinations that no material of a scene file can express; returns whether there is one.
+// Reports combinations of keywords that no material of a scene file can express; returns whether there is one.
 bool MaterialImporter::refuse() {
     if (is_set("EMITTANCE")) {
         return false;

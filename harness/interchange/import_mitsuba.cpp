@@ -63,7 +63,7 @@ std::string MitsubaImporter::filled(const XmlElement& element, std::string value
         const auto is_named = [&](const auto& parameter) {
             return value.compare(at + 1, parameter.first.size(), parameter.first) == 0;
         };
-        // Parameters are searched backward, so that a longer name comes before one that is its prefix.
+        // The sorted names are searched backward, so that a longer name is found before one that is its prefix.
         const auto found = std::find_if(parameters_.rbegin(), parameters_.rend(), is_named);
         if (found == parameters_.rend()) {
             file_.refuse(element, fmt::format("a <default> before it that gives {} its value", value.substr(at)));
@@ -81,7 +81,7 @@ void MitsubaImporter::fill_in(XmlElement& element) {
             value = filled(element, value);
         }
     }
-    constexpr std::size_t longest = 256;  // limit on a value's length, so that substitution cannot blow up a file
+    constexpr std::size_t longest = 256;  // limit on an attribute value after substitution, against huge values
     if (element.tag == "default" && element.value_of("value").size() > longest) {
         file_.refuse(element, "a value of at most 256 letters");
     } else if (element.tag == "default") {

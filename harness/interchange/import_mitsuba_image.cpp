@@ -9,7 +9,7 @@
 
 namespace pt {
 
-// Reads a bitmap texture. In Mitsuba its first row is at v = 0 (src/textures/bitmap.cpp).
+// Reads a bitmap texture. In Mitsuba an image's first row is at v = 0 (src/textures/bitmap.cpp).
 MitsubaMaterials::Colour MitsubaMaterials::read_bitmap(const XmlElement& element, MitsubaObject& object) {
     MitsubaObject bitmap(element, *file_);
     if (bitmap.type() != "bitmap") {

@@ -35,7 +35,7 @@ MitsubaMaterials::Bsdf MitsubaMaterials::read_diffuse(MitsubaObject& object) {
             .image = albedo.image};
 }
 
-// Reads a roughness, which is the square root of Mitsuba's alpha. `changes` receives a remark on the distribution.
+// Reads a roughness, the square root of Mitsuba's alpha. `changes` receives what differs in the microfacet model.
 double MitsubaMaterials::read_roughness(MitsubaObject& object, std::string& changes) {
     const double alpha = object.number("alpha", 0.1);
     const double along = object.number("alpha_u", alpha), across = object.number("alpha_v", alpha);
@@ -177,7 +177,7 @@ MitsubaMaterials::Bsdf MitsubaMaterials::read_blend(MitsubaObject& object, int d
 }
 
 MitsubaMaterials::Bsdf MitsubaMaterials::read_bsdf(const XmlElement& element, int depth) {
-    constexpr int deepest = 8;  // BSDFs in a file may refer to each other in a circle
+    constexpr int deepest = 8;  // limit on nested BSDFs, which may refer to each other in a circle
     MitsubaObject object(element, *file_);
     const std::string type = object.type();
     Bsdf bsdf;

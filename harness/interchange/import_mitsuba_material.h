@@ -10,7 +10,7 @@
 namespace pt {
 
 struct MitsubaSurface {
-    const XmlElement* bsdf = nullptr;      // null: Mitsuba's default BSDF, diffuse 0.5 (black with an emitter)
+    const XmlElement* bsdf = nullptr;      // BSDF; null: Mitsuba's default, diffuse 0.5 (black with an emitter)
     const XmlElement* emitter = nullptr;   // Mitsuba emitter of type area
     const XmlElement* interior = nullptr;  // Mitsuba medium inside the shape
     const XmlElement* shape = nullptr;

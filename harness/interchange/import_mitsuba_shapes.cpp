@@ -26,7 +26,7 @@ double length_of_vector(const Vec3d& v) { return std::sqrt(dot(v, v)); }
 
 double largest_part_of(const Vec3d& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
-// Scales the map of a shape whose side is 2 in Mitsuba and 1 in scene files.
+// Scales the affine map of a shape whose side is 2 in Mitsuba and 1 in scene files.
 Affine of_twice_the_side(const Affine& map) {
     Affine own = map;
     for (Vec3d& column : own.column) {
@@ -53,7 +53,7 @@ Affine quad_of(const Affine& map, bool is_flipped) {
     return quad;
 }
 
-// The middle of one coordinate of two emitters back to back, which `ptbench export` had set slightly apart.
+// Coordinate at which two emitters back to back are joined: the middle, as `ptbench export` set them slightly apart.
 double middle_of(double a, double b) {
     constexpr double last_bits = 2 * std::numeric_limits<double>::epsilon();
     return a == b ? a : shortest_within(0.5 * a + 0.5 * b, last_bits * std::max(std::abs(a), std::abs(b)));
@@ -161,7 +161,7 @@ void MitsubaShapes::add_placed(const XmlElement& shape, const Affine& outer, int
     constexpr int deepest = 4;  // Mitsuba allows no instances within instances
     visits_ += 1;
     if (depth > deepest || visits_ > most_shapes) {
-        if (depth > deepest || visits_ == most_shapes + 1) {  // report the limit on shapes only once
+        if (depth > deepest || visits_ == most_shapes + 1) {  // the limit on the number of shapes is reported once
             file_->refuse(shape, "instances of shapes only, and at most 10^5 shapes");
         }
         return;
@@ -253,7 +253,7 @@ bool MitsubaShapes::lay_image(Placed& placed, MitsubaImage image) {
         return lay_image_on_mesh(placed, is_up == placed.flips_v);
     }
     if (placed.kind == "sphere" && !is_up && determinant(placed.map) > 0) {
-        // Mitsuba: u is the angle about z from x on, v the angle from z. ptbench: about y from -z on, and from y.
+        // A sphere's u and v are angles about z from x and from z in Mitsuba, about y from -z and from y in ptbench.
         const double size = length_of_vector(placed.own.column[0]) / length_of_vector(placed.map.column[0]);
         placed.own.column[0] = placed.map.column[1] * -size;
         placed.own.column[1] = placed.map.column[2] * size;
@@ -317,7 +317,7 @@ void MitsubaShapes::write_behind(const Scene& scene) {
     }
 }
 
-// Divides radiances of emitters inside glass by n^2, since Mitsuba's are that much larger (docs/other_renderers.md).
+// Divides radiances of emitters inside glass by n^2, by which Mitsuba's radiances are larger (docs/other_renderers.md).
 void MitsubaShapes::dim_lamps_in_glass(const Scene& scene) {
     if (std::none_of(scene.materials.begin(), scene.materials.end(), is_glass)) {
         return;
@@ -389,7 +389,7 @@ void MitsubaShapes::warn_of_differences(const Scene& scene) {
         const std::size_t found = message.find(before_found), allowed = message.rfind(before_allowed);
         const std::string place = message.substr(start.size(), found - start.size());
         if (!place.starts_with("$.objects[") || allowed == std::string::npos) {
-            continue;  // problems of materials and camera have been reported already
+            continue;  // faults of materials and the camera were reported at their import
         }
         const std::size_t object = std::stoul(place.substr(std::string("$.objects[").size()));
         const Cis565Line& head = *file_->draft->parts.objects[object].head;

@@ -30,9 +30,9 @@ private:
         MitsubaSurface surface;
         std::string mesh;  // file of the shape if it is a mesh
         bool is_flipped = false;
-        bool is_pair = false;  // quad that stands for two back-to-back emitters: two-sided
-        bool is_gone = false;  // second of two back-to-back emitters, left out
-        bool flips_v = false;  // in Mitsuba the shape's v is 1 - v of the mesh file
+        bool is_pair = false;  // two-sided quad that stands for two emitters back to back
+        bool is_gone = false;  // second of two emitters back to back, which is left out
+        bool flips_v = false;  // whether Mitsuba turns v of the mesh file into 1 - v
         std::size_t object = no_object;
         std::size_t material = 0;
     };

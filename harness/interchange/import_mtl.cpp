@@ -62,7 +62,7 @@ std::optional<fs::path> OwnMaterials::library_called(const std::string& name) {
     return fs::is_regular_file(beside, error) ? std::optional(beside) : import_->files.find(name);
 }
 
-// Reads the MTL libraries of a line, which names either one library whose name may contain spaces, or several.
+// Reads the MTL libraries of an mtllib line, which names one library whose name may contain spaces, or several.
 void OwnMaterials::read_libraries(const std::vector<std::string>& names) {
     for (const std::string& whole : names) {
         const std::string name = library_called(whole) ? whole : without_comment(whole);
@@ -84,7 +84,7 @@ void OwnMaterials::read_library(const std::string& name) {
         return;
     }
     if (!read_.insert(found->lexically_normal()).second) {
-        return;  // read already: some programs name a library before every object
+        return;  // MTL library read already: some programs name it before every object
     }
     try {
         for (MtlMaterial& material : parse_mtl(read_text_file(found->string(), largest_library), found->string())) {
@@ -139,7 +139,7 @@ std::optional<std::size_t> OwnMaterials::entry_called(const std::string& name) {
                                   fmt::format("{}: \"{}\" is read as the material \"{}\", as if a comment "
                                               "began at #",
                                               file_.filename().string(), name, entries_[meant.front()].material.name));
-    by_name_.emplace(name, meant.front());  // stored, so that the warning for this MTL material name comes only once
+    by_name_.emplace(name, meant.front());  // remembers the MTL material's name, to warn of it only once
     return meant.front();
 }
 
@@ -157,7 +157,7 @@ std::optional<std::size_t> OwnMaterials::entry_of(const ObjPart& part) {
         has_told_of_groups_ = true;
         return found;
     }
-    if (is_whole_) {  // with an MTL library missing, an unknown material is no problem, as it may be in there
+    if (is_whole_) {  // with an MTL library missing, an unknown material may be in there and is no problem
         fail(part.material.empty() ? "faces before any usemtl" : "usemtl " + part.material,
              "a material of its libraries, mtllib");
     }
@@ -186,7 +186,7 @@ std::string OwnMaterials::material_of(std::size_t entry) {
     return known->second = part.name;
 }
 
-// Writes the triangles of one material as a mesh of their own; nothing if none has an area.
+// Writes the triangles of one MTL material as a mesh of their own; returns nothing if no triangle has an area.
 std::optional<OwnPart> OwnMaterials::part_with(const ObjParts& whole,
                                                const std::vector<std::optional<std::size_t>>& entries,
                                                std::size_t entry) {

@@ -216,7 +216,7 @@ void MtlImporter::make_glass(ScenePart& part) {
     warn_if_coloured("kd", fmt::format("is not used: it is glass, by illum {}", illumination_));
 }
 
-// Makes a mix of diffuse Kd and mirror Ks, each sampled in proportion to its brightness and divided by that share.
+// Makes a mix of diffuse Kd and mirror Ks: probabilities in proportion to brightness, by which the colours are divided.
 void MtlImporter::make_shiny(ScenePart& part) {
     const Vec3d albedo = colour("kd", 0), reflectance = colour("ks", 0);
     const double of_mirror = brightest_of(reflectance), sum = brightest_of(albedo) + of_mirror;

@@ -77,7 +77,7 @@ void ObjectImporter::add_shape() {
     }
 }
 
-// Warns of further shapes in an object, which can have only one. Some programs show a mesh behind all objects too.
+// Warns of an object's further shapes, as it can have only one. Some programs show a mesh behind all objects too.
 void ObjectImporter::warn_of_shapes_beside(const std::string& shape, const std::vector<std::string>& others) {
     const Cis565Line* told = nullptr;
     for (const std::string& key : others) {
@@ -199,7 +199,7 @@ std::optional<std::size_t> ObjectImporter::material_index(const Cis565Line& line
     }
     const std::size_t count = file.materials.size();
     if (file.is_json && line.words.size() == 2 && count > 0) {
-        // For a material name that is not in the scene, the course's loader takes the first material by name.
+        // If an object names no material of the scene, the course's loader takes the first material in order of names.
         const auto first = std::min_element(file.materials.begin(), file.materials.end(),
                                             [](const auto& a, const auto& b) { return a.name < b.name; });
         import_->result->warnings.add(

@@ -19,7 +19,7 @@ namespace pt {
 
 namespace {
 
-// A minimal valid scene, into which one part at a time is put to be checked.
+// A minimal valid scene, into which each part of an imported scene is put in turn, to be checked alone.
 constexpr const char* other_root = "\"name\": \"other\", \"max_depth\": 1";
 constexpr const char* other_camera =
     "{\"eye\": [0, 0, 1], \"look_at\": [0, 0, 0], \"up\": [0, 1, 0], \"vertical_fov_degrees\": 60, "
@@ -100,9 +100,9 @@ private:
     std::map<std::string, std::string> good_materials_;  // JSON of valid materials by name
 };
 
-// Checks one part within the scene that `scene_of` makes, at the path `place`, and reports all problems. Since one
-// faulty member hides the next, each is replaced by its stand-in and the check repeated. Returns whether there is no
-// problem.
+// Checks a part of the scene file within the minimal scene that `scene_of` makes, where it has the JSON path `place`,
+// and reports all problems. Since one faulty member hides the next, each is replaced by its stand-in and the check
+// repeated. Returns whether there is no problem.
 bool PartsChecker::check(const ScenePart& part, const std::string& place, const SceneOf& scene_of) {
     ScenePart tried = part;
     tried.place = place;
@@ -118,7 +118,7 @@ bool PartsChecker::check(const ScenePart& part, const std::string& place, const 
     return false;
 }
 
-// Reports an error at the source line of the member at fault. Returns whether a check without the member makes sense.
+// Reports an error of a scene part at the faulty member's source line. Returns whether a stand-in replaced it.
 bool PartsChecker::blame(ScenePart& tried, const ScenePart& part, SceneError error) {
     // A subsurface body around the eye is reported as an error of the camera's eye.
     const bool is_elsewhere = !is_within(error.place, tried.place) && is_within(error.place, parts_.camera.place);
@@ -196,7 +196,7 @@ void PartsChecker::check_all() {
     for (std::size_t i = 0; i < parts_.objects.size() && problems_->count() < most_checked; ++i) {
         check_object(parts_.objects[i]);
     }
-    if (problems_->count() == 0) {  // no part alone is at fault, but the scene as a whole is
+    if (problems_->count() == 0) {  // each scene part alone is valid, but not the whole scene
         problems_->add(
             0, fmt::format("as a scene, {}: found {}, allowed: {}", error->place, error->found, error->allowed));
     }

@@ -11,7 +11,7 @@
 
 namespace pt {
 
-// A key and value of a JSON object in the scene file under construction.
+// A key and its value in a JSON object of the scene file under construction.
 struct SceneMember {
     std::string key, value;            // the member's value as JSON text
     const Cis565Line* line = nullptr;  // source line that the member's value comes from
@@ -22,8 +22,8 @@ struct SceneMember {
 struct ScenePart {
     std::string place;                 // JSON path of the part in the scene file, such as "$.camera"
     std::string name = "";             // name of the material that the part describes; empty for other parts
-    const Cis565Line* head = nullptr;  // first line of the section in the source file
-    bool is_whole = true;              // false: a member is missing, since its source line was unreadable
+    const Cis565Line* head = nullptr;  // first source line of the section that the part comes from
+    bool is_whole = true;              // false: the part lacks a member whose source line was unreadable
     std::vector<SceneMember> members;
 
     void add(const std::string& key, const std::string& value, const Cis565Line* line,
@@ -49,14 +49,14 @@ std::string plain_part_of(const std::string& text);
 std::string json_of(double value);
 std::string json_of(const Vec3d& v);
 std::string json_of(const std::string& text);
-// The JSON value of a colour that is a texture, by its file name in the scene, and a test for such a value.
+// Makes the JSON value of a colour that is a texture, by the texture's file name; and tests for such a value.
 std::string image_in_scene(const std::string& name);
 bool is_image_in_scene(const std::string& value);
-// Adds a mesh that is to be written beside the scene file, named after it; returns the mesh file's name.
+// Adds a mesh to be written beside the scene file, under a name made from the scene file's; returns the mesh's name.
 std::string add_imported_mesh(ImportResult& result, const ImportSource& source, Mesh mesh);
-// The meshes of an import by the paths of the files that will have them.
+// The meshes of an import, by the paths of the files to which they will be written.
 MeshesToBe::Meshes imported_meshes(const ImportResult& result, const std::string& scene_file);
-// Passes on a mesh file's own warnings, once per file, at the source line that names it first.
+// Repeats a mesh file's own warnings as the import's, once per file, at the source line that names the file first.
 void warn_of_mesh(ImportResult& result, std::size_t line, const std::filesystem::path& file,
                   const std::vector<std::string>& warnings);
 // Name of a material in the scene file: its name in the source, or material_LABEL.

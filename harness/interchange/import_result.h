@@ -15,13 +15,13 @@ namespace pt {
 struct ImportSource {
     std::string text;  // content of the source file
     std::string file;  // path of the source file, near which files that it names are searched
-    std::string out;   // path of the scene file; empty: not written, and mesh names are relative to `file`
+    std::string out;   // path of the scene file to write; empty: none is written, and mesh names are relative to `file`
     std::string name;  // name of the scene; empty: from the source file
 };
 
 // A mesh that the scene file names and that still has to be written.
 struct ImportedMesh {
-    std::string file;  // file name, .ply, in the scene file's folder
+    std::string file;  // name of the mesh file (.ply) in the scene file's folder
     Mesh mesh;
 };
 
@@ -37,9 +37,9 @@ struct ImportResult {
     std::string json;  // text of the scene file; empty if there are problems
     std::vector<ImportedMesh> meshes;
     std::vector<ImportedImage> images;
-    FilesBeside files;  // imported meshes and images, as the content of files
+    FilesBeside files;  // files to be written beside the scene file: encoded meshes and images
     ImportFindings problems, warnings, notes;
-    std::set<std::string> meshes_told;  // mesh files whose warnings were passed on
+    std::set<std::string> meshes_told;  // mesh files whose own warnings are among `warnings` already
     std::size_t objects = 0, materials = 0;
 };
 

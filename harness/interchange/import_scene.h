@@ -10,8 +10,8 @@ namespace pt {
 
 struct ImportFormat {
     const char* name;
-    std::vector<std::string> endings;          // file extensions in lower case, with dots
-    bool (*is_like)(const std::string& text);  // whether a text begins like this format, for files of unknown extension
+    std::vector<std::string> endings;          // file extensions of the format in lower case, with dots
+    bool (*is_like)(const std::string& text);  // whether a text begins like the format, for files of unknown extension
     ImportResult (*import)(const ImportSource& source);
     std::size_t largest = largest_import;  // size limit of a source file in bytes
 };
@@ -22,7 +22,7 @@ const std::vector<ImportFormat>& import_formats();
 // format accepts any text.
 const ImportFormat& import_format_of(const ImportSource& source);
 
-// Reads a source file: readable text, or the bytes of binary glTF. The extension decides how large it may be.
+// Reads a source file of an import: text, or the bytes of binary glTF. The extension decides how large it may be.
 std::string read_import(const std::string& file);
 
 ImportResult import_scene(const ImportSource& source);

@@ -46,8 +46,8 @@ bool is_glass(const SceneMaterial& material);
 // Whether a material emits light.
 bool is_emissive(const SceneMaterial& material);
 
-// Offset of ray origins from surfaces in Mitsuba at the scene's outermost corner, divided by the smallest axis of all
-// spheres and boxes; 0 without any.
+// Mitsuba's offset of ray origins from surfaces, taken at the scene's outermost corner, where it is largest, divided by
+// the smallest axis of all spheres and boxes; 0 if the scene has none of these.
 double mitsuba_offset_by_thickness(const Scene& scene, double scale);
 
 }  // namespace pt

@@ -133,7 +133,7 @@ std::optional<Vec3d> MitsubaObject::optional_radiance(const std::string& name) {
     std::optional<Vec3d> radiance = optional_colour(name);
     const XmlElement* found = property(name);
     if (radiance && found->tag == "spectrum") {
-        // A constant spectrum is XYZ (1, 1, 1), equal energy at every wavelength, here in linear sRGB (IEC 61966-2-1).
+        // Mitsuba's constant spectrum has equal energy everywhere, XYZ (1, 1, 1), here in linear sRGB (IEC 61966-2-1).
         const Vec3d equal_energy{3.240479 - 1.537150 - 0.498535, -0.969256 + 1.875991 + 0.041556,
                                  0.055648 - 0.204043 + 1.057311};
         *radiance = *radiance * equal_energy;
@@ -253,7 +253,7 @@ Affine MitsubaObject::transform_of(const XmlElement& step) {
     return map;
 }
 
-// Reads a transform of a Mitsuba object, whose steps are applied in the order of the file.
+// Reads the transform of a Mitsuba object: steps such as <translate>, applied in the order of the file.
 Affine MitsubaObject::transform(const std::string& name) {
     const XmlElement* found = property(name);
     Affine map;
@@ -266,7 +266,7 @@ Affine MitsubaObject::transform(const std::string& name) {
     }
     bool is_first = true;
     for (const XmlElement& step : found->children) {
-        // The first step's matrix is taken as it is, not multiplied by the identity, so that all its bits are kept.
+        // The first transform step's matrix is not multiplied by the identity, so that all its bits are kept.
         map = is_first ? transform_of(step) : transform_of(step) * map;
         is_first = false;
     }

@@ -61,7 +61,7 @@ public:
     std::string text(const std::string& name, const std::string& otherwise);
     Vec3d colour(const std::string& name, const Vec3d& otherwise);
     std::optional<Vec3d> optional_colour(const std::string& name);
-    // The radiance of an emitter, where Mitsuba's RGB variants turn a <spectrum> into another grey than elsewhere.
+    // Radiance of an emitter. Mitsuba's RGB variants make another grey of a <spectrum> in an emitter than elsewhere.
     std::optional<Vec3d> optional_radiance(const std::string& name);
     Vec3d point(const std::string& name, const Vec3d& otherwise);
     Affine transform(const std::string& name);

@@ -53,7 +53,7 @@ public:
         return static_cast<std::size_t>(before - line_ends_.begin()) + 1;
     }
 
-    // Converts an XML element with its children; false if the tree exceeds the limits.
+    // Converts an XML element with its children; false if the tree is too deep or has too many elements.
     bool read(const pugi::xml_node& node, int depth, XmlElement& element) {
         constexpr int deepest = 64;
         constexpr std::size_t most_elements = 1000000;

@@ -24,8 +24,8 @@ struct XmlElement {
     std::string text() const;
 };
 
-// Parses a text and returns its root element. Returns nothing, after reporting a problem, if the text is not XML or is
-// beyond the limits (64 levels, 10^6 elements).
+// Parses an XML text and returns its root element. Returns nothing, after reporting a problem, if the text is not XML
+// or is beyond the limits (64 levels, 10^6 elements).
 std::optional<XmlElement> read_xml(const std::string& text, ImportFindings& problems);
 
 // Whether the build has pugixml, which parses XML. Without it every text is a problem that says so.

@@ -20,7 +20,7 @@ public:
     // Writes an empty XML element.
     void leaf(const std::string& tag, const Attributes& attributes);
 
-    // The XML text that has been written; complete once all opened elements are closed.
+    // The XML text written so far; complete once all opened elements are closed.
     const std::string& text() const { return text_; }
 
 private:

@@ -1,4 +1,4 @@
-// Checks that every mesh must pass after it has been read or generated.
+// Checks of a mesh's validity, which every mesh must pass after it has been read or generated.
 #pragma once
 
 #include <string>

@@ -29,7 +29,7 @@ void add_quad(Mesh& mesh, std::uint32_t n, const glm::dvec3& a, const glm::dvec3
 // A block of the Cornell box as measured, in millimetres: x to the left, z into the room, whose corner is the origin.
 struct Block {
     double height;
-    double x[4], z[4];  // corners of the block's base, going round
+    double x[4], z[4];  // corners of the block's base, in order round its border
 };
 constexpr Block short_block{165, {130, 82, 240, 290}, {65, 225, 272, 114}};
 constexpr Block tall_block{330, {423, 265, 314, 472}, {247, 296, 456, 406}};

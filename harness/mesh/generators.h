@@ -8,14 +8,14 @@
 
 namespace pt {
 
-// An icosahedron whose faces are split into four `level` times; each vertex is then moved radially by a smooth bump.
+// An icosahedron of which each face is split into four, `level` times over; a smooth bump then moves vertices radially.
 Mesh make_icosphere(std::uint32_t level);
 
 // A sphere with n rows of latitude by 2 n of longitude and radius 1 + bump sin(frequency theta) cos(frequency phi). The
 // vertices are those of `grid_sphere` in the OptiX probe (issue 19), except that each pole is one vertex. The winding
 // is opposite to the probe's, whose normals point inward.
 Mesh make_grid_sphere(std::uint32_t n, double bump, std::uint32_t frequency);
-// The grid sphere with the OptiX probe's bump of 0.05 and its frequencies: 40 up to n = 256, 90 up to 724, 150 beyond.
+// The OptiX probe's grid sphere: bump 0.05, and frequency 40 for n up to 256, 90 for n up to 724, 150 beyond.
 Mesh make_probe_sphere(std::uint32_t n);
 
 // A Menger sponge: a cube bored through `level` times over. Each face between solid and empty cells is two triangles.

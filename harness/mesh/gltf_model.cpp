@@ -291,7 +291,7 @@ void GltfMeshMaker::add_primitive(const tinygltf::Primitive& primitive, const gl
     const bool is_surface =
         mode == TINYGLTF_MODE_TRIANGLES || mode == TINYGLTF_MODE_TRIANGLE_STRIP || mode == TINYGLTF_MODE_TRIANGLE_FAN;
     if (!is_surface || position == primitive.attributes.end()) {
-        return;  // the glTF primitive has no triangles or no positions
+        return;  // a glTF primitive without triangles or without positions adds nothing
     }
     const AccessorView positions = vectors(position->second, place);
     const auto first = static_cast<std::uint32_t>(mesh_.vertices.size());
@@ -316,7 +316,7 @@ void GltfMeshMaker::add_primitive(const tinygltf::Primitive& primitive, const gl
     add_triangles(primitive, mode, first, positions.count, glm::determinant(glm::dmat3(matrix)) < 0.0, place);
 }
 
-// Adds vertex normals transformed by the matrix's cofactors, which is right for non-uniform scales and mirrors, too.
+// Adds vertex normals transformed by a node matrix's cofactors, which is right for non-uniform scales and mirrors, too.
 void GltfMeshMaker::add_normals(const AccessorView& normals, std::size_t vertices, const glm::dmat4& matrix,
                                 const std::string& place) {
     if (normals.count != vertices) {

@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 #include <glm/mat4x4.hpp>
 
-// tinygltf is told to decode no images, and to read no files but by a reader that it is given.
+// tinygltf is compiled to decode no images, and to read files only through a function that its caller gives it.
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
 #define TINYGLTF_NO_EXTERNAL_IMAGE
@@ -24,7 +24,7 @@
 
 namespace pt {
 
-// Returns the content of a file that the glTF model names; throws InputError.
+// Function that returns the content of a file which a glTF model names; throws InputError.
 using GltfFileReader = std::function<std::string(const std::string& name)>;
 
 // Parses glTF, binary or JSON by its first bytes; without `read`, data must be embedded. Throws InputError.
@@ -61,7 +61,7 @@ public:
     void add_primitive(const tinygltf::Primitive& primitive, const glm::dmat4& matrix, const std::string& place);
     Mesh take();
     MeshWarnings& warnings() { return mesh_.warnings; }
-    const RoundingLoss& loss() const { return loss_; }  // largest rounding error of the transformed vertices
+    const RoundingLoss& loss() const { return loss_; }  // largest rounding error of the mesh's transformed vertices
 
 private:
     struct AccessorView;
@@ -76,9 +76,9 @@ private:
 
     const tinygltf::Model& model_;
     const std::string& file_;
-    bool has_normals_ = true;                        // whether all primitives so far have vertex normals
-    bool has_coordinates_ = true;                    // whether all primitives so far have texture coordinates
-    std::vector<std::array<float, 2>> coordinates_;  // texture coordinates by vertex
+    bool has_normals_ = true;                        // whether all glTF primitives so far have vertex normals
+    bool has_coordinates_ = true;                    // whether all glTF primitives so far have texture coordinates
+    std::vector<std::array<float, 2>> coordinates_;  // texture coordinates of the glTF mesh by vertex
     RoundingLoss loss_;
     Mesh mesh_;
 };

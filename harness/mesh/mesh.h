@@ -11,7 +11,7 @@
 
 namespace pt {
 
-// Upper bounds on a mesh. The triangles of a scene of several meshes are still counted in 32 bits.
+// Upper bounds on a mesh, with which the triangles of a scene of several meshes can still be counted in 32 bits.
 inline constexpr std::uint64_t most_triangles = std::uint64_t{1} << 27;
 inline constexpr std::uint64_t most_vertices = std::uint64_t{1} << 28;
 
@@ -22,11 +22,11 @@ struct Mesh {
     // Texture coordinates of each triangle's corners: u to the right and v up, (0, 0) the lower left corner of an
     // image. Empty, or one entry a triangle.
     std::vector<std::array<std::array<float, 2>, 3>> coordinates;
-    std::uint32_t degenerate_left_out = 0;  // number of degenerate faces that are not in `triangles`
+    std::uint32_t degenerate_left_out = 0;  // number of degenerate faces, which `triangles` leaves out
     MeshWarnings warnings;                  // warnings about the file that was read
 };
 
-// Texture coordinates of each triangle's corners: `triangles` has indices into `places`. Empty if one is out of range.
+// Texture coordinates by triangle corner, from indices (`triangles`) into `places`; empty if an index is out of range.
 std::vector<std::array<std::array<float, 2>, 3>> places_of_corners(
     std::span<const std::array<std::uint32_t, 3>> triangles, std::span<const std::array<float, 2>> places);
 

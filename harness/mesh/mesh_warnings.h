@@ -8,7 +8,7 @@
 
 namespace pt {
 
-// Collects warnings. Since every line of a file may cause one, equal texts are kept once, with the first place.
+// Collects warnings about a mesh file. Since every line may cause one, equal texts are kept once, with the first place.
 class MeshWarnings {
 public:
     void add(std::string_view place, std::string_view text);

@@ -16,7 +16,7 @@ enum class ObjLine {
     material,
     group,
     library,
-    image,  // texture image of faces, in very old OBJ files
+    image,  // line that names a texture image of faces, in very old OBJ files
     no_shape,
     points_or_lines,
     curve_or_surface,

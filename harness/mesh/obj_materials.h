@@ -41,7 +41,7 @@ struct MtlLine {
 
 struct MtlMaterial {
     std::string name;
-    std::size_t line = 0;                  // line number of the material's newmtl
+    std::size_t line = 0;                  // number of the material's line newmtl in the MTL file
     std::map<std::string, MtlLine> lines;  // MTL lines by keyword in lower case; of several with one keyword the last
     std::vector<MtlLine> overruled;        // earlier MTL lines that share a keyword with one in `lines` but differ
 };

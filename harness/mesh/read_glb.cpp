@@ -72,7 +72,7 @@ private:
             warnings.add(place, "its rotation is (0, 0, 0, 0), which is none: it turns nothing");
         }
         for (const auto& [name, value] : node.extensions) {
-            if (name != "KHR_lights_punctual") {  // lights belong to a scene, not to a mesh
+            if (name != "KHR_lights_punctual") {  // glTF lights are no part of a mesh, so no warning
                 warnings.add(place, "its extension " + name + " is passed over");
             }
         }

@@ -58,7 +58,7 @@ private:
         }
     }
 
-    // Largest vertex (or normal) index so far and its line: checked at the end, as vertices may come after faces.
+    // Largest vertex or normal index in OBJ faces so far, and its line: checked at the end, as vertices may come later.
     struct Pending {
         std::uint64_t count = 0;
         std::size_t line = 0;
@@ -156,19 +156,19 @@ private:
         if (const std::string remark = obj_remark(kind, word); !remark.empty()) {
             warn(line_, remark);
         } else if (!keeps_parts_) {
-            return;  // materials and groups matter only if the mesh is split into parts
+            return;  // names of materials and groups matter only if the OBJ mesh is split into parts
         } else if (kind == ObjLine::material || kind == ObjLine::group) {
             (kind == ObjLine::material ? current_.material : current_.group) = rest_of_line();
             has_current_ = false;
         } else if (kind == ObjLine::library) {
             const std::size_t start = std::min(text_.find_first_not_of(" \t"), text_.size());
-            found_.libraries.emplace_back(text_.substr(start));  // a library's file name may contain spaces
+            found_.libraries.emplace_back(text_.substr(start));  // an MTL library's file name may contain spaces
         } else if (kind == ObjLine::image && rest_of_line() != "off") {
             warn(line_, fmt::format("{} is passed over: images are those of the materials", word));
         }
     }
 
-    // Warns of vertices that lost digits in single precision, by reading the file again in double, if that may matter.
+    // Warns of vertices that lost digits in single precision; reads the file again in double if coordinates are large.
     void check_resolution() {
         if (!may_have_lost_digits(mesh_)) {
             return;
@@ -208,7 +208,7 @@ private:
         }
     }
 
-    // Takes the rest of the line as a name; runs of spaces in it become one space.
+    // Takes the rest of the OBJ line as a name; runs of spaces in it become one space.
     std::string rest_of_line() {
         std::string rest(next_word());
         for (std::string_view word = next_word(); !word.empty(); word = next_word()) {
@@ -363,14 +363,14 @@ private:
     std::string_view content_;
     const std::string& file_;
     std::size_t at_ = 0, line_ = 0, lines_joined_ = 0;
-    std::string_view text_;  // unread rest of the current OBJ line
+    std::string_view text_;  // part of the current OBJ line that has not been read yet
     std::string joined_;
     std::vector<ObjCorner> corners_;  // corners of the current OBJ face
     std::vector<std::array<float, 3>> normals_;
-    std::vector<std::array<std::uint32_t, 3>> normal_triangles_;  // indices into normals_ of each triangle's corners
+    std::vector<std::array<std::uint32_t, 3>> normal_triangles_;  // each triangle corner's index into normals_
     bool all_have_normals_ = true;
     std::vector<std::array<float, 2>> textures_;
-    std::vector<std::array<std::uint32_t, 3>> texture_triangles_;  // indices into textures_ of each triangle's corners
+    std::vector<std::array<std::uint32_t, 3>> texture_triangles_;  // each triangle corner's index into textures_
     bool all_have_texture_ = true;
     Pending pending_vertex_, pending_normal_;
     std::vector<LatePolygon> late_polygons_;

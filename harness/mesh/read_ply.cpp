@@ -37,7 +37,7 @@ public:
 
     double next(PlyType type) { return format_ == PlyFormat::ascii ? next_word(type) : next_binary(type); }
 
-    // Upper bound on the number of elements of a kind that the remaining bytes can hold.
+    // Upper bound on the number of PLY elements of a kind that the remaining bytes of the file can hold.
     std::uint64_t most_left(const PlyElement& element) const {
         std::uint64_t bytes = 0;
         for (const PlyProperty& property : element.properties) {
@@ -171,7 +171,7 @@ private:
             const auto& triangle = mesh_.triangles[polygon.triangle + (i < 3 ? 0 : i - 2)];
             const std::uint32_t vertex = triangle[std::min<std::size_t>(i, 2)];
             if (vertex >= mesh_.vertices.size()) {
-                return;  // index beyond the vertices, for which check_mesh refuses the mesh
+                return;  // vertex index out of range, for which check_mesh refuses the mesh
             }
             places.push_back(mesh_.vertices[vertex]);
         }
@@ -390,7 +390,7 @@ private:
             last = corner;
         }
         if (count > 3 && mesh_.vertices.empty()) {
-            late_polygons_.push_back(polygon);  // triangulated later, as this PLY file has its vertices after the faces
+            late_polygons_.push_back(polygon);  // a polygon is triangulated later if the PLY file has faces first
         } else if (count > 3) {
             cut(polygon);
         }
@@ -404,7 +404,7 @@ private:
     std::vector<Polygon> late_polygons_;
     Mesh mesh_;
     int coordinate_places_[2] = {-1, -1};
-    std::vector<std::array<float, 2>> coordinates_;  // texture coordinates by vertex
+    std::vector<std::array<float, 2>> coordinates_;  // texture coordinates of the PLY file by vertex
     bool has_faces_ = false;
 };
 

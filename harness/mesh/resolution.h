@@ -13,7 +13,7 @@ namespace pt {
 // Largest rounding error of a mesh's vertices when converted from double to single precision.
 class RoundingLoss {
 public:
-    // Records a vertex before and after rounding. `place` is its number, as the reader counts.
+    // Records a mesh vertex before and after rounding. `place` is the vertex's number, as the file's reader counts.
     void add(const std::array<double, 3>& exact, const std::array<float, 3>& rounded, std::size_t place);
 
     double largest() const { return largest_; }  // largest rounding error of a vertex along one axis
@@ -24,8 +24,8 @@ private:
     std::size_t place_ = 0;
 };
 
-// Warning for a mesh whose vertices rounding has moved by up to `largest`. None below 2^-14 of the mesh's extent and
-// 2^-7 of its mean edge length, where neither outline nor shading shows the error.
+// Warning for a mesh whose vertices were moved by up to `largest` in rounding. There is none below 2^-14 of the mesh's
+// extent and 2^-7 of its mean edge length, where neither outline nor shading shows the error.
 std::optional<std::string> resolution_warning(const Mesh& mesh, double largest);
 
 // Whether coordinates are so large that rounding may be worth a warning, for which the file is read in double.

@@ -19,7 +19,7 @@ struct DividedSphere {
 DividedSphere icosahedron() {
     const double golden = (1.0 + std::sqrt(5.0)) / 2.0;
     DividedSphere sphere;
-    for (int axis = 0; axis < 3; ++axis) {  // an icosahedron has the corners of three golden rectangles
+    for (int axis = 0; axis < 3; ++axis) {  // an icosahedron's corners are those of three golden rectangles
         for (const auto& [a, b] : {std::pair{-1.0, -golden}, {1.0, -golden}, {-1.0, golden}, {1.0, golden}}) {
             glm::dvec3 corner(0.0);
             corner[axis] = a;
@@ -27,7 +27,7 @@ DividedSphere icosahedron() {
             sphere.vertices.push_back(glm::normalize(corner));
         }
     }
-    const auto near = [&](std::uint32_t a, std::uint32_t b) {  // neighbours' cosine is 1/sqrt(5), others' negative
+    const auto near = [&](std::uint32_t a, std::uint32_t b) {  // vertices' cosine: 1/sqrt(5) along an edge, else < 0
         return glm::dot(sphere.vertices[a], sphere.vertices[b]) > 0.4;
     };
     std::uint32_t edge_of[12][12] = {};
@@ -128,7 +128,7 @@ Mesh make_grid_sphere(std::uint32_t n, double bump, std::uint32_t frequency) {
                : i == n ? static_cast<std::uint32_t>(mesh.vertices.size() - 1)
                         : 1 + (i - 1) * 2 * n + j % (2 * n);
     };
-    for (std::uint32_t half = 0; half < 2; ++half) {  // OptiX probe's order: one triangle of each quad, then the other
+    for (std::uint32_t half = 0; half < 2; ++half) {  // OptiX probe's triangle order: one of each quad, then the rest
         for (std::uint32_t i = 0; i < n; ++i) {
             for (std::uint32_t j = 0; j < 2 * n; ++j) {
                 const std::uint32_t a = vertex(i, j), b = vertex(i, j + 1), c = vertex(i + 1, j),

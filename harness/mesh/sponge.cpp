@@ -37,7 +37,7 @@ private:
     void add_cell(const std::array<std::uint32_t, 3>& cell) {
         for (int axis = 0; axis < 3; ++axis) {
             auto below = cell, above = cell;
-            --below[axis];  // an index below 0 wraps round, being unsigned, to one beyond the cube
+            --below[axis];  // unsigned: a cell index below 0 wraps round to one beyond the sponge's cube
             ++above[axis];
             if (below[axis] >= side_ || !is_left(below)) {
                 add_face(cell, (axis + 2) % 3, (axis + 1) % 3);
@@ -48,7 +48,7 @@ private:
         }
     }
 
-    // Adds a quad whose normal points along the cross product of the axes u and v.
+    // Adds a face of a cell of the sponge, whose normal points along the cross product of the axes u and v.
     void add_face(std::array<std::uint32_t, 3> corner, int u, int v) {
         const std::uint32_t a = vertex(corner);
         ++corner[u];

@@ -14,7 +14,7 @@ namespace {
 struct RoundRow {
     double r, height, s;
 };
-constexpr double newell_share = 0.56;  // Newell's ratio s / r in quarter circles; 0.5523 would be nearer to a circle
+constexpr double newell_share = 0.56;  // Newell's ratio s / r of control points; 0.5523 is nearer to a quarter circle
 constexpr RoundRow round_row(double r, double height) { return {r, height, newell_share * r}; }
 
 // Profiles of the teapot's round bodies, from the top down so that patches face outward. Adjacent patches share a row.
@@ -26,7 +26,7 @@ constexpr RoundRow rim_and_body[] = {round_row(1.4, 2.4),  round_row(1.3375, 2.5
 constexpr RoundRow lid[] = {round_row(0.0, 3.15), {0.8, 3.15, 0.45},    round_row(0.0, 2.85), round_row(0.2, 2.7),
                             round_row(0.4, 2.55), round_row(1.3, 2.55), round_row(1.3, 2.4)};
 
-// Control points on half a pipe (handle or spout): (x, 0), (x, w), (x', w), (x', 0) at heights z, z, z', z'.
+// Control points on half a cross section of a handle or spout: (x, 0), (x, w), (x', w), (x', 0) at z, z, z', z'.
 struct PipeRow {
     double x, z, far_x, far_z, width;
 };
@@ -83,7 +83,7 @@ PatchRow quarter(const RoundRow& row, int turns) {
     return points;
 }
 
-// Control points of one half of a pipe row, ordered so that the patch faces outward like the round ones.
+// Control points on one half of a cross section of a handle or spout, ordered so that the patch faces outward.
 PatchRow half(const PipeRow& row, bool is_mirrored) {
     const double y = is_mirrored ? row.width : -row.width;
     const PatchRow points{glm::dvec3(row.x, 0, row.z), glm::dvec3(row.x, y, row.z), glm::dvec3(row.far_x, y, row.far_z),
@@ -128,7 +128,7 @@ Mesh make_teapot(std::uint32_t n) {
 }
 
 Mesh make_stadium(std::uint32_t n) {
-    constexpr float half_side = 326'250.0f;  // half the quad's side: 10^5 times half the teapot's length of 6.525
+    constexpr float half_side = 326'250.0f;  // half the side of the quad under the teapot: 10^5 / 2 times 6.525
     Mesh mesh = make_teapot(n);
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     for (const auto& [x, z] : {std::pair{-1.0f, -1.0f}, {-1.0f, 1.0f}, {1.0f, 1.0f}, {1.0f, -1.0f}}) {

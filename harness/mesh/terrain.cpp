@@ -11,7 +11,7 @@ namespace {
 
 double lattice_height(std::uint32_t octave, std::uint32_t i, std::uint32_t j) {
     MeshRandom random(std::uint64_t{octave} << 58 | std::uint64_t{i} << 29 | j);
-    (void)random.bits();  // dropped, since the first random numbers of adjacent seeds are correlated
+    (void)random.bits();  // the first random number is dropped: it is correlated between adjacent seeds
     return random.uniform(-1.0, 1.0);
 }
 

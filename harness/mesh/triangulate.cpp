@@ -14,9 +14,9 @@ namespace {
 
 // Tolerances for polygons that were convex or flat before their corners were rounded to single precision.
 constexpr double slight_area = 0x1p-16;
-constexpr double slight_height = 0.01;      // share of a polygon's size below which a bend looks alike however split
+constexpr double slight_height = 0.01;      // largest bend of a polygon over its size that looks alike however split
 constexpr std::size_t most_corners = 4096;  // most polygon corners for the quadratic test for crossing edges
-constexpr std::uint64_t most_looks = std::uint64_t{1} << 28;  // limit on tests of corners for lying in an ear
+constexpr std::uint64_t most_looks = std::uint64_t{1} << 28;  // limit on tests whether a corner lies in an ear
 
 constexpr std::string_view not_flat = "a polygon whose corners lie in no plane: which way it is bent is not said";
 constexpr std::string_view crosses =
@@ -33,10 +33,10 @@ double turn(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) { ret
 
 struct FanFacts {
     glm::dvec3 normal{0.0};  // polygon normal by Newell's method, of length twice the area
-    double covered = 0;      // twice the summed area of all triangles of the fan
-    double backward = 0;     // twice the area of fan triangles facing against the normal
-    double angle = 0;        // sum of the fan's angles at the first corner
-    double size = 0;         // distance from the first corner to the farthest
+    double covered = 0;      // twice the summed area of the fan's triangles around the polygon's first corner
+    double backward = 0;     // twice the summed area of those fan triangles that face against the normal
+    double angle = 0;        // sum of the fan triangles' angles at the polygon's first corner
+    double size = 0;         // distance from the polygon's first corner to the farthest
     double height = 0;       // extent of the polygon along its normal
 };
 
@@ -105,7 +105,7 @@ public:
         }
     }
 
-    // Triangulates the polygon ear by ear. Empty if no ear was found or the limit on tests was reached.
+    // Triangulates the polygon by cutting ears. Empty if no ear was found or the limit on tests was reached.
     std::vector<std::array<std::uint32_t, 3>> cut() {
         std::size_t at = 0;
         for (std::size_t left = corners_.size(); left > 2; --left) {

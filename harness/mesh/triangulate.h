@@ -15,7 +15,7 @@ namespace pt {
 // otherwise by ear clipping (Meisters 1975), which allows touching edges so that holes may be bridged. Triangles keep
 // the polygon's winding.
 struct PolygonTriangles {
-    // Corner indices of the triangles, two fewer than the polygon has corners. Empty: use the fan.
+    // Corner indices of the polygon's triangles, two fewer than it has corners. Empty: use the first corner's fan.
     std::vector<std::array<std::uint32_t, 3>> triangles;
     // Warning that the triangulated surface may differ from the intended one; empty if there is no doubt.
     std::string_view doubt;
@@ -24,7 +24,7 @@ struct PolygonTriangles {
 // Triangulates a polygon of at least three corners, all finite.
 PolygonTriangles triangulate(std::span<const std::array<float, 3>> corners);
 
-// Replaces a polygon's fan by its triangulation, in data that belongs to the corners, such as vertex indices.
+// Replaces a polygon's fan of triangles by its triangulation, in data of the corners such as vertex indices.
 template <class T>
 void replace_fan(std::span<std::array<T, 3>> fan, std::span<const std::array<std::uint32_t, 3>> triangles) {
     std::vector<T> corners{fan[0][0], fan[0][1]};

@@ -56,7 +56,7 @@ void add_hair(Mesh& mesh, MeshRandom& random) {
     glm::dvec3 at = root * direction;
     glm::dvec3 side = std::abs(direction.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
     for (std::uint32_t i = 0; i <= hair_pieces; ++i) {
-        side = glm::normalize(side - glm::dot(side, forward) * forward);  // keeps a hair's frame from twisting
+        side = glm::normalize(side - glm::dot(side, forward) * forward);  // keeps the tube of a hair from twisting
         add_ring(mesh, at, forward, side, radius, hair_sides);
         at += piece_length * direction;
         const glm::dvec3 next = glm::normalize(direction + bend * random.direction());

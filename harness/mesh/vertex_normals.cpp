@@ -11,7 +11,7 @@ namespace pt {
 
 namespace {
 
-// Maps each vertex to the first vertex of equal position.
+// Maps each vertex of a mesh to the first vertex of equal position.
 std::vector<std::uint32_t> first_at_place(const Mesh& mesh) {
     const auto at = [&](std::uint32_t vertex) {
         // Adding +0 turns -0 into +0, so that equal vertex positions compare equal.

@@ -22,7 +22,7 @@ void add_bytes(std::string& content, const std::array<T, count>& numbers) {
 // A mesh with texture coordinates by vertex, as files need them: a vertex whose corners have several coordinates is
 // duplicated, and vertices that no triangle uses are left out.
 struct CoordinatesByVertex {
-    Mesh mesh;  // mesh without texture coordinates, which are in `places` by vertex
+    Mesh mesh;  // mesh without its texture coordinates, which are in `places` by vertex
     std::vector<std::array<float, 2>> places;
 };
 

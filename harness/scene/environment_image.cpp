@@ -136,7 +136,7 @@ private:
             }
         }
     }
-    // Whether a PRIMARIES line gives known primaries: x and y each of red, green, blue and white, Radiance's or sRGB's.
+    // Whether an .hdr file's PRIMARIES are Radiance's or sRGB's: x and y each of red, green, blue and white.
     static bool has_known_primaries(std::string_view text) {
         constexpr double slight = 2e-3;
         const std::vector<double> is = numbers_in(text, 8);

@@ -13,8 +13,8 @@ namespace pt {
 
 struct EnvironmentImage {
     std::uint32_t width = 0, height = 0;
-    std::vector<Vec3<float>> texels;  // texels row by row, the top row first
-    bool was_multiplied = false;      // whether the file's header gives an exposure or colour correction
+    std::vector<Vec3<float>> texels;  // texels of the map row by row, the top row first
+    bool was_multiplied = false;      // whether the .hdr header gives an exposure or colour correction
 };
 
 // Largest environment map, in texels: with more rows, cosines at the poles would lie within a rounding of each other.

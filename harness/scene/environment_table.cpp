@@ -18,7 +18,7 @@ std::vector<std::uint32_t> beginnings_of(const std::vector<double>& weights) {
     }
     const bool is_known = total > 0;
     const auto count = static_cast<double>(weights.size());
-    const double spread = all_words - count;  // random words to be shared out after each weight has one
+    const double spread = all_words - count;  // random words left to share by weight, after one for each value
     std::vector<std::uint32_t> beginnings;
     double before = 0;
     for (std::size_t i = 0; i < weights.size(); ++i) {
@@ -54,7 +54,7 @@ void set_choice(EnvironmentMap<Real>& map, std::uint32_t lights, bool uniformly)
     const double share = map.object_share;
     map.inverse_probability = static_cast<Real>(all_words / (all_words - share));
     map.inverse_object_probability = static_cast<Real>(share > 0 ? all_words / share : 0.0);
-    // The factor that stretches random words below object_share to 32 bits must itself fit 32 bits.
+    // stretch = 2^63 / object_share, which maps words below object_share to 32-bit words, must itself fit 32 bits.
     map.stretch = static_cast<std::uint32_t>(share > 0 ? std::min(0x1p31 * (all_words / share), all_words - 1) : 0.0);
 }
 

@@ -14,7 +14,7 @@ template <class Real>
 struct EnvironmentTable {
     std::vector<EnvironmentRow<Real>> rows;
     std::vector<EnvironmentTexel<Real>> texels;
-    EnvironmentMap<Real> map{};  // map as kernels read it, with pointers into `rows` and `texels`
+    EnvironmentMap<Real> map{};  // environment map as kernels read it, with pointers into `rows` and `texels`
 };
 
 // Makes the sampling tables of an environment map. `lights` is the number of emitting objects. The environment counts

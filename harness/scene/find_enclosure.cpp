@@ -13,8 +13,8 @@ namespace pt {
 namespace {
 
 constexpr std::uint32_t nobody = 0xffffffffu;
-constexpr std::size_t most_boxes = 32;  // no walls are sought among more boxes: AxisAlignedEnclosure::walls has 32 bits
-constexpr std::size_t most_candidates = 4096;  // limit on combinations of walls, so that large scenes load fast
+constexpr std::size_t most_boxes = 32;         // limit on possible walls: AxisAlignedEnclosure::walls has 32 bits
+constexpr std::size_t most_candidates = 4096;  // limit on combinations of possible enclosure walls, to bound load time
 
 // The two axis-aligned boxes that are an enclosure's walls on one axis; `nobody` stands for an open side.
 struct Sides {

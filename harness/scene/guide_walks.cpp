@@ -27,9 +27,9 @@ double guide_decay(double albedo, double g, double depth) {
     if (albedo >= 1) {
         return least_decay;
     }
-    const double remaining = 1 - albedo * g;  // extinction reduced by similarity, relative to sigma_t
+    const double remaining = 1 - albedo * g;  // extinction after the similarity reduction, relative to sigma_t
     const double similar = albedo * (1 - g) / remaining;
-    // For a reduced albedo below 0.04, the root kappa of albedo = kappa / artanh(kappa) is 1 in double precision.
+    // The decay rate kappa, root of albedo = kappa / artanh(kappa), is 1 in double precision for albedos below 0.04.
     const double root = similar > 0.04 ? similar * artanh_of_decay(similar) : 1;
     const double in_half_space = root * remaining;
     return std::clamp(in_half_space * std::tanh(in_half_space * depth), least_decay, most_decay);
@@ -57,7 +57,7 @@ void guide_walks(ScatteringMedium<Real>& medium, const SceneMaterial& body, doub
         const double albedo = sigma_t > 0 ? body.sigma_s[i] / sigma_t : 0;
         const double in_mean_free_paths = sigma_t > 0 ? sigma_t * depth : 0;
         medium.guide_decay[i] = static_cast<Real>(guide_decay(albedo, body.g, in_mean_free_paths));
-        // guide_albedo is computed from the rounded guide_decay, so that the two give consistent pdfs.
+        // A guided walk's guide_albedo is computed from the rounded guide_decay, so that both give consistent pdfs.
         const auto kept = static_cast<double>(medium.guide_decay[i]);
         medium.guide_albedo[i] = static_cast<Real>(kept / std::atanh(kept));
     }

@@ -12,7 +12,7 @@ namespace {
 // origin in the instance's space: 4, or 6 if it moves; of the direction: 3; of the triangle test: 8 for the distance
 // from origin to vertex, 8 for its shear, 2 for the origin. There is room to spare, since these are first-order bounds.
 constexpr double roundings = gamma<float>(32);
-// Error bound for products and sums that underflow and may be flushed to zero.
+// Error bound of a ray-triangle test's products and sums that underflow and may be flushed to zero.
 constexpr double smallest = 16 * static_cast<double>(std::numeric_limits<float>::min());
 
 double largest_of(const Vec3d& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
@@ -64,7 +64,7 @@ void InstanceBoxes::set_margins() {
             std::max(std::abs(static_cast<double>(own_.low[axis])), std::abs(static_cast<double>(own_.high[axis])));
         extent[axis] = static_cast<double>(own_.high[axis]) - static_cast<double>(own_.low[axis]);
     }
-    Vec3d reach(0.0);  // largest coordinates of the instance in scene space
+    Vec3d reach(0.0);  // largest absolute coordinates of the instance's bounding box in scene space
     for (int corner = 0; corner < 8; ++corner) {
         const Vec3d p =
             in_scene({(corner & 1) != 0 ? own_.high[0] : own_.low[0], (corner & 2) != 0 ? own_.high[1] : own_.low[1],
@@ -154,7 +154,7 @@ double farthest_origin(const SceneView<Real>& scene, double last_time) {
 #define PT_ADD_KIND(name, array, Type) add(scene.array, first_of<ShapeKind::name>(scene));
     PT_SHAPES(PT_ADD_KIND)
 #undef PT_ADD_KIND
-    return farthest * 1.001;  // the factor covers roundings by which a ray origin is pulled onto its surface
+    return farthest * 1.001;  // the factor covers rounding of ray origins moved onto a surface
 }
 
 template InstanceBoxes::InstanceBoxes(const MeshInstance<float>&, const Box&, const Sweep&);

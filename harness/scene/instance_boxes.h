@@ -19,7 +19,7 @@ struct Sweep {
 class InstanceBoxes {
 public:
     // Prepares the bounding boxes of a mesh instance that moves by `sweep`. `own` is the bounding box of the mesh in
-    // the instance's own space, which is scene space where the mesh is placed.
+    // the instance's own space, or in scene space if the mesh is placed there.
     template <class Real>
     InstanceBoxes(const MeshInstance<Real>& instance, const Box& own, const Sweep& sweep);
 
@@ -27,21 +27,21 @@ public:
     Box box() const;
     // Bounding box, in scene space, of one triangle, for ray origins with coordinates up to `farthest_origin`.
     Box box(const Triangle<float>& triangle, double farthest_origin) const;
-    // Extra margin of the instance's bounding box, in multiples of the largest coordinate of a ray origin.
+    // The part of the bounding box's margin that grows with ray origins, in multiples of their largest coordinate.
     double margin_by_origin() const { return margin_by_origin_; }
 
 private:
     Vec3d in_scene(const Vec3d& own) const;
     void set_inverse();
     void set_margins();
-    // Extends a bounding box over the instance's motion and grows it by its margins, rounded outward.
+    // Extends a bounding box over the instance's motion and grows it by margins for rounding errors, rounding outward.
     Box swept(const Vec3d& low, const Vec3d& high, double margin_of_origins) const;
 
     double row_[3][3], inverse_[3][3];  // matrix from scene space into the instance's own, and its inverse
     Vec3d offset_;
     Box own_;
     Sweep sweep_;
-    Vec3d margin_;  // margin of the instance's bounding boxes by axis, for ray origins at 0
+    Vec3d margin_;  // margin for rounding errors of the instance's bounding boxes by axis, for ray origins at 0
     double margin_by_origin_ = 0;
 };
 

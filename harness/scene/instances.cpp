@@ -8,7 +8,7 @@ namespace pt {
 
 namespace {
 
-constexpr std::uint32_t most_levels = 5;  // 5 levels of a sphereflake have 66,430 spheres
+constexpr std::uint32_t most_levels = 5;  // limit on a sphereflake's levels; with 5 it has 66,430 spheres
 constexpr std::uint32_t most_side = 512;
 
 // Rotates a vector by the shortest rotation that takes +z to `direction`.

@@ -15,7 +15,7 @@ struct Copy {
     double turn_degrees = 0;  // rotation of a copy about y, added to the original object's
 };
 
-// Reads the key "instances" of an object of this scale, a sphereflake's unit of length. Throws InputError.
+// Reads the key "instances" of an object, whose scale is a sphereflake's unit of length. Throws InputError.
 std::vector<Copy> read_instances(const JsonValue& value, double scale);
 
 // Copies that form a sphereflake: a sphere of radius 1 carries nine of a third of its radius, each of which carries

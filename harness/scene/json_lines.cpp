@@ -36,7 +36,7 @@ private:
     std::map<std::string, std::size_t> lines_;
 };
 
-// JSON path of the value that the parser meets next, such as "$.objects[3]".
+// JSON path, such as "$.objects[3]", of the value that the parser reads next.
 std::string LineFinder::place() const {
     if (levels_.empty()) {
         return "$";
@@ -131,7 +131,7 @@ std::string why_not_readable(const std::filesystem::path& file) {
 
 void check_named_file(const JsonValue& value, const InputError& failure) {
     if (std::string_view(failure.what()).find(": the file: found ") == std::string_view::npos) {
-        return;  // the failure is not one of opening the file, so its content is at fault
+        return;  // the file that the scene names could be opened, so its content is at fault
     }
     const std::filesystem::path file = value.named_file();
     if (const std::string reason = why_not_readable(file); !reason.empty()) {

@@ -55,7 +55,7 @@ private:
     };
 
     std::list<Entry> entries_;  // cached values, the most recently used first
-    std::unordered_map<std::string_view, typename std::list<Entry>::iterator> by_key_;  // views of the keys in entries_
+    std::unordered_map<std::string_view, typename std::list<Entry>::iterator> by_key_;  // keys are views into entries_
     std::size_t bytes_ = 0;
 };
 

@@ -90,7 +90,7 @@ Boundary<Real> entering_boundary(double ior) {
 template <class Real>
 Boundary<Real> leaving_boundary(double ior) {
     Boundary<Real> leaving = make_boundary<Real>(1.0 / ior);
-    // A boundary's coefficient k = (1/n - 1)(1/n + 1) is computed from its index n, since 1/n is already rounded.
+    // The boundary's coefficient k = 1/ior^2 - 1 is computed from the index ior itself, since 1/ior is already rounded.
     leaving.k = static_cast<Real>(-(ior - 1.0) * (ior + 1.0) / (ior * ior));
     return leaving;
 }

@@ -29,7 +29,7 @@ struct BeyondMitsuba {
 struct MitsubaBsdf {
     enum class Type { diffuse, conductor, dielectric, none };
     Type type = Type::diffuse;
-    std::optional<Vec3d> colour;          // colour that the surface reflects or, as a boundary, transmits
+    std::optional<Vec3d> colour;          // colour that the surface reflects or, as a dielectric boundary, transmits
     const SceneTexture* image = nullptr;  // texture that takes the place of the colour; null: none
 };
 
@@ -37,7 +37,7 @@ struct MitsubaBsdf {
 std::vector<BeyondMitsuba> rough_facets_beyond_mitsuba(const SceneMaterial& material, std::uint32_t depth);
 
 struct MaterialKind {
-    // Reads a material of this kind, without its name, from a scene file. Throws InputError.
+    // Reads a material of the kind, without the material's name, from a scene file. Throws InputError.
     SceneMaterial (*read)(const JsonValue& value) = nullptr;
     // Feature flags that kernels need for the material, beyond the kind's own and Feature::emission.
     FeatureSet (*extra_features)(const SceneMaterial& material) = [](const SceneMaterial&) { return no_features; };
@@ -71,7 +71,7 @@ struct MaterialKind {
     std::vector<BeyondMitsuba> (*beyond_mitsuba)(const SceneMaterial& material, std::uint32_t depth) =
         [](const SceneMaterial&, std::uint32_t) { return std::vector<BeyondMitsuba>{}; };
 
-    // Sets the function that packs the kind's parameters, in both precisions: `pack` is a lambda without captures.
+    // Sets the functions that pack the kind's parameters in single and in double precision; `pack` captures nothing.
     template <class Pack>
     void set_pack(Pack pack) {
         pack_single = pack;

@@ -10,8 +10,8 @@
 
 namespace pt {
 
-// How trees over meshes are built: the accelerator, builder and levels by name, which are part of the cache key, and by
-// their hooks.
+// How trees over meshes are built: the choices of the axes accelerator, builder and levels, by their names, which are
+// part of the cache key, and by their hooks.
 struct Acceleration {
     std::string accelerator, builder;
     AcceleratorHook accelerator_hook;
@@ -24,7 +24,7 @@ struct Acceleration {
     static Acceleration none();
 };
 
-// Triangles in scene space relative to the eye, or, for a mesh that several objects share, in the mesh's own space.
+// A mesh's triangles, in scene space relative to the eye or, if several objects share the mesh, in its own space.
 struct PlacedMesh {
     std::vector<Triangle<float>> triangles;
     std::vector<float> cumulative_area;
@@ -38,8 +38,8 @@ struct MeshTree {
     std::vector<LeafTriangle> leaves;
     EncodedTree encoded;
     NativeMesh native;
-    double build_ms = 0;      // host time to build the tree
-    double encode_ms = 0;     // time to convert the tree to the accelerator's format
+    double build_ms = 0;      // host time in ms to build the mesh's tree
+    double encode_ms = 0;     // time in ms to convert the mesh's tree to the accelerator's format
     double sah_cost = 0;      // SAH cost of the builder's tree; 0: no tree
     std::uint64_t bytes = 0;  // bytes of the mesh's tree: nodes, leaves and native data
 
@@ -58,18 +58,18 @@ struct MeshFacts {
     std::uint64_t triangles = 0;
     std::uint64_t nodes = 0;
     std::uint64_t node_bytes = 0;
-    std::uint64_t leaf_bytes = 0;  // bytes of triangles in leaves, duplicates included
-    double build_ms = 0;           // host time to build the trees of all meshes; 0: no tree
+    std::uint64_t leaf_bytes = 0;  // bytes of triangles in all trees' leaves, duplicates included
+    double build_ms = 0;           // host time in ms to build the trees of all meshes; 0: no tree
     double encode_ms = 0;
     double sah_cost = 0;  // SAH cost of the largest mesh's tree
-    // Nodes of the tree of the axis `levels`, over objects or over all triangles; 0: there is no such tree.
+    // Number of nodes of the tree that the axis `levels` builds, over objects or over all triangles; 0: no such tree.
     std::uint64_t level_nodes = 0;
     std::uint64_t level_bytes = 0;  // bytes of nodes and triangle slots of the tree over all meshes
-    double level_build_ms = 0;      // host time to build and encode the tree over all meshes
+    double level_build_ms = 0;      // host time in ms to build and encode the tree over all meshes
 };
 MeshFacts facts_of(const std::vector<MeshGeometry>& meshes);
 
-// The placed triangles of a mesh and the tree over them. Without a `placement` the geometry is in the mesh's own space.
+// Makes the placed triangles of a mesh and the tree over them. Without a `placement` they are in the mesh's own space.
 MeshGeometry geometry_of(const std::shared_ptr<const SceneMesh>& mesh, const Placement* placement,
                          const Acceleration& acceleration);
 

@@ -39,7 +39,7 @@ std::string key_of(const SceneView<Real>& scene, const std::vector<MeshGeometry>
     return key;
 }
 
-// The interval of times is widened, since a ray's time is rounded when interpolated between shutter open and close.
+// Motion of a mesh in the shutter interval, widened since a ray's time is rounded when interpolated between its ends.
 template <class Real>
 Sweep sweep_of(const SceneView<Real>& scene, std::uint32_t mesh) {
     const auto open = static_cast<double>(scene.camera.shutter_open);
@@ -67,7 +67,7 @@ void plant_over_objects(SceneTree& tree, const std::vector<InstanceBoxes>& insta
         margin = std::max(margin, instance.margin_by_origin());
     }
     tree.nodes = hook.build(boxes);
-    // The margin of the tree's nodes covers four roundings of the ray-box test and the roundings of this sum.
+    // The growth of the tree's boxes also covers four roundings of the ray-box test and those of computing the growth.
     tree.margin = static_cast<float>(margin + gamma<float>(8)) * (1.0f + gamma<float>(4));
     tree.build_ms = milliseconds_since(start);
 }

@@ -12,8 +12,8 @@ struct SceneTree {
     float margin = 0;  // growth of nodes' boxes, in multiples of a ray origin's largest coordinate (ObjectTree::margin)
     EncodedTree flat;
     std::vector<FlatSlot> slots;
-    double build_ms = 0;               // host time to compute bounding boxes and build the tree
-    double encode_ms = 0;              // time to convert the tree to the accelerator's format
+    double build_ms = 0;               // host time in ms to compute bounding boxes and build the tree over all meshes
+    double encode_ms = 0;              // time in ms to convert the tree over all meshes to the accelerator's format
     std::vector<MeshGeometry> meshes;  // the scene's meshes, kept alive as long as the tree
 
     std::uint64_t node_count() const { return nodes.size() + flat.node_count; }
@@ -27,7 +27,7 @@ struct SceneTree {
     FlatTree flat_view() const;
 };
 
-// Most triangle slots of a flat tree. A scene with more triangles, instances included, is refused.
+// Most triangle slots of a tree over all triangles. A scene with more triangles, instances included, is refused.
 inline constexpr std::uint64_t most_flat_slots = std::uint64_t{1} << 25;
 
 // Builds the tree over all meshes of a scene, or null where the choice of `levels` has none. meshes[i] is the geometry

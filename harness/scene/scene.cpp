@@ -164,7 +164,7 @@ private:
 }  // namespace
 
 double eye_power(const SceneObject& sphere, const Vec3d& eye) {
-    // All lengths are divided by a power of two near the sphere's radius, so that squares neither overflow nor vanish.
+    // Sphere and eye are scaled by a power of two near 1 / radius, so that squares neither overflow nor vanish.
     int exponent = 0;
     const double radius = std::frexp(0.5 * sphere.scale.x, &exponent);
     DoubledSum sum;

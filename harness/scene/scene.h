@@ -87,7 +87,7 @@ struct SceneMesh {
     std::string coordinates_hash;                // hash of texture coordinates: 16 hex digits; empty: none
     std::vector<CornerNormals> normals;          // vertex normals by triangle; empty: not asked for, or faulty
     std::string normals_hash;                    // hash of vertex normals: 16 hex digits; empty: none
-    std::string normals_fault;                   // why a mesh has no normals where they were asked for
+    std::string normals_fault;                   // why the mesh has no vertex normals although they were asked for
 };
 
 struct SceneObject {
@@ -104,7 +104,7 @@ struct SceneObject {
 // An environment light that is sampled like other lights: an image, or one texel for a constant radiance.
 struct SceneEnvironment {
     EnvironmentImage image;
-    double rotation_degrees = 0;  // rotation of the image about y, with the sign of an object's
+    double rotation_degrees = 0;  // rotation of the image about y, in the same sense as an object's rotation
     std::string file;             // image file as the scene names it; empty: constant radiance
     std::string hash;             // hash of the environment's texels: 16 hex digits
 };

@@ -165,7 +165,7 @@ template <class Real>
 Transform<Real> make_transform(const SceneObject& object, const Placement& placement, UnitShape shape) {
     Transform<Real> transform{};
     for (int axis = 0; axis < 3; ++axis) {
-        // A flat shape has no thickness, so the scale along its normal is arbitrary.
+        // A flat shape has no thickness, so its scale along its normal is arbitrary and set to 1.
         const double scale = is_flat(object) && axis == 1 ? 1.0 : object.scale[axis];
         const Vec3d& column = placement.column[axis];
         transform.row[axis] = narrow<Real>(column / scale);
@@ -442,7 +442,7 @@ double gain_of(const Scene& scene) {
     return gain;
 }
 
-// Upper bound on the radiance of a sample from emitters that paths hit and an environment not light-sampled.
+// Upper bound on a sample's radiance from emitters that its path hits and from an environment not light-sampled.
 double bound_on_sources(const Scene& scene, std::uint32_t depth) {
     double brightest = brightest_channel(scene.environment);
     double brightest_reflector = 0;
@@ -456,7 +456,7 @@ double bound_on_sources(const Scene& scene, std::uint32_t depth) {
         albedo =
             std::max({albedo, brightest_channel(material.albedo), brightest_channel(material.reflectance), grazing});
     }
-    // A path can hit only emitters that reflect more than once: a geometric series, cut off at the path depth.
+    // A path can hit emitters again only if they reflect: their share is a geometric series, cut off at the path depth.
     const double series =
         albedo < 1 ? std::min(1 / (1 - albedo), static_cast<double>(depth)) : static_cast<double>(depth);
     return (brightest + brightest_reflector * series) * gain_of(scene);

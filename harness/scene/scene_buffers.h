@@ -16,13 +16,13 @@ namespace pt {
 
 // Settings of adjoint-driven Russian roulette and splitting (harness/render/adjoint_table.h).
 struct AdjointSettings {
-    std::uint32_t paths = 0;     // learning paths of the adjoint estimate; 0: no estimate
-    std::uint32_t cells = 8;     // cells of the adjoint grid along each axis
+    std::uint32_t paths = 0;     // number of paths that the adjoint estimate is learnt from; 0: no estimate
+    std::uint32_t cells = 8;     // cells of the adjoint estimate's grid along each axis
     std::uint32_t window = 5;    // ratio of the weight window's upper to lower bound
-    std::uint32_t branches = 1;  // most branches of a path at a vertex; 1: no splitting
+    std::uint32_t branches = 1;  // most branches into which a path splits at a vertex; 1: no splitting
 };
 
-// Render settings of a run: those that can override the scene file, and those that follow from the variant.
+// Render settings of a run: some can override the scene file, the others follow from the variant.
 struct RenderSettings {
     std::uint32_t width = 0, height = 0;
     std::uint32_t depth = 0;
@@ -36,7 +36,7 @@ struct RenderSettings {
     LightSelection light_selection = LightSelection::uniform;
     bool one_sample = false;
     std::uint32_t roulette_start = 0;
-    double guided_share = 0;  // share of guided steps in subsurface walks
+    double guided_share = 0;  // share of guided steps among all steps of subsurface walks
     AdjointSettings adjoint = {};
     FeatureSet sampler = no_features;
 };
@@ -76,7 +76,7 @@ public:
     SceneBuffers(const SceneBuffers&) = delete;
     SceneBuffers& operator=(const SceneBuffers&) = delete;
 
-    // Geometry of each object that shows a mesh, in the order of object numbers.
+    // Geometry of the mesh of each object that shows one, in the order of object numbers.
     const std::vector<MeshGeometry>& meshes() const { return meshes_; }
     // The tree over all meshes together (axis `levels`), or null.
     const std::shared_ptr<const SceneTree>& tree() const { return tree_; }

@@ -22,7 +22,7 @@ namespace pt {
 
 namespace {
 
-// Longest and shortest lengths in a scene: squares of others would leave the range of float.
+// Longest and shortest lengths allowed in a scene: squares of lengths beyond them would leave the range of float.
 constexpr double largest_length = 1e18;
 constexpr double smallest_length = 1e-18;
 
@@ -43,7 +43,7 @@ void read_shutter(const JsonValue& value, SceneCamera& camera) {
     }
 }
 
-// Checks where an object is when the shutter opens and when it closes; in between it moves on a straight line.
+// Checks that an object's centre is in range when the shutter opens and when it closes; in between it moves straight.
 void check_motion(const Scene& scene, const SceneObject& object, std::size_t index, const std::string& file) {
     for (const double time : {scene.camera.shutter_open, scene.camera.shutter_close}) {
         const Vec3d centre = object.translate + object.velocity * time;
@@ -343,7 +343,7 @@ std::vector<SceneObject> read_objects(const JsonValue& value, Scene& scene) {
     return objects;
 }
 
-// The text of generated copies for the scene's hash, since they are part of its content as meshes are.
+// Text of an object's generated copies, for the scene's hash: copies belong to the scene's content, as meshes do.
 std::string text_of(const std::vector<SceneObject>& copies) {
     std::string text;
     for (const SceneObject& copy : copies) {
@@ -365,8 +365,8 @@ std::shared_ptr<const SceneEnvironment> environment_of(EnvironmentImage image, d
             texel[channel] = static_cast<float>(scaled);
         }
     }
-    // The hash of an image includes its width unless it is one texel or twice as wide as high, since the same texels in
-    // another shape are another environment.
+    // The hash of an environment image includes its width unless the image is one texel or twice as wide as high, since
+    // the same texels in another shape are another environment.
     std::uint64_t hash = fnv1a_of_bytes(image.texels.data(), image.texels.size() * sizeof(Vec3<float>));
     hash = image.texels.size() == 1 || image.width == 2 * image.height
                ? hash

@@ -28,7 +28,7 @@ std::size_t least_corner(const Mesh& mesh, const std::array<std::uint32_t, 3>& i
     return static_cast<std::size_t>(std::min_element(corners, corners + 3) - corners);
 }
 
-// The triangle of a mesh with its corners rotated so that the least comes first; the winding stays.
+// A triangle of a mesh with its corners rotated so that the least position comes first; the winding stays.
 Triangle<float> from_least_corner(const Mesh& mesh, const std::array<std::uint32_t, 3>& indices) {
     const std::size_t first = least_corner(mesh, indices);
     const auto corner = [&](std::size_t i) {

@@ -40,7 +40,7 @@ bool ends_early(std::string_view content) {
     return last_end == std::string_view::npos || (last_scan != std::string_view::npos && last_scan > last_end);
 }
 
-// Lookup table from an image's stored channel value to its linear value.
+// Lookup table of the linear value of each value that an image channel can store.
 template <class Channel>
 std::vector<float> linear_channel(TexelMeaning meaning) {
     constexpr std::size_t most = std::numeric_limits<Channel>::max(), middle = most / 2 + 1;

@@ -15,7 +15,7 @@ namespace pt {
 
 struct TextureImage {
     std::uint32_t width = 0, height = 0;
-    std::vector<Vec3<float>> texels;  // texels, linear, 0 to 1 (normals: -1 to 1); bottom row first
+    std::vector<Vec3<float>> texels;  // linear texels, 0 to 1 (normals: -1 to 1), bottom row first
 };
 
 // How texel values of an image file are read. `colour`: sRGB. `number`: the first channel, linear from 0 to 1.
@@ -23,7 +23,7 @@ struct TextureImage {
 // surface. A normal that does not point outward (z above 0) is replaced by the flat one, (0, 0, 1).
 enum class TexelMeaning { colour, number, normal };
 
-inline constexpr std::uint64_t largest_texture_file = std::uint64_t{1} << 28;  // in bytes: stb_image takes an int
+inline constexpr std::uint64_t largest_texture_file = std::uint64_t{1} << 28;  // bytes of a file; stb_image takes int
 inline constexpr std::uint32_t most_texture_side = 8192;
 // Most texels of all textures of a scene together: 3 GiB in single precision.
 inline constexpr std::uint64_t most_texels = std::uint64_t{1} << 28;
