@@ -56,9 +56,9 @@ struct Binning {
 };
 
 struct ObjectSplit {
-    double cost = std::numeric_limits<double>::infinity();  // half area of a child times its count, summed over both
-    int axis = -1;                                          // axis across which the plane lies; -1: nothing to part
-    int first_right = 0;                                    // number of the first bin to the right of the plane
+    double cost = std::numeric_limits<double>::infinity();  // sum over both children: half surface area x references
+    int axis = -1;                                          // axis across which the split's plane lies; -1: no split
+    int first_right = 0;                                    // number of the first bin that goes to the right child
     Box left, right;
 };
 

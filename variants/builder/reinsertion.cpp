@@ -94,8 +94,8 @@ private:
         parents_[by] = parent;
     }
 
-    // Finds the best new place for a node, searching from its parent up to the root. What the way up to an ancestor
-    // saves bounds the gain that places in that subtree can have.
+    // Finds the best new place for a node in the subtrees beside its way up to the root. A subtree is skipped where the
+    // area saved by taking the node out cannot make up for a better gain than the best so far.
     Move best_move(std::uint32_t node) const {
         Move best;
         if (node == pairing_.root || parents_[node] == pairing_.root) {

@@ -9,7 +9,7 @@ namespace {
 constexpr int bins = 16;
 
 struct SpatialBin {
-    Box box;  // bounding box of the triangle parts that lie in the bin
+    Box box;  // bounding box of the parts of triangles that lie in one bin of a spatial split
     std::uint32_t entering = 0, leaving = 0;
 };
 

@@ -182,7 +182,7 @@ private:
     Waiting stack_[wide_stack_size<width>];
 };
 
-// Number of rays that take turns, and the size of a tree in bytes from which rays do: little of it is in near caches.
+// Number of rays that traverse a tree by turns, and bytes above which a tree is too large for caches near a core.
 inline constexpr std::uint32_t walks_at_once = 8;
 inline constexpr std::size_t most_bytes_at_hand = 1u << 19;
 

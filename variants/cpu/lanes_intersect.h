@@ -74,9 +74,9 @@ template <class Real>
 struct EnclosureExits {
     Lanes<Real> t;
     Lanes<std::uint32_t> side;
-    Flags known;    // exit of the ray is known (EnclosureExit::known), and the ray is in no wall
-    Flags nothing;  // ray has left the bounding box of all axis boxes behind
-    Flags unclear;  // neither is known: the ray is intersected by itself
+    Flags known;    // lanes with a known exit from the enclosure (EnclosureExit::known), whose ray is in no wall
+    Flags nothing;  // lanes whose ray has left the bounding box of all axis boxes behind
+    Flags unclear;  // lanes for which neither holds: their rays are intersected one by one
 };
 
 // Versions without a branch of three functions of kernels/axis_aligned_enclosure.h. The sums they have in common are

@@ -15,7 +15,7 @@ struct Sights {
     Lanes<std::uint32_t> light;  // object that the ray's light point is on
     Flags asks;                  // whether the lane has a ray to a known light point
     Flags blocked, unsure;
-    Flags by_lane;  // the ray may cross a wall: it is tested by itself, whatever the flags above say
+    Flags by_lane;  // lanes whose ray may cross a wall: it is tested by itself, whatever the flags above say
 };
 
 // Records an object that a lane's shadow ray meets at distance t, as Segment::is_hidden_by does.
