@@ -14,7 +14,7 @@ struct Axis {
     // Whether `ptbench verify` combines the axis's choices with those of other axes in pairs only: the product of all
     // axes would take hundreds of times as long.
     bool by_pairs = false;
-    // Whether the axis's choices decide the error at a number of samples; those of other axes decide the time alone.
+    // Whether the axis's choices change the film's error at a number of samples; other axes' change the time.
     bool decides_error = false;
     // Whether the axis's choices decide how often a pixel is black: how often one of its samples is, and whether
     // samples are independent of each other.

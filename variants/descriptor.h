@@ -117,8 +117,8 @@ struct Descriptor {
     std::string_view mean_of = "";
     std::uint32_t mean_at_extra_depth = 0;
     // The compiler may contract and reorder the choice's arithmetic, so two kernels of one formula need not round
-    // alike. The film is compared by its mean with that of the variant with `mean_of` instead, which is compared with
-    // the reference by bits.
+    // alike. The film is compared by its mean with that of the variant with the choice `mean_of` instead, which is
+    // compared with the reference by bits.
     bool fp_relaxed = false;
     // Whether the film depends on the order in which paths lie in the queue, and so on every other choice. Such a film
     // is compared with the same variant's own film only.

@@ -34,7 +34,7 @@ struct alignas(16) Node {
     float origin[3];
     std::uint8_t exponent[3];  // step between planes of the node's grid by axis, as a float's exponent field
     std::uint8_t unused = 0;
-    std::uint32_t child_base;  // number of the first child that is a node; other such children follow by corner
+    std::uint32_t child_base;  // number of the first child that is a node; other such children are numbered on from it
     std::uint32_t slot_base;   // first slot of the node's leaves; other slots follow in the order of leaves' corners
     std::uint32_t contents;
     std::uint32_t splice = plane_splice;
@@ -224,9 +224,9 @@ PT_HD inline std::uint32_t by_octant(std::uint32_t bits, std::uint32_t flip) {
     return bits ^ (swap * 17u);
 }
 
-// Children of one node that are yet to be visited: bits 24 to 31 in the order of the octant; bits 0 to 7 tell which
-// children are nodes. There are no default values: the traversal stack, an array of groups, would be written whole for
-// every ray, 512 bytes a lane.
+// A node's children that are yet to be visited: bits 24 to 31 tell which, in the order of the ray's octant, bits 0 to 7
+// which children are nodes. Members have no default values, by which the traversal stack, an array of groups, would be
+// written whole for every ray: 512 bytes a lane.
 struct NodeGroup {
     std::uint32_t base;
     std::uint32_t bits;

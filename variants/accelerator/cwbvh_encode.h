@@ -26,7 +26,7 @@ struct alignas(32) Cut {
     // How many of `roots` subtrees (2 to 8) come from the left child; 0: a cut into one subtree fewer costs less.
     PT_HD std::uint32_t left_of(std::uint32_t roots) const { return choices >> (3 * (roots - 2)) & 7u; }
     PT_HD bool is_leaf() const { return (choices >> 21 & 1u) != 0; }
-    PT_HD std::uint32_t references() const { return choices >> 22; }  // references of subtree, up to largest_leaf + 1
+    PT_HD std::uint32_t references() const { return choices >> 22; }  // subtree's references, up to largest_leaf + 1
 
     PT_HD static Cut of_leaf(float area, std::uint32_t count) {
         Cut cut;
@@ -174,7 +174,7 @@ PT_HD inline float next_below(double x) {
 PT_HD inline void set_frame(Node& node, const Box& box) {
     for (int k = 0; k < 3; ++k) {
         const double low = static_cast<double>(box.low[k]), high = static_cast<double>(box.high[k]);
-        // Exponent of (high - low) / 256, rounded down; an extent of 0 gives the least exponent.
+        // Returns the exponent of the float (high - low) / 256, rounded down; an extent of 0 gives the least exponent.
         int exponent = static_cast<int>(bits_of(high - low) >> 52) - 1023 - 8;
         for (exponent = clamp(exponent, -126, 127);; ++exponent) {
             const double step = power_of_two(exponent);

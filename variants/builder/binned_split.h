@@ -51,7 +51,7 @@ struct Binning {
     int of(const Box& box, int axis) const {
         return std::clamp(static_cast<int>((centre(box, axis) - low) * scale), 0, bins - 1);
     }
-    // Whether the scale from centres to bins is finite: a scale that overflows would give bin numbers out of range.
+    // Whether the scale from centres to bin numbers is finite: one that overflows would give numbers out of range.
     bool is_usable() const { return scale > 0 && scale < std::numeric_limits<float>::max(); }
 };
 

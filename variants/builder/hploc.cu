@@ -140,8 +140,8 @@ struct BuildView {
 struct Range {
     std::uint32_t left, right, split;
 
-    // Whether the Morton codes on both sides of i differ in a lower bit than those on both sides of j; equal codes are
-    // compared by their numbers.
+    // Whether the Morton codes of leaves i and i + 1 differ in a lower bit than those of leaves j and j + 1; where both
+    // pairs differ alike, leaf numbers are compared.
     __device__ static bool is_closer(const BuildView& view, std::uint32_t i, std::uint32_t j) {
         const std::uint64_t a = view.codes[i] ^ view.codes[i + 1], b = view.codes[j] ^ view.codes[j + 1];
         return a != b ? a < b : (i ^ (i + 1)) < (j ^ (j + 1));

@@ -95,7 +95,7 @@ private:
     }
 
     // Finds the best new place for a node in the subtrees beside its way up to the root. A subtree is skipped where the
-    // area saved by taking the node out cannot make up for a better gain than the best so far.
+    // area that taking the node out saves can no longer give a gain above the best so far.
     Move best_move(std::uint32_t node) const {
         Move best;
         if (node == pairing_.root || parents_[node] == pairing_.root) {

@@ -57,7 +57,7 @@ struct Planes {
         return {box.low[axis], (box.high[axis] - box.low[axis]) / static_cast<float>(bins)};
     }
     float at(int bin) const { return low + step * static_cast<float>(bin); }
-    // The bin of coordinate x, found by comparison with the candidate planes themselves.
+    // Returns the bin of coordinate x in a spatial split, found by comparison with the candidate planes themselves.
     int bin_of(float x) const {
         int bin = std::clamp(static_cast<int>((x - low) / step), 0, bins - 1);
         while (bin > 0 && x < at(bin)) {

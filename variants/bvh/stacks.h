@@ -67,7 +67,7 @@ public:
         }
         return false;
     }
-    // Drops from the children that the ray enters those which have been entered before.
+    // Drops, on the way back after a restart, the children entered before from those that the ray enters.
     PT_HD void narrow(Open&) {}
 
 private:
@@ -275,7 +275,8 @@ public:
             }
             const std::uint32_t above = place[child] - first - 1;  // stack entries to lie above that of this child
             if (above < waiting && above < entries) {
-                const Real entry = absolute(entries_of[child]);  // without the sign of -0, which would be a mark
+                const Real entry =
+                    absolute(entries_of[child]);  // clears a zero's sign, which pop() would take as a mark
                 memory_.set((top_ + waiting - 1 - above) % entries,
                             {above == waiting - 1 ? -entry : entry, links[child]});
             }

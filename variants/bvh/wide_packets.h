@@ -30,7 +30,7 @@ inline void to_mesh(MeshRays& rays, const MeshInstance<float>& instance, const V
         const Vec3<float> o = is_placed ? origin[l] : instance.point_in(origin[l]);
         const Vec3<float> d = is_placed ? direction[l] : instance.direction_in(direction[l]);
         const Vec3<float> size{absolute(d.x), absolute(d.y), absolute(d.z)};
-        // kz as in ShearedDirection::of: the axis of the largest component, and of equal components the later axis.
+        // The axis kz as in ShearedDirection::of: that of a direction's largest component, of equal ones the later.
         const float before_z = size.x > size.y ? size.x : size.y;
         const bool is_z = !(before_z > size.z);
         const bool is_x = (before_z > size.z) & (size.x > size.y);

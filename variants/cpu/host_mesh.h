@@ -30,7 +30,7 @@ using MeetMeshInLanes = void (*)(Hits<float>& hits, const Lanes<std::uint32_t>& 
 }  // namespace lanes
 
 struct HostMesh {
-    lanes::MeetMeshInLanes meet_in_lanes = nullptr;  // search for all lanes; null: each lane's ray is traced by itself
+    lanes::MeetMeshInLanes meet_in_lanes = nullptr;  // search for a packet; null: each of its rays is traced by itself
 };
 
 }  // namespace pt

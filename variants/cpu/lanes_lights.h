@@ -68,7 +68,7 @@ private:
     }
 };
 
-// Entries of a packed list that a loop over the list takes at a time; results past the list's end are ignored.
+// How many entries of a packed list a loop over it takes at a time; results past the list's end are ignored.
 inline constexpr std::uint32_t group = 16;
 static_assert(width % group == 0);
 
@@ -77,9 +77,9 @@ template <class Real>
 struct BoxViews {
     std::uint32_t size = 0;
     Lanes<std::uint32_t> lane;
-    Vectors<Real> observer, half;  // observer and the box's half extents, as in SeenBox
+    Vectors<Real> observer, half;  // observer's position and the box's half extents, as in SeenBox
     Lanes<Real> diagonal;
-    Vectors<Real> share, skew;  // by axis across a face: SeenBox::share, and SphericalRectangle's skew
+    Vectors<Real> share, skew;  // by axis that a box face lies across: SeenBox::share, and SphericalRectangle's skew
     Lanes<Real> total;
     // Directions sampled towards box lights: the random numbers that sampling takes, and the results.
     Lanes<Real> u, v, w, axis;

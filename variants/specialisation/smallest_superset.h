@@ -18,9 +18,9 @@ inline constexpr Tunable feature_tunables[] = {
 
 inline constexpr FeatureSet only_where_asked = formulas | traversals | mesh_levels | path_trees;
 
-// Returns the features of the kernel that serves every scene: all of scenes and estimators (meshes only where the scene
-// has one). Formulas and path trees that the variant asks for, and the fewest samplings that serve it, do not depend on
-// the scene.
+// Returns the features of a kernel for all scenes: every feature of scenes and estimators (meshes only where the scene
+// has one), formulas and path trees that the variant asks for, and the fewest samplings that serve the variant. The
+// last three do not depend on the scene.
 inline FeatureSet every_feature(const KernelOffer& offer) {
     FeatureSet best = all_features | samplings | (offer.needed & only_where_asked);
     for (const FeatureSet candidate : offer.compiled) {
