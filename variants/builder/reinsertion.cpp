@@ -142,7 +142,7 @@ private:
         }
     }
 
-    // Makes a move unless an earlier move of the round has taken a node that this move changes.
+    // Makes a move of a reinsertion round, unless an earlier move of the round has taken a node that this move changes.
     void apply(const Move& move, std::vector<bool>& is_taken, std::vector<std::uint32_t>& changed) {
         const std::uint32_t parent = parents_[move.node], beside = sibling(move.node), above = parents_[parent],
                             target_parent = parents_[move.to];

@@ -261,7 +261,7 @@ public:
             target_ = 0;
         }
         waits_ &= ~(level_ | (level_ - 1));
-        // The ray enters no child, or the best hit is nearer than the child on the trail: what waits below is out of
+        // If the ray enters no child, or the best hit is nearer than the child on the trail, what waits below is out of
         // reach.
         if (met <= first) {
             return false;
@@ -275,8 +275,7 @@ public:
             }
             const std::uint32_t above = place[child] - first - 1;  // stack entries to lie above that of this child
             if (above < waiting && above < entries) {
-                const Real entry =
-                    absolute(entries_of[child]);  // clears a zero's sign, which pop() would take as a mark
+                const Real entry = absolute(entries_of[child]);  // clears a zero's sign: pop() takes signs as marks
                 memory_.set((top_ + waiting - 1 - above) % entries,
                             {above == waiting - 1 ? -entry : entry, links[child]});
             }

@@ -233,7 +233,7 @@ inline bool meets_in_lanes(const SceneView<typename Config::Real>& scene,
            prepared != nullptr && prepared->meet_in_lanes != nullptr;
 }
 
-// Keeps in `hits` the closest triangle of one mesh, in the lanes that `asks`. `enough`: see MeetMeshInLanes.
+// Keeps in `hits` the closest triangle of one mesh, in lanes with the flag `asks`. `enough`: see MeetMeshInLanes.
 template <class Config>
 inline void closest_mesh(Hits<typename Config::Real>& hits, const SceneView<typename Config::Real>& scene,
                          std::uint32_t number, const Paths<typename Config::Real>& paths, const Flags& asks,

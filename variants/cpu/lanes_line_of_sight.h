@@ -166,9 +166,9 @@ inline void note_kind(Sights<typename Config::Real>& sights, const SceneView<typ
     }
 }
 
-// hit_of_light (kernels/next_event.h) for the lanes that `sends`; on return `sends` marks the lanes that see their
-// light points. `distance`: to these points; 0: the point is not known, and the light is seen if it, or its triangle in
-// `primitives`, is the closest hit.
+// hit_of_light (kernels/next_event.h) for the lanes flagged in `sends`; on return those flagged see their light points.
+// `distance`: to these points; 0: the point is not known, and the light is seen if it, or its triangle in `primitives`,
+// is the closest hit.
 template <class Config>
 inline void look_along(Flags& sends, const SceneView<typename Config::Real>& scene, const Lanes<std::uint32_t>& lights,
                        const Lanes<std::uint32_t>& primitives, const Paths<typename Config::Real>& shadow,
