@@ -69,7 +69,7 @@ struct VariantTraits {
 struct Reason {
     std::string_view code = {};  // a short word that stays the same: "needs_queue"; empty: the variant can run
     std::string text = {};       // the reason why something cannot run, as a sentence for people
-    std::string_view axis = {};  // axis of the choice that cannot run; empty if the reason is a tunable or the depth
+    std::string_view axis = {};  // axis on which the choice cannot run; empty if a tunable or the depth is the reason
 
     bool empty() const { return code.empty(); }
 };

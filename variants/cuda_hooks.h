@@ -71,11 +71,11 @@ struct IntegratorHook {
     std::unique_ptr<Integrator> (*make_double)(JobOf<double>& job, IntegratorNeeds&& needs) = nullptr;
     std::vector<KernelSignature> (*single_kernels)() = nullptr;
     std::vector<KernelSignature> (*double_kernels)() = nullptr;
-    std::vector<KernelConstant> (*constants)(const Variant& variant) = nullptr;  // constants tuned::NAME; null: none
+    std::vector<KernelConstant> (*constants)(const Variant& variant) = nullptr;  // constants of the kernels; null: none
     const char* source = nullptr;  // embedded source file of the kernels; null: variants/integrator/NAME.cuh
-    KernelPart walks = {};         // kernel for subsurface walks, if the scene has some and walks_apart is not 0
-    KernelPart meshes = {};        // kernel for rays through meshes, if the traversal needs one of its own
-    bool stores_hits = false;      // hits lie in device memory between two kernels, as the paths of a queue do
+    KernelPart walks = {};     // kernel for subsurface walks, if the scene has some and tunable walks_apart is not 0
+    KernelPart meshes = {};    // kernel for rays through meshes, if the traversal needs one of its own
+    bool stores_hits = false;  // kernels pass hits on in device memory, where the paths of a queue lie, too
 
     std::vector<KernelSignature> kernels(std::size_t real_bytes) const {
         return real_bytes == sizeof(float) ? single_kernels() : double_kernels();

@@ -22,7 +22,7 @@ WorkCounters& WorkCounters::operator+=(const WorkCounters& other) {
 }
 
 std::size_t Variant::place(std::string_view axis) {
-    // Callers mostly give a name out of axis_names itself, so comparing addresses usually suffices.
+    // Most callers pass an element of axis_names itself, so comparing the names' addresses usually suffices.
     const auto* found = std::find_if(axis_names.begin(), axis_names.end(),
                                      [&](std::string_view name) { return name.data() == axis.data(); });
     if (found == axis_names.end() || *found != axis) {

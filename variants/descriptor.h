@@ -86,8 +86,8 @@ struct WorkCounters {
     std::uint64_t bounces = 0;  // wavefront iterations over the queue
     std::uint64_t compactions = 0;
     std::uint64_t compacted_away = 0;  // ended paths that compactions took out of the queue
-    std::uint64_t last_bounces = 0;    // bounces at the last segment that a path may have, which are not compacted
-    std::uint64_t last_paths = 0;      // paths alive in the last bounces, where all of them end
+    std::uint64_t last_bounces = 0;    // bounces at a path's last possible segment, which no compaction follows
+    std::uint64_t last_paths = 0;      // paths alive at their last possible segment, where all of them end
     std::uint64_t sorts = 0;
     std::uint64_t sorted = 0;  // paths that sorts put in order
     std::uint64_t cache_fills = 0;
@@ -117,7 +117,8 @@ struct Descriptor {
     std::string_view mean_of = "";
     std::uint32_t mean_at_extra_depth = 0;
     // The compiler may contract and reorder the choice's arithmetic, so two kernels of one formula need not round
-    // alike. The variant is held to its twin with mean_of by its mean, and the twin to the reference by its bits.
+    // alike. The film is compared by its mean with that of the variant with the choice `mean_of` instead, which is
+    // compared with the reference by bits.
     bool fp_relaxed = false;
     // Whether the film depends on the order in which paths lie in the queue, and so on every other choice. Such a film
     // is compared with the same variant's own film only.
@@ -128,10 +129,10 @@ struct Descriptor {
     Traits traits = {};  // what choices of other axes may ask of this choice: the traits of its own axis
     BackendSet backends = on_cpu;
     std::span<const Tunable> tunables = {};
-    // Why the choice cannot run on a scene with these features in this variant; empty if it can. Its axis is filled in
-    // later.
+    // Why the choice cannot run on a scene with these features in this variant; empty if it can. The registry adds
+    // Reason::axis.
     Reason (*unsupported_reason)(FeatureSet scene, const VariantTraits& variant) = nullptr;
-    // What the choice left undone (or did although it must not) by the work counters; empty if it did its work.
+    // What the choice left undone, or did although it must not, by a render's work counters; empty if it did its work.
     std::string (*check_counters)(const WorkCounters& work, std::uint64_t samples) = nullptr;
 };
 

@@ -8,8 +8,8 @@ namespace pt {
 // Why an integrator without a path queue cannot run with these choices; empty if it can. `where` tells, in the message,
 // where the integrator keeps its paths instead of in an array.
 inline Reason needs_no_queue(const VariantTraits& variant, std::string_view where) {
-    // The text is appended step by step: for concatenated strings g++ 12 warns of array bounds, depending on what else
-    // the translation unit holds.
+    // The reason's text is appended step by step: for concatenated strings g++ 12 warns of array bounds, depending on
+    // what else the translation unit holds.
     const auto no_queue = [](std::string_view text, std::string_view name) -> Reason {
         std::string whole(text);
         whole.append(", not ").append(name);

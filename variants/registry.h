@@ -25,13 +25,13 @@ using RenderIn = void (*)(RenderJobIn<Real>&);
 using RenderFunction = RenderIn<float>;
 // Returns the features that a choice adds to those of the scene.
 using AddFeatures = std::function<FeatureSet()>;
-// What a specialisation chooses a kernel's feature set from.
+// What a choice of the axis `specialisation` picks a kernel's feature set from.
 struct KernelOffer {
     FeatureSet needed = no_features;     // features that the scene and the variant need from the kernel
     FeatureSet shortcuts = no_features;  // shortcut features that the scene allows
     std::vector<FeatureSet> compiled;    // feature sets that the integrator is compiled for, or can be
 };
-// Picks the feature set of the kernel to run.
+// Picks, for a choice of the axis `specialisation`, the feature set of the kernel to run.
 using ChooseFeatures = std::function<FeatureSet(const KernelOffer& offer, const Variant& variant, Backend backend)>;
 
 // The code that a choice brings: `features`, and at most one other member, which the choice's axis and backend decide.
@@ -44,7 +44,7 @@ struct Hook {
     AddFeatures features = {};
     ChooseFeatures specialisation = {};
     std::map<FeatureSet, RenderFunction> integrator = {};
-    std::map<FeatureSet, RenderIn<double>> integrator_in_double = {};  // empty: single precision only
+    std::map<FeatureSet, RenderIn<double>> integrator_in_double = {};  // empty: the integrator has none in double
     AcceleratorHook accelerator = {};
     BuilderHook builder = {};
     LevelsHook levels = {};
@@ -105,7 +105,7 @@ VariantTraits traits_of(const Variant& variant, Backend backend);
 // Why a variant cannot run on a scene with these features ("axis=choice reason"); empty if it can. A choice that the
 // backend lacks and a tunable that none of the choices has are reasons, too.
 Reason reason_not_applicable(const Variant& variant, FeatureSet scene, Backend backend = Backend::cpu);
-// The text of reason_not_applicable; empty: the variant can run.
+// The text of reason_not_applicable, which says why the variant cannot run; empty: it can.
 std::string why_not_applicable(const Variant& variant, FeatureSet scene, Backend backend = Backend::cpu);
 
 // The weakest claim (bitwise, then statistical, then biased) among the variant's choices.
@@ -127,7 +127,7 @@ Variant without_foreign_tunables(Variant variant, Backend backend);
 // samples (the flags of the same names in Descriptor).
 bool depends_on_order(const Variant& variant, Backend backend);
 bool has_independent_samples(const Variant& variant, Backend backend);
-// How many segments deeper the variant that ends all claims of a mean must trace: the sum of mean_at_extra_depth
+// How many segments deeper than a variant the last of its chain of claims must trace: the sum of mean_at_extra_depth
 // (Descriptor). Claims form chains, since a choice may claim the mean of one that claims the mean of a third.
 std::uint32_t extra_depth(Variant variant, Backend backend);
 // The features that the variant's choices ask of a kernel, whatever the scene.

@@ -109,7 +109,7 @@ struct RenderJobIn {
     FirstBounceCache<Real>* cache = nullptr;  // first hits of camera rays; null: every camera ray is traced
     WorkCounters work;
     StageTimes* stages = nullptr;  // stage timer; null: the render is not instrumented
-    HealthRequest health;          // audit request, for an integrator that audits its paths
+    HealthRequest health;          // request to audit paths, for an integrator that can do so
 };
 using RenderJob = RenderJobIn<float>;
 

@@ -15,7 +15,7 @@ namespace {
 
 using Pairs = std::vector<std::pair<std::string, std::string>>;
 
-// The choices and tunables that a variant's name gives besides the integrator.
+// The choices and tunables that a variant's shown name lists after the integrator: those that differ from the baseline.
 Pairs differences(const Variant& variant, Backend backend) {
     const Variant baseline = Registry::instance().baseline(backend);
     Pairs differing;
@@ -38,7 +38,7 @@ std::string joined(const Variant& variant, Backend backend, char between, char i
     return text;
 }
 
-// Names and values of the tunables of the variant's choices on the backend, but for those at Tunable::as_before.
+// Names and values of all tunables of the variant's choices on the backend, but for values of Tunable::as_before.
 Pairs tunable_values(const Variant& variant, Backend backend) {
     Pairs values;
     for (const std::string_view axis : axis_names) {

@@ -6,10 +6,10 @@
 namespace pt {
 
 struct AcceleratorTraits {
-    bool has_tree = true;              // the tree is made by a choice of the axis `builder`
+    bool has_tree = true;              // a choice of the axis `builder` builds the accelerator's tree
     bool builds_itself = false;        // the accelerator builds a tree of its own, without the axis `builder`
     bool checks_large_scenes = false;  // reference accelerator for scenes in which brute_force would take too long
-    bool has_steps = false;            // a choice of the axis `traversal` may order the accelerator's steps (walk.h)
+    bool has_steps = false;            // a choice of the axis `traversal` may order the steps of the traversal (walk.h)
 };
 
 namespace accelerator {

@@ -17,25 +17,25 @@ namespace pt::accelerator::cwbvh {
 
 inline constexpr std::uint32_t width = 8;
 inline constexpr std::uint32_t largest_leaf = 3;
-// Margin by which every child's box is widened, in steps of its node's grid. Distances to planes are rounded as numbers
-// near 2^15 steps are, by less than this.
+// Margin by which every child's box is widened, in steps of its node's grid. It exceeds the rounding of a distance to a
+// plane, which is that of numbers near 2^15 steps.
 inline constexpr double plane_room = 1.0 / 128.0;
 // Size of the traversal stack of cwbvh, one entry for each level of nodes: encode() refuses a deeper tree.
 inline constexpr std::uint32_t largest_depth = 64;
 
-// Bits of the float 2^15, into which plane_number splices a plane's byte. Loaded with a node they cost nothing: as a
-// constant they would take an instruction's one place for constants, which the byte selector needs.
+// Bits of the float 2^15, into which plane_number splices a plane's byte. Every node holds them, so they are loaded
+// with it at no cost: an instruction takes one constant, and that has to be the byte selector.
 inline constexpr std::uint32_t plane_splice = 0x47000000u;
 
-// A compressed wide node. Child i lies at one of the node's corners: bit k of i is 1 at the high end of axis k. Bit 24
-// + i of `contents` stands for a child that is a node, bits 3 i to 3 i + 2, lowest first, for the slots of one that is
-// a leaf.
+// A compressed wide node. Child i lies at the corner of the node that is at the high end of axis k where bit k of i is
+// 1. In `contents`, bit 24 + i is set if child i is a node; if it is a leaf, bits 3 i to 3 i + 2, lowest first, are set
+// for its slots.
 struct alignas(16) Node {
     float origin[3];
     std::uint8_t exponent[3];  // step between planes of the node's grid by axis, as a float's exponent field
     std::uint8_t unused = 0;
-    std::uint32_t child_base;  // number of the node's first child that is a node; others follow in the order of i
-    std::uint32_t slot_base;   // first slot of the node's leaves; other slots follow in the order of i
+    std::uint32_t child_base;  // number of the first child that is a node; other such children are numbered on from it
+    std::uint32_t slot_base;   // first slot of the node's leaves; other slots follow in the order of leaves' corners
     std::uint32_t contents;
     std::uint32_t splice = plane_splice;
     // Low and high planes of the children's boxes by axis, in steps from the node's origin, at least plane_room outside
@@ -132,8 +132,8 @@ PT_HD inline std::int32_t earliest_exit(float x, float y, float z, float limit) 
 }
 
 // A ray prepared for box tests: in float, with a margin for rounding. A triangle's test moves vertices, relative to the
-// ray, by less than 8 u M along each axis, and a slab's distances are off by less than 8 u M over the direction,
-// together 2^-20 M; M is the largest distance along an axis from the ray origin to a corner of the tree.
+// ray, by less than 8 u M along each axis (u: unit round-off), and a slab's distances are off by less than 8 u M over
+// the direction, together 2^-20 M; M is the largest distance along an axis from the ray origin to a corner of the tree.
 struct BoxRay {
     float origin[3];
     float inverse[3];
@@ -207,7 +207,7 @@ PT_HD inline std::uint32_t boxes_hit(const LoadedNode& node, const BoxRay& ray, 
     return hits & node.contents();
 }
 
-// Rounds best_t up for box tests, since a triangle's t may be off by 4 u from where its box is entered.
+// Rounds best_t up for box tests, since a triangle's t may be off by 4 unit round-offs from where its box is entered.
 template <class Real>
 PT_HD inline float limit_of(const Real& best_t) {
     return static_cast<float>(best_t) * 1.000000476837158203125f;
@@ -224,16 +224,16 @@ PT_HD inline std::uint32_t by_octant(std::uint32_t bits, std::uint32_t flip) {
     return bits ^ (swap * 17u);
 }
 
-// Children of one node that are yet to be visited: bits 24 to 31 in the order of the octant; bits 0 to 7 tell which
-// children are nodes. There are no default values: the traversal stack, an array of groups, would be written whole for
-// every ray, 512 bytes a lane.
+// A node's children that are yet to be visited: bits 24 to 31 tell which, in the order of the ray's octant, bits 0 to 7
+// which children are nodes. Members have no default values, by which the traversal stack, an array of groups, would be
+// written whole for every ray: 512 bytes a lane.
 struct NodeGroup {
     std::uint32_t base;
     std::uint32_t bits;
 
     PT_HD static NodeGroup root() { return {0, 1u << 31}; }
     PT_HD bool empty() const { return bits < (1u << 24); }
-    // Position in a group, from 7 (first) to 0 in the order of the ray's octant, of the child to enter next.
+    // Position, in the order of the ray's octant from 7 (first) to 0, of the group's child to enter next.
     PT_HD std::uint32_t nearest() const { return highest_bit(bits) - 24u; }
     PT_HD void keep_up_to(std::uint32_t position, bool inclusive) {
         bits &= (1u << (24u + position)) * (inclusive ? 2u : 1u) - 1u;
@@ -248,8 +248,8 @@ struct NodeGroup {
     }
 };
 
-// Hands leaves on one slot at a time, though a leaf has up to three: one loop over all slots of a node keeps a warp's
-// lanes together.
+// Calls leaf(slot, 1) for each slot of the leaves that are hit, though a leaf has up to three slots: one loop over all
+// slots of a node keeps a warp's lanes together.
 template <class Leaf, class Counter>
 PT_HD void visit_leaves(const LoadedNode& node, std::uint32_t hits, Leaf& leaf, Counter& counter) {
     for (std::uint32_t left = hits & 0xffffffu; left != 0;) {
@@ -295,7 +295,7 @@ PT_HD void traverse(const TreeView& tree, const Vec3<Real>& origin, const Vec3<R
 
 // The triangles in the leaves of one node that are yet to be tested.
 struct SlotGroup {
-    std::uint32_t bits = 0;  // slots yet to be tested, a bit each as in boxes_hit's result
+    std::uint32_t bits = 0;  // slots of leaves hit that are yet to be tested, as bits of boxes_hit's result
     std::uint32_t contents = 0, base = 0;
 
     PT_HD bool empty() const { return bits == 0; }
@@ -306,7 +306,7 @@ struct SlotGroup {
     }
 };
 
-// The cwbvh traversal in steps (variants/bvh/walk.h). Its group of nodes is empty only once no node is left to visit.
+// The cwbvh traversal in steps (variants/bvh/walk.h). The walk's NodeGroup is empty only once no node is left to visit.
 template <class Real>
 class Walk {
 public:

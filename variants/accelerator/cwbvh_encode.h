@@ -13,7 +13,7 @@ namespace pt::accelerator::cwbvh {
 inline constexpr float node_cost = 1.0f, reference_cost = 0.3f;
 inline constexpr std::uint32_t no_node = ~0u;
 
-PT_HD inline float box_area(const Box& box) {  // half of the surface area of the subtree's box
+PT_HD inline float box_area(const Box& box) {  // half of a box's surface area
     const float x = box.high[0] - box.low[0], y = box.high[1] - box.low[1], z = box.high[2] - box.low[2];
     return x * y + y * z + z * x;
 }
@@ -23,10 +23,10 @@ struct alignas(32) Cut {
     float cost[width - 1];
     std::uint32_t choices;
 
-    // Number of binary subtrees, of `roots` (2 to 8), that the left child contributes; 0: one subtree fewer costs less.
+    // How many of `roots` subtrees (2 to 8) come from the left child; 0: a cut into one subtree fewer costs less.
     PT_HD std::uint32_t left_of(std::uint32_t roots) const { return choices >> (3 * (roots - 2)) & 7u; }
     PT_HD bool is_leaf() const { return (choices >> 21 & 1u) != 0; }
-    PT_HD std::uint32_t references() const { return choices >> 22; }  // references below, up to largest_leaf + 1
+    PT_HD std::uint32_t references() const { return choices >> 22; }  // subtree's references, up to largest_leaf + 1
 
     PT_HD static Cut of_leaf(float area, std::uint32_t count) {
         Cut cut;
@@ -65,8 +65,8 @@ struct alignas(32) Cut {
     }
 };
 
-// The binary subtrees that become a wide node's children. A Tree has left(node), right(node), is_leaf(node), box(node),
-// cut(node).
+// The binary subtrees that become a wide node's children. A type `Tree` of binary trees has left(node), right(node),
+// is_leaf(node), box(node), cut(node).
 struct Children {
     std::uint32_t node[width];
     std::uint32_t count = 0;
@@ -163,7 +163,7 @@ PT_HD inline float next_below(double x) {
         return rounded;
     }
     const std::int32_t bits = bits_of(rounded);
-    // `rounded` is moved one float down: away from zero where it is negative.
+    // Moves `rounded` down to the next float, which lies away from zero where it is negative.
     return rounded > 0.0f   ? number_of(bits - 1)
            : rounded < 0.0f ? number_of(bits + 1)
                             : number_of(std::int32_t(0x80000001u));
@@ -174,7 +174,7 @@ PT_HD inline float next_below(double x) {
 PT_HD inline void set_frame(Node& node, const Box& box) {
     for (int k = 0; k < 3; ++k) {
         const double low = static_cast<double>(box.low[k]), high = static_cast<double>(box.high[k]);
-        // Exponent of (high - low) / 256, rounded down; an extent of 0 gives the least exponent.
+        // Returns the exponent of the float (high - low) / 256, rounded down; an extent of 0 gives the least exponent.
         int exponent = static_cast<int>(bits_of(high - low) >> 52) - 1023 - 8;
         for (exponent = clamp(exponent, -126, 127);; ++exponent) {
             const double step = power_of_two(exponent);

@@ -16,7 +16,7 @@ namespace {
 constexpr float smallest = 0x1p-40f, largest = 0x1p40f;
 
 struct Query {
-    RTCIntersectContext context;  // first member: Embree hands callbacks this context's address
+    RTCIntersectContext context;  // first member of Query, since Embree hands callbacks the context's address
     Hit<float>* best;
     const LeafTriangle* leaves;
     MeshRay<float> ray;
@@ -99,8 +99,8 @@ private:
         Scene scene;
     };
 
-    // The margin of boxes for rays from this origin: twice what BoxRay allows for, and as much again for Embree's
-    // rounding of side * (1 / d) - origin * (1 / d).
+    // The margin on boxes for rays from `origin`: twice that of BoxRay, and as much again for Embree's rounding of side
+    // * (1 / d) - origin * (1 / d) in its slab test.
     float margin_for(const Vec3<float>& origin) const {
         float reach = 0, from_zero = 0;
         for (int axis = 0; axis < 3; ++axis) {

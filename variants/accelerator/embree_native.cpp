@@ -14,7 +14,7 @@ namespace {
 namespace embree = accelerator::embree;
 
 struct Query {
-    RTCIntersectContext context;  // first member: Embree's filter is given the context's address
+    RTCIntersectContext context;  // first member of Query, since Embree hands its filter the context's address
     std::uint32_t origin_primitive;
 };
 static_assert(offsetof(Query, context) == 0);
@@ -60,8 +60,8 @@ void meet_mesh(Hit<float>& best, const MeshInstance<float>& instance, std::uint3
     const Vec3<float>&o = in_mesh.origin, &d = in_mesh.direction;
     const RTCScene scene = mesh_of<Mesh>(instance).scene.get();
     if (enough > 0) {
-        // An occlusion test ends at any hit before `enough`. Embree decides by distances of its own, and includes
-        // `enough` itself, which the choice's claim allows.
+        // An occlusion test ends at any hit nearer than `enough`. Embree decides by distances of its own, and accepts a
+        // hit at `enough` itself, too, which embree_native's claim on the film allows.
         RTCRay any{o.x, o.y, o.z, 0, d.x, d.y, d.z, 0, enough, ~0u, 0, 0};
         rtcOccluded1(scene, &query.context, &any);
         if (any.tfar < 0) {
@@ -78,7 +78,7 @@ void meet_mesh(Hit<float>& best, const MeshInstance<float>& instance, std::uint3
     }
     const LeafTriangle& leaf = instance.geometry.leaves[met.hit.primID];
     const TriangleHit<float> hit = intersect(leaf.triangle<float>(), in_mesh.origin, in_mesh.sheared);
-    if (!hit.hits) {  // at an edge Embree's test and `intersect` may round apart: a few rays in a million
+    if (!hit.hits) {  // Embree's triangle test and `intersect` differ at edges, for a few rays in a million
         pt::meet_mesh<BruteForce>(best, instance, object, origin, ray, enough);
         return;
     }

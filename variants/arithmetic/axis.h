@@ -6,7 +6,7 @@
 namespace pt {
 
 struct ArithmeticTraits {
-    bool is_approximate = false;  // division and square root are approximate, which tolerances of tests do not cover
+    bool is_approximate = false;  // division and square root are approximate, beyond the tolerances of tests
 };
 
 namespace arithmetic {

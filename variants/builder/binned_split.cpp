@@ -12,7 +12,7 @@ void add(Bin& bin, const Bin& other) {
 }
 
 void sweep(const Bins& filled, int axis, std::size_t count, ObjectSplit& best) {
-    Bins right;  // entry i: the union of bins i and above
+    Bins right;  // entry i: bounding box and count of the references in bins i and above
     right.back() = filled.back();
     for (int i = Binning::bins - 2; i > 0; --i) {
         right[i] = right[i + 1];

@@ -51,14 +51,14 @@ struct Binning {
     int of(const Box& box, int axis) const {
         return std::clamp(static_cast<int>((centre(box, axis) - low) * scale), 0, bins - 1);
     }
-    // Whether the scale from centres to bins is finite: a scale that overflows would give bin numbers out of range.
+    // Whether the scale from centres to bin numbers is finite: one that overflows would give numbers out of range.
     bool is_usable() const { return scale > 0 && scale < std::numeric_limits<float>::max(); }
 };
 
 struct ObjectSplit {
-    double cost = std::numeric_limits<double>::infinity();  // half area of a child times its count, summed over both
-    int axis = -1;                                          // axis across which the plane lies; -1: nothing to part
-    int first_right = 0;                                    // number of the first bin to the right of the plane
+    double cost = std::numeric_limits<double>::infinity();  // sum over both children: half surface area x references
+    int axis = -1;                                          // axis across which the split's plane lies; -1: no split
+    int first_right = 0;                                    // number of the first bin that goes to the right child
     Box left, right;
 };
 

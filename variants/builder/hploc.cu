@@ -15,7 +15,7 @@ namespace pt::builder {
 namespace {
 
 constexpr std::uint32_t none = ~0u, block = 128;
-constexpr std::uint32_t merge_to = 16;  // most clusters that a range keeps on its way up the tree
+constexpr std::uint32_t merge_to = 16;  // most clusters of nodes that a range of leaves keeps on its way up the tree
 constexpr int search_radius = 8;
 using cuda::all_lanes;
 
@@ -132,21 +132,21 @@ struct BuildView {
     const std::uint64_t* codes;
     GpuNode* nodes;
     Cluster* clusters;
-    std::uint32_t* other_end;  // entry i: far end of the range that first came to end between leaves i and i + 1
+    std::uint32_t* other_end;  // entry i: of the two ranges that meet behind leaf i, the far end of the one done first
     std::uint32_t* root;
 };
 
-// A range of leaves, which joins its sibling's on the way up the tree of Morton codes.
+// A range of leaves below one node. On the way up the tree of Morton codes it joins the range of the node's sibling.
 struct Range {
     std::uint32_t left, right, split;
 
-    // Whether the Morton codes on both sides of i differ in a lower bit than those on both sides of j; equal codes are
-    // compared by their numbers.
+    // Whether the Morton codes of leaves i and i + 1 differ in a lower bit than those of leaves j and j + 1; where both
+    // pairs differ alike, leaf numbers are compared.
     __device__ static bool is_closer(const BuildView& view, std::uint32_t i, std::uint32_t j) {
         const std::uint64_t a = view.codes[i] ^ view.codes[i + 1], b = view.codes[j] ^ view.codes[j + 1];
         return a != b ? a < b : (i ^ (i + 1)) < (j ^ (j + 1));
     }
-    // Joins a range of leaves with its sibling's; false if the sibling has yet to arrive, and will then go on upwards.
+    // Joins the range with its sibling's. False where the sibling's is not done: its thread will then go on upwards.
     __device__ bool rise(const BuildView& view) {
         const bool with_next = left == 0 || (right + 1 < view.count && is_closer(view, right, left - 1));
         __threadfence();
@@ -257,7 +257,7 @@ struct WarpClusters {
             }
             node.left = cluster.node;
             node.right = partner.cluster.node;
-            // An inner node's number is used once, as each leaf but leaf 0 is the later first leaf of just one merge.
+            // An inner node's number follows from its second child's first leaf, which no two inner nodes share.
             cluster.node = view.count - 1 + max(cluster.first, partner.cluster.first);
             cluster.first = min(cluster.first, partner.cluster.first);
             store_node(view.nodes + cluster.node, node);
@@ -323,8 +323,8 @@ __global__ void __launch_bounds__(block) lbvh(const __grid_constant__ BuildView 
         return;
     }
     Range range{index, index, 0};
-    // The number of a range's node is at both ends of the range, in clusters[left].node and clusters[right].first, for
-    // the parent.
+    // A range's node number is kept at both ends of the range, in clusters[left].node and clusters[right].first, where
+    // the range's parent reads it.
     while (range.right - range.left + 1 != view.count && range.rise(view)) {
         const std::uint32_t left = __ldcg(&view.clusters[range.split - 1].first);
         const std::uint32_t right = __ldcg(&view.clusters[range.split].node);
@@ -436,7 +436,7 @@ BinaryTree GpuTree::download() const {
     tree.nodes.reserve(nodes.size());
     tree.references.reserve(count);
     tree.nodes.push_back({box_of(nodes[root]), 0, 0});
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> open{{root, 0}};  // GPU node, its place in tree.nodes
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> open{{root, 0}};  // GPU nodes to convert, places in tree.nodes
     while (!open.empty()) {
         const auto [number, place] = open.back();
         open.pop_back();

@@ -1,5 +1,5 @@
-// Node slots for builders that run on many threads: siblings that divide their parent's references at position m have
-// the slots 2m - 1 and 2m, which no other nodes have. `pack` then makes a tree in depth-first order without gaps.
+// Slots for the nodes of a tree that many threads build: siblings that divide their parent's references at position m
+// have the slots 2m - 1 and 2m, which no others have. `pack` then puts nodes in depth-first order without gaps.
 #pragma once
 
 #include "variants/bvh/binary_tree.h"
@@ -10,7 +10,7 @@ namespace pt::builder {
 
 inline std::uint32_t child_slot(std::uint32_t middle) { return 2 * middle - 1; }
 
-// Moves nodes from slots into BinaryTree's order. In `slots`, an inner node's `first` is the slot of its left child.
+// Moves a tree's nodes from slots to BinaryTree's order. In `slots`, an inner node's `first` is its left child's slot.
 inline std::vector<BinaryTree::Node> pack(const std::vector<BinaryTree::Node>& slots) {
     std::vector<BinaryTree::Node> nodes;
     std::size_t used = 0;

@@ -38,7 +38,7 @@ private:
     struct Subtree {
         Box box;
         std::uint32_t count = 1, height = 0;
-        double cost = 0;  // half area times cost of a node, summed over the subtree's nodes
+        double cost = 0;  // SAH cost of a subtree: half surface area times cost of a node, summed over its nodes
         bool is_leaf = true;
     };
     struct Open {

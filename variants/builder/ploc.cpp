@@ -17,9 +17,9 @@ struct Cluster {
     std::uint32_t node;
 };
 
-// Finds the neighbour whose joint bounding box with cluster i has the least surface. Of equal neighbours it is the one
-// whose index differs least from i in its bits. This orders all pairs, so at least one pair choose each other, and of
-// equal boxes all pairs do.
+// Returns the neighbour of cluster i whose joint bounding box with it has the least surface, of several the one whose
+// number j has the least i ^ j. This orders all pairs, so at least one pair choose each other, and where all boxes are
+// equal all pairs do.
 std::uint32_t nearest(const std::vector<Cluster>& clusters, std::uint32_t i, std::uint32_t radius) {
     const auto last = static_cast<std::uint32_t>(std::min<std::size_t>(std::size_t(i) + radius, clusters.size() - 1));
     double least = std::numeric_limits<double>::infinity();

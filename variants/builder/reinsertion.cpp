@@ -94,8 +94,8 @@ private:
         parents_[by] = parent;
     }
 
-    // Finds the best new place for a node, searching from its parent up to the root. What the way up to an ancestor
-    // saves bounds the gain that places in that subtree can have.
+    // Finds the best new place for a node in the subtrees beside its way up to the root. A subtree is skipped where the
+    // area that taking the node out saves can no longer give a gain above the best so far.
     Move best_move(std::uint32_t node) const {
         Move best;
         if (node == pairing_.root || parents_[node] == pairing_.root) {
@@ -142,7 +142,7 @@ private:
         }
     }
 
-    // Makes a move unless an earlier move of the round has taken a node that this move changes.
+    // Makes a move of a reinsertion round, unless an earlier move of the round has taken a node that this move changes.
     void apply(const Move& move, std::vector<bool>& is_taken, std::vector<std::uint32_t>& changed) {
         const std::uint32_t parent = parents_[move.node], beside = sibling(move.node), above = parents_[parent],
                             target_parent = parents_[move.to];

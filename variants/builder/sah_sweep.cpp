@@ -19,7 +19,7 @@ constexpr std::uint32_t task_size = 2048;  // most references of a subtree that 
 
 // A split of a node's references: the first `left` of them in the order of an axis go to the left child.
 struct Split {
-    double cost = std::numeric_limits<double>::infinity();  // half area of a child times its count, summed over both
+    double cost = std::numeric_limits<double>::infinity();  // sum over both children: half surface area x references
     int axis = 0;
     std::uint32_t left = 0;
 };

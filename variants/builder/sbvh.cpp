@@ -20,7 +20,7 @@ using References = std::vector<Reference>;
 
 struct Subtree {
     Box box;
-    std::vector<std::uint32_t> primitives;  // primitives of the subtree if it is a leaf
+    std::vector<std::uint32_t> primitives;  // numbers of the subtree's primitives if it is one leaf
     std::unique_ptr<Subtree> children[2];
 };
 

@@ -9,7 +9,7 @@ namespace {
 constexpr int bins = 16;
 
 struct SpatialBin {
-    Box box;  // bounding box of the triangle parts that lie in the bin
+    Box box;  // bounding box of the parts of triangles that lie in one bin of a spatial split
     std::uint32_t entering = 0, leaving = 0;
 };
 
@@ -57,7 +57,7 @@ struct Planes {
         return {box.low[axis], (box.high[axis] - box.low[axis]) / static_cast<float>(bins)};
     }
     float at(int bin) const { return low + step * static_cast<float>(bin); }
-    // The bin of coordinate x, found by comparison with the candidate planes themselves.
+    // Returns the bin of coordinate x in a spatial split, found by comparison with the candidate planes themselves.
     int bin_of(float x) const {
         int bin = std::clamp(static_cast<int>((x - low) / step), 0, bins - 1);
         while (bin > 0 && x < at(bin)) {

@@ -11,8 +11,8 @@
 namespace pt::builder {
 
 struct SpatialSplit {
-    double cost = std::numeric_limits<double>::infinity();  // half area of a child times its count, summed over both
-    int axis = -1;                                          // axis of the plane; -1: there is no split
+    double cost = std::numeric_limits<double>::infinity();  // sum over both children: half surface area x references
+    int axis = -1;                                          // axis across which the split's plane lies; -1: no split
     float plane = 0;
     Bin left, right;
 };

@@ -37,7 +37,7 @@ std::vector<Node> binary_nodes(const BinaryTree& tree, const LeafLinkOf& leaf_li
             }
         }
     }
-    // A tree of one leaf: only a ray of NaNs enters the root's empty second child, and must come to an end too.
+    // A tree of one leaf gets a root with an empty second child. Only a ray of NaNs enters that, and has to end, too.
     if (nodes.empty() && !tree.nodes.empty()) {
         nodes.emplace_back();
         set_child(nodes[0], 0, tree.nodes[0].box, links[0]);

@@ -33,7 +33,7 @@ struct BoxRay {
             if (axis == s.kz) {
                 continue;
             }
-            // The margin covers six roundings of a sheared vertex, of shear and sum, and two of the shifted origin.
+            // Ray origins are shifted by a margin for six roundings of a triangle's sheared vertex, two of the shift.
             const Real sheared = rounded_product(absolute(axis == s.kx ? s.shear.x : s.shear.y), along);
             const Real margin = rounded_product(gamma<Real>(8), reach[axis] + sheared) +
                                 rounded_product(gamma<Real>(2), absolute(origin[axis]));
@@ -57,7 +57,7 @@ struct BoxRay {
             nearest = keep_larger(nearest, (entry_sides[axis] - near_origin[axis]) * inverse[axis]);
             farthest = keep_smaller(farthest, (exit_sides[axis] - far_origin[axis]) * inverse[axis]);
         }
-        // The entry distance is lowered by three roundings for each of both planes, and by those of a triangle's t.
+        // A box's entry distance is lowered by the roundings of two slab planes (three each) and of a triangle's t.
         nearest = nearest * (Real(1) - gamma<Real>(16));
         return nearest <= farthest ? nearest : no_entry;
     }

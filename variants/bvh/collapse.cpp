@@ -78,7 +78,7 @@ WideTree collapse_by(const BinaryTree& tree, std::uint32_t width, const std::vec
 
 std::uint32_t stack_need(const WideTree& tree, std::uint32_t width) {
     std::vector<std::uint32_t> need(tree.nodes.size());
-    for (std::size_t i = tree.nodes.size(); i-- > 0;) {  // from the last node on: children have larger numbers
+    for (std::size_t i = tree.nodes.size(); i-- > 0;) {  // children first: they have larger numbers than parents
         const WideTree::Node& node = tree.nodes[i];
         need[i] = width;
         for (std::uint32_t child = 0; child < node.count; ++child) {

@@ -17,7 +17,7 @@ struct WideTree {
         std::uint32_t inner[max_width];  // wide node's number for a child that is an inner node; 0 for a leaf
         std::uint32_t count;             // number of children of the wide node
     };
-    std::vector<Node> nodes;  // depth first, root first; a tree of one leaf is a root with one child
+    std::vector<Node> nodes;  // wide nodes depth first, root first; a tree of one leaf is a root with one child
 };
 
 // Most entries on the stack of a traversal that pushes all children of a node and pops one. Children that do not exist

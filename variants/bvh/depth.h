@@ -15,7 +15,7 @@ inline constexpr std::uint32_t max_tree_depth = 64;
 // Edges from the root of a tree to its deepest leaf.
 std::uint32_t tree_depth(const BinaryTree& tree);
 
-// Levels below a node with `count` references at which halving by number has reached leaves of one reference.
+// How many levels lie below a node of `count` references if splits halve them, down to leaves of one reference.
 inline std::uint32_t halving_depth(std::size_t count) {
     return count <= 1 ? 0u : static_cast<std::uint32_t>(std::bit_width(count - 1));
 }

@@ -46,11 +46,11 @@ struct LevelsHook {
     std::vector<ObjectNode> (*build)(const PrimitiveBoxes& boxes) = nullptr;
     MeetMeshes<float> meet_single = nullptr;
     MeetMeshes<double> meet_double = nullptr;
-    bool is_flat = false;  // one tree over all objects' triangles, which the accelerator's meet_flat searches
+    bool is_flat = false;  // the choice searches one tree over all objects' triangles, by the accelerator's meet_flat
 };
 
-// Configuration of mesh searches on the host. Kernels are compiled with or without motion, but mesh searches always
-// with it: on an object at rest both find the same hit.
+// Kernel configuration for mesh searches on the host. Kernels are compiled with or without motion, but mesh searches
+// always with it: on an object at rest both find the same hit.
 template <class Traversal, class Real>
 using SearchConfig = Config<Real, Feature::mesh | Feature::motion, Traversal>;
 

@@ -6,7 +6,7 @@
 
 namespace pt {
 
-// Spreads ten bits: two zero bits follow each.
+// Spreads the ten bits of a number three apart: two zero bits follow each bit.
 PT_HD constexpr std::uint32_t spread_bits(std::uint32_t x) {
     x = (x | (x << 16)) & 0x030000ffu;
     x = (x | (x << 8)) & 0x0300f00fu;

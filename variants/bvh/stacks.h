@@ -1,4 +1,4 @@
-// Traversal stacks for a traversal in steps (walk.h). A stack's entries lie in its Memory, by get(i) and set(i, open).
+// Traversal stacks for traversals in steps (walk.h). A stack's Memory holds its entries: get(i), set(i, open).
 #pragma once
 
 #include "kernels/math.h"
@@ -52,22 +52,22 @@ public:
         return false;
     }
 
-    // Pushes the further of a binary node's children, both entered. Returns whether to enter the nearer one: always.
+    // Pushes the further child of a node, both being entered. Returns whether the walk enters the nearer one: always.
     PT_HD bool enters_nearer(const Open& further) {
         push(further);
         return true;
     }
     PT_HD bool enters_only_child() { return true; }
 
-    // Enters the child at `position` of a node whose children wait in one group, in the order of the ray's octant;
-    // `rest`, the others, wait. Returns whether the triangles of the entered node have been tested before.
+    // Enters the child at `position`, in the order of the ray's octant, and pushes `rest`, the group of the same node's
+    // children that wait. Returns whether the triangles of the entered child have been tested before.
     PT_HD bool enter(std::uint32_t, const Open& rest) {
         if (!rest.empty()) {
             push(rest);
         }
         return false;
     }
-    // Drops from the children that the ray enters those which have been entered before.
+    // Drops, on the way back after a restart, the children entered before from those that the ray enters.
     PT_HD void narrow(Open&) {}
 
 private:
@@ -136,8 +136,8 @@ private:
 
     Memory& memory_;
     std::uint64_t trail_ = 0;
-    std::uint64_t level_ = 0;          // level of the choice that led to the current node; 0 at the root
-    std::uint64_t restarted_for_ = 0;  // level of the choice whose entry was popped last from the stack
+    std::uint64_t level_ = 0;          // level, as a bit of the trail, of the current node's parent; 0 at the root
+    std::uint64_t restarted_for_ = 0;  // level, as a bit of the trail, of the last node whose further child was entered
     std::uint32_t size_ = 0, top_ = 0;
 };
 
@@ -164,8 +164,8 @@ public:
         if (level == 0) {
             return target_ != 0;
         }
-        // Without the trail's child among those entered, the best hit is nearer than it: what waits below is out of
-        // reach.
+        // If the trail's child is not among those entered, the best hit is nearer than that child: what waits below is
+        // out of reach.
         if (target_ != 0 && position != position_at(level)) {
             leave_trail(level);
         }
@@ -215,27 +215,27 @@ private:
         return ((position_[0] & level) != 0 ? 1u : 0u) | ((position_[1] & level) != 0 ? 2u : 0u) |
                ((position_[2] & level) != 0 ? 4u : 0u);
     }
-    // Ends a restart: from here on nodes are new to the walk, and nothing waits at `level` or below.
+    // Leaves the trail of a restart: from here on nodes are new to the walk, and none waits at `level` or below.
     PT_HD void leave_trail(std::uint64_t level) {
         target_ = 0;
         waits_ &= ~(level | (level - 1));
     }
 
     Memory& memory_;
-    // In these words each bit stands for a level of the tree, the highest for the first level below the root.
+    // In waits_, position_, level_, target_ each bit stands for a tree level, the highest for that under the root.
     std::uint64_t waits_ = 0;
     std::uint64_t position_[3] = {0, 0, 0};
-    std::uint64_t level_ = 0;   // level of the current group; 0: at the root, or below the last level
-    std::uint64_t target_ = 0;  // level that a restarted walk finds its way back to
+    std::uint64_t level_ = 0;   // level of the group of children being visited; 0: at the root, or below the last level
+    std::uint64_t target_ = 0;  // level down to which a restarted walk follows its trail; 0: it follows none
     std::uint32_t size_ = 0, top_ = 0;
 };
 
 // A short stack for trees of up to 8 children a node that are entered by their distances, in at most 32 levels of inner
 // nodes. Where it has dropped an entry, the walk restarts at the root and follows its trail. The distance at which a
-// ray enters a box does not depend on hits: a nearer hit takes away the last of a node's children and leaves the order
-// of the others, so that their count finds the one to go on with. The trail has for each level the place in this order
-// of the child that was entered last, and whether others wait. Vaidyanathan, Woop, Benthin, "Wide BVH Traversal with a
-// Short Stack", HPG 2019.
+// ray enters a box does not depend on hits: a nearer hit leaves out the last of a node's children and keeps the order
+// of the others, so a child is found again by its place in the order. The trail has for each level the place of the
+// child that was entered last, and whether others wait. Vaidyanathan, Woop, Benthin, "Wide BVH Traversal with a Short
+// Stack", HPG 2019.
 template <class Open, class MemoryT, std::uint32_t entries>
 class ShortOrderStack {
 public:
@@ -261,7 +261,7 @@ public:
             target_ = 0;
         }
         waits_ &= ~(level_ | (level_ - 1));
-        // The ray enters no child, or the best hit is nearer than the child on the trail: what waits below is out of
+        // If the ray enters no child, or the best hit is nearer than the child on the trail, what waits below is out of
         // reach.
         if (met <= first) {
             return false;
@@ -273,9 +273,9 @@ public:
             if (place[child] == first) {
                 link = links[child];
             }
-            const std::uint32_t above = place[child] - first - 1;  // stack entries above the child's own
+            const std::uint32_t above = place[child] - first - 1;  // stack entries to lie above that of this child
             if (above < waiting && above < entries) {
-                const Real entry = absolute(entries_of[child]);  // of the sign alone: distance 0 has one, too
+                const Real entry = absolute(entries_of[child]);  // clears a zero's sign: pop() takes signs as marks
                 memory_.set((top_ + waiting - 1 - above) % entries,
                             {above == waiting - 1 ? -entry : entry, links[child]});
             }
@@ -353,12 +353,12 @@ private:
     }
 
     Memory& memory_;
-    // In these words each bit stands for a level of the tree, the highest for the root. A negated distance in memory
-    // marks the last waiting child of a node.
+    // Each bit of waits_, place_, level_ and target_ stands for a level of the tree, the highest for the root. A
+    // negated distance in a stack entry marks the last waiting child of a node.
     std::uint32_t waits_ = 0;
     std::uint32_t place_[place_bits] = {};
-    std::uint32_t level_ = 0;   // level of the choice that led to the current node; 0 at the root
-    std::uint32_t target_ = 0;  // level that a restarted walk finds its way back to
+    std::uint32_t level_ = 0;   // level of the current node's parent, as one bit; 0 at the root
+    std::uint32_t target_ = 0;  // level down to which a restarted walk follows its trail; 0: it follows none
     std::uint32_t size_ = 0, top_ = 0;
 };
 

@@ -30,7 +30,7 @@ using Truths = typename VectorOf<width>::Truths;
 
 template <int width>
 inline Floats<width> broadcast(float value) {
-    return value - Floats<width>{};  // subtraction keeps the sign of -0, which a sum with 0 would lose
+    return value - Floats<width>{};  // value - 0 and not value + 0, which would turn -0 into +0
 }
 template <int width>
 inline Floats<width> loaded(const float* from) {
@@ -90,9 +90,9 @@ inline LeafTriangle triangle_in(const TriangleBlock& block, std::uint32_t lane) 
     return {{row(0), row(1), row(2)}};
 }
 
-// The slots of the triangles in one block: a leaf's, or a whole subtree's if it has no more than a block holds.
+// The slots of the triangles in one block: those of a leaf or, if the block holds them all, of a whole subtree.
 struct BlockSlots {
-    std::uint32_t count = 0;  // number of slots; 0: there are more than a block holds
+    std::uint32_t count = 0;  // number of slots in the block; 0: a subtree has more triangles than a block holds
     std::uint32_t slot[block_width];
 
     // Adds a leaf's slots to the block's slots; false if there would be more than a block holds.
@@ -132,7 +132,7 @@ std::vector<BlockSlots> subtrees_of_a_block(std::span<const WideNode<width>> nod
         }
         return all;
     };
-    for (std::size_t i = nodes.size(); i-- > 1;) {  // from the last node on: children have larger numbers
+    for (std::size_t i = nodes.size(); i-- > 1;) {  // children first: they have larger numbers than parents
         fits[i] = gather(nodes[i]);
     }
     return fits;
@@ -259,7 +259,7 @@ struct TriangleLanes {
 };
 
 struct Waiting {
-    std::uint64_t of;  // entry distance above, link below: as distances are not negative, a smaller word is nearer
+    std::uint64_t of;  // upper half: entry distance, not negative, so a smaller word is nearer; lower half: link
 
     static Waiting make(float entry, std::uint32_t link) {
         return {static_cast<std::uint64_t>(std::bit_cast<std::uint32_t>(entry)) << 32 | link};

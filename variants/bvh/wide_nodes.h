@@ -109,7 +109,7 @@ PT_HD void traverse_wide(const TreeView& tree, const Vec3<Real>& origin, const V
                 if (entries[child] < Real(0)) {
                     continue;
                 }
-                std::uint32_t at = waiting++;  // entries are sorted: the nearest child on top
+                std::uint32_t at = waiting++;  // the node's children are kept sorted, the nearest on top
                 for (; at > bottom && entry_stack[at - 1] < entries[child]; --at) {
                     entry_stack[at] = entry_stack[at - 1];
                     link_stack[at] = link_stack[at - 1];

@@ -30,7 +30,7 @@ inline void to_mesh(MeshRays& rays, const MeshInstance<float>& instance, const V
         const Vec3<float> o = is_placed ? origin[l] : instance.point_in(origin[l]);
         const Vec3<float> d = is_placed ? direction[l] : instance.direction_in(direction[l]);
         const Vec3<float> size{absolute(d.x), absolute(d.y), absolute(d.z)};
-        // kz as in ShearedDirection::of: the axis of the largest component, and of equal components the later axis.
+        // The axis kz as in ShearedDirection::of: that of a direction's largest component, of equal ones the later.
         const float before_z = size.x > size.y ? size.x : size.y;
         const bool is_z = !(before_z > size.z);
         const bool is_x = (before_z > size.z) & (size.x > size.y);
@@ -182,7 +182,7 @@ private:
     Waiting stack_[wide_stack_size<width>];
 };
 
-// Number of rays that take turns, and the size of a tree in bytes from which rays do: little of it is in near caches.
+// Number of rays that traverse a tree by turns, and bytes above which a tree is too large for caches near a core.
 inline constexpr std::uint32_t walks_at_once = 8;
 inline constexpr std::size_t most_bytes_at_hand = 1u << 19;
 

@@ -86,7 +86,7 @@ private:
 
     CellContext cell_;
     CubStorage storage_;
-    std::uint32_t* delta_like_ = nullptr;    // slots of delta-like paths, until these are appended
+    std::uint32_t* delta_like_ = nullptr;    // slots of delta-like paths, until appended to those of diffuse-like paths
     std::uint32_t* group_counts_ = nullptr;  // sizes of the diffuse-like and the delta-like group of paths
 };
 

@@ -89,7 +89,7 @@ public:
         counts_ = arena.take<std::uint32_t>(2);
     }
 
-    // Compacts the queue's slots 0 to count - 1. An index order by which these were shaded is dropped.
+    // Moves all n live paths into slots 0 to n - 1. The order in which a sort had lined up the slots is dropped.
     void compact(Queue& queue) override {
         PT_CUDA_CHECK(cudaMemsetAsync(queue.count_spare, 0, sizeof(std::uint32_t), context_.stream));
         PT_CUDA_CHECK(cudaMemsetAsync(counts_, 0, 2 * sizeof(std::uint32_t), context_.stream));

@@ -15,7 +15,7 @@ namespace pt::lanes {
 // The surfaces that a packet's rays hit, one a lane, as shading needs them.
 template <class Real>
 struct Surfaces {
-    Vectors<Real> colour, position, normal;  // normal on the side that the ray comes from
+    Vectors<Real> colour, position, normal;  // surface normal on the side that the ray comes from
     Lanes<std::uint32_t> type;
     Flags by_surface_at, by_shade;  // lanes whose hits are left to the scalar surface_at() or shade()
 };

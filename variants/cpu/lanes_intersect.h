@@ -74,9 +74,9 @@ template <class Real>
 struct EnclosureExits {
     Lanes<Real> t;
     Lanes<std::uint32_t> side;
-    Flags known;    // exit of the ray is known (EnclosureExit::known), and the ray is in no wall
-    Flags nothing;  // ray has left the bounding box of all axis boxes behind
-    Flags unclear;  // neither is known: the ray is intersected by itself
+    Flags known;    // lanes with a known exit from the enclosure (EnclosureExit::known), whose ray is in no wall
+    Flags nothing;  // lanes whose ray has left the bounding box of all axis boxes behind
+    Flags unclear;  // lanes for which neither holds: their rays are intersected one by one
 };
 
 // Versions without a branch of three functions of kernels/axis_aligned_enclosure.h. The sums they have in common are
@@ -233,7 +233,7 @@ inline bool meets_in_lanes(const SceneView<typename Config::Real>& scene,
            prepared != nullptr && prepared->meet_in_lanes != nullptr;
 }
 
-// Keeps in `hits` the closest triangle of one mesh, in the lanes that `asks`. `enough`: see MeetMeshInLanes.
+// Keeps in `hits` the closest triangle of one mesh, in lanes with the flag `asks`. `enough`: see MeetMeshInLanes.
 template <class Config>
 inline void closest_mesh(Hits<typename Config::Real>& hits, const SceneView<typename Config::Real>& scene,
                          std::uint32_t number, const Paths<typename Config::Real>& paths, const Flags& asks,

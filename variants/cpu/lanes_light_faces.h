@@ -7,7 +7,7 @@
 
 namespace pt::lanes {
 
-// The way in which a kernel samples points on boxes, if it has just one; else solid_angle.
+// How a kernel samples points on box lights, if it has just one way; solid_angle also for kernels with none.
 template <class Config>
 inline constexpr LightSampling face_sampling = light_sampling_in(Config::features& light_samplings);
 

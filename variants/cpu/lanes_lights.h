@@ -23,8 +23,8 @@ struct BoxLight {
         half = half_extents * inverse_diagonal;
     }
 };
-// A scene's lights as tables for all packets: `boxes` by axis box, the others by light, a number an array, so that
-// vectors are gathered from them.
+// A scene's lights as tables for all packets: `boxes` has an entry for each axis box, other arrays one for each light.
+// Each number is an array of its own, so that packets can gather vectors.
 template <class Real>
 struct LightTable {
     std::vector<BoxLight<Real>> boxes;
@@ -68,7 +68,7 @@ private:
     }
 };
 
-// Entries of a packed list that a loop over the list takes at a time; results past the list's end are ignored.
+// How many entries of a packed list a loop over it takes at a time; results past the list's end are ignored.
 inline constexpr std::uint32_t group = 16;
 static_assert(width % group == 0);
 
@@ -77,9 +77,9 @@ template <class Real>
 struct BoxViews {
     std::uint32_t size = 0;
     Lanes<std::uint32_t> lane;
-    Vectors<Real> observer, half;  // observer and the box's half extents, as in SeenBox
+    Vectors<Real> observer, half;  // observer's position and the box's half extents, as in SeenBox
     Lanes<Real> diagonal;
-    Vectors<Real> share, skew;  // by axis: SeenBox::share, and skew of the SphericalRectangle
+    Vectors<Real> share, skew;  // by axis that a box face lies across: SeenBox::share, and SphericalRectangle's skew
     Lanes<Real> total;
     // Directions sampled towards box lights: the random numbers that sampling takes, and the results.
     Lanes<Real> u, v, w, axis;
@@ -125,7 +125,7 @@ inline Real arc_tangent(Real x) {
     const Real size = absolute(x);
     const bool is_large = size > Real(2.41421356237309504880);
     const bool is_middle = size > least_for_quarter;
-    // The dividend of the quotient whose arc tangent is taken: for a small number the number itself, divided by 1.
+    // The arc tangent's series takes dividend / divisor, which for a small x is |x| / 1.
     const Real dividend = is_large ? Real(-1) : is_middle ? size - Real(1) : size;
     const Real divisor = is_large ? size : is_middle ? size + Real(1) : Real(1);
     const Real base = is_large ? pi<Real> / Real(2) : is_middle ? pi<Real> / Real(4) : Real(0);
@@ -260,7 +260,7 @@ struct LightDirections {
     Lanes<Real> u, v, w;              // random numbers of the lane's light sample
     Lanes<std::uint32_t> light;       // number of the light among the scene's lights
     Vectors<Real> observer;           // observer's position relative to the box light, as in SeenBox
-    Flags is_near, is_far, is_other;  // how the lane sees a box light (near or far); other: no such light
+    Flags is_near, is_far, is_other;  // whether the lane sees its box light, from near or from far, or no box light
     Vectors<Real> direction;
     Lanes<Real> inverse_pdf;
     Lanes<Real> distance;            // distance to the light point that was sampled; 0: not known

@@ -15,7 +15,7 @@ struct Sights {
     Lanes<std::uint32_t> light;  // object that the ray's light point is on
     Flags asks;                  // whether the lane has a ray to a known light point
     Flags blocked, unsure;
-    Flags by_lane;  // the ray may cross a wall: it is tested by itself, whatever the flags above say
+    Flags by_lane;  // lanes whose ray may cross a wall: it is tested by itself, whatever the flags above say
 };
 
 // Records an object that a lane's shadow ray meets at distance t, as Segment::is_hidden_by does.
@@ -166,9 +166,9 @@ inline void note_kind(Sights<typename Config::Real>& sights, const SceneView<typ
     }
 }
 
-// hit_of_light (kernels/next_event.h) for the lanes that `sends`; on return `sends` marks the lanes that see their
-// light points. `distance`: to these points; 0: the point is not known, and the light is seen if it, or its triangle in
-// `primitives`, is the closest hit.
+// hit_of_light (kernels/next_event.h) for the lanes flagged in `sends`; on return those flagged see their light points.
+// `distance`: to these points; 0: the point is not known, and the light is seen if it, or its triangle in `primitives`,
+// is the closest hit.
 template <class Config>
 inline void look_along(Flags& sends, const SceneView<typename Config::Real>& scene, const Lanes<std::uint32_t>& lights,
                        const Lanes<std::uint32_t>& primitives, const Paths<typename Config::Real>& shadow,

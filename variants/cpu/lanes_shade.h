@@ -133,7 +133,7 @@ inline void scatter(Paths<typename Config::Real>& paths, const Surfaces<typename
         paths.direction.set_if(is_here, l,
                                {is_diffuse ? spread.x : mirrored.x, is_diffuse ? spread.y : mirrored.y,
                                 is_diffuse ? spread.z : mirrored.z});
-        const std::uint32_t side_alone = (SurfaceId::most_objects << 1) - 1u;  // mask that leaves out a hit's box face
+        const std::uint32_t side_alone = (SurfaceId::most_objects << 1) - 1u;  // mask of a SurfaceId without its face
         paths.origin_surface[l] = is_here ? hits.side[l] & side_alone : paths.origin_surface[l];
         if constexpr (has<Config>(Feature::mesh)) {
             paths.primitive[l] = is_here ? hits.primitive[l] : paths.primitive[l];
@@ -159,7 +159,7 @@ inline void shade(Paths<typename Config::Real>& paths, Flags& goes_on, const Sce
     place_others<Config>(surfaces, scene, paths, hits);
     for (const std::uint32_t l : LaneList(surfaces.by_shade)) {
         Path<Real> path = paths.load(l);
-        path.segment -= 1;  // undone, since shade() counts the segment as well
+        path.segment -= 1;  // taken back, since shade() counts the segment a second time
         goes_on[l] = pt::shade<Config>(scene, scene, path, hits[l], counters) ? 1u : 0u;
         paths.store(l, path);
     }

@@ -5,8 +5,8 @@
 
 namespace pt {
 
-// Threads of parallel loops for each of `processes` processes that share this one's, at least one. OpenMP threads wait
-// for each other by spinning: more of them than processors take up to a hundred times as long.
+// Threads for the parallel loops of each of `processes` processes that share this one's processors, at least one.
+// OpenMP threads wait for each other by spinning: more of them than processors take up to a hundred times as long.
 int share_of_threads(std::size_t processes);
 
 // Sets the number of threads of this process's parallel loops.

@@ -5,7 +5,7 @@
 namespace pt::direct_light::nee_one_sample {
 namespace {
 
-// By default weights are the balance heuristic's, the best that there is for one sample (Veach 1997, th. 9.4).
+// MIS weights default to the balance heuristic's, the best that there is for one sample (Veach 1997, th. 9.4).
 constexpr Tunable tunables[] = {
     {"mis_exponent", 1, 1, 2, 1, "1: balance heuristic, 2: power heuristic", true},
 };

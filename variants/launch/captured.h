@@ -1,4 +1,4 @@
-// Which variants a CUDA graph can hold: those in which nothing waits for the device.
+// Which variants a CUDA graph can hold: those in whose renders the host never waits for the device.
 #pragma once
 
 #include "variants/registry.h"

@@ -6,7 +6,7 @@
 namespace pt::launch::graph_while {
 namespace {
 
-// Segments of the shortest path for which a graph has a loop: the first one, a round of two, and the last one.
+// Least depth, in segments, at which a CUDA graph has a loop: one segment, a round of two in the loop, and a last one.
 constexpr std::uint64_t shortest_loop = 4;
 
 Reason why_not_looped(FeatureSet features, const VariantTraits& variant) {

@@ -39,7 +39,7 @@ constexpr Place place_of(PathField field) {
     }
 }
 
-// Bytes per path of the fields listed before this one that have columns of their own.
+// Bytes per path of those fields that come before a given field in the list and have columns of their own.
 constexpr std::size_t own_bytes_before(std::size_t field) {
     std::size_t bytes = 0;
     for (std::size_t i = 0; i < field; ++i) {

@@ -79,7 +79,7 @@ auto visit_layout(std::string_view name, Visit&& visit) {
     throw std::logic_error("no layout=" + std::string(name));
 }
 
-// Why a choice that moves payloads cannot run: the iterators are for Path<float> alone. Empty: it can.
+// Why a choice that moves whole paths cannot run: iterators over paths are for Path<float> alone. Empty: it can.
 inline Reason needs_single_precision(FeatureSet, const VariantTraits& variant) {
     if (variant.precision.is_single()) {
         return {};

@@ -6,7 +6,7 @@
 namespace pt {
 
 struct LightSamplingTraits {
-    bool is_by_solid_angle = true;  // light directions are drawn by solid angle, by the light shape's own function
+    bool is_by_solid_angle = true;  // light directions are drawn by solid angle, by a function of the light's shape
 };
 
 namespace light_sampling {

@@ -15,8 +15,7 @@ struct SortKeyTraits {
     bool by_chunk = false;     // keys number the materials within each chunk of slots (tunable `chunk`)
 
     constexpr bool is_material_alone() const { return has_material && bits == 0 && !by_chunk; }
-    // Whether a counting sort can take the keys: there is one a material, or one a material of a chunk, few enough to
-    // count.
+    // Whether sort keys are few enough for a counting sort: one a material, or one a material of each chunk.
     constexpr bool is_countable() const { return has_material && bits == 0; }
 };
 

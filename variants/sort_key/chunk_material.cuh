@@ -12,7 +12,7 @@ namespace pt::sort_key::chunk_material {
 inline constexpr bool has_material = true;
 inline constexpr bool by_chunk = true;
 
-// The lower part of a sort key, below its material: nothing in this key.
+// The bits of a sort key below its material, of which this key has none.
 __device__ inline std::uint32_t rest(const Ray<Real>&, const pt::Hit<Real>&, const cuda::KeyBounds&) { return 0; }
 
 }  // namespace pt::sort_key::chunk_material

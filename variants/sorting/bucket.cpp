@@ -41,7 +41,7 @@ public:
     }
 
 private:
-    std::vector<std::uint32_t> offsets_;  // where each block's next slot of a key goes, by [block][key]
+    std::vector<std::uint32_t> offsets_;  // by [block][key]: where the block's next slot number of this key goes
 };
 
 const Registration registration(

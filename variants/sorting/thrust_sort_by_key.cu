@@ -50,8 +50,8 @@ class SortByKey final : public Sorting {
 public:
     explicit SortByKey(const CellContext& cell) : cell_(cell), thrust_(cell) {}
 
-    // Slots from the count to the bound have the largest key and lie last, where a stable sort leaves them. For 32-bit
-    // keys Thrust's sort_by_key and stable_sort_by_key are one radix sort; only the latter promises stability.
+    // Slots from the queue's count to its bound have the largest key and lie last, where a stable sort leaves them. For
+    // 32-bit keys Thrust's sort_by_key and stable_sort_by_key are one radix sort; only the latter promises stability.
     void sort(Queue& queue, std::uint32_t) override {
         if (queue.indirect) {
             throw std::logic_error("thrust_sort_by_key needs a contiguous payload");

@@ -22,8 +22,8 @@ const Registration registration(
             if (!variant.sampler.is_in_every_kernel) {
                 return {"needs_plain_sampler", "is compiled with sampler=pcg4d only"};
             }
-            // A camera ray that meets an edge takes one of two surfaces by its rounding. With jitter that averages out,
-            // but an unjittered ray through a pixel's centre is the same in every sample.
+            // Which surface a camera ray hits at an edge depends on rounding. With jitter that averages out, but an
+            // unjittered ray through a pixel's centre is the same in every sample.
             if (!contains(scene, Feature::jitter)) {
                 return {"needs_jitter", "needs jitter: an unjittered camera ray may meet an edge exactly"};
             }

@@ -18,9 +18,9 @@ inline constexpr Tunable feature_tunables[] = {
 
 inline constexpr FeatureSet only_where_asked = formulas | traversals | mesh_levels | path_trees;
 
-// Returns the set of all features of scenes and estimators (meshes only where the scene has one), together with the
-// formulas and path trees that the variant asks for and the fewest samplings that serve the variant: these do not
-// depend on the scene.
+// Returns the features of a kernel for all scenes: every feature of scenes and estimators (meshes only where the scene
+// has one), formulas and path trees that the variant asks for, and the fewest samplings that serve the variant. The
+// last three do not depend on the scene.
 inline FeatureSet every_feature(const KernelOffer& offer) {
     FeatureSet best = all_features | samplings | (offer.needed & only_where_asked);
     for (const FeatureSet candidate : offer.compiled) {
@@ -30,8 +30,8 @@ inline FeatureSet every_feature(const KernelOffer& offer) {
     return best;
 }
 
-// Whether a kernel samples in the way, one of `ways`, that the variant asks for: the kernel has none of the ways, or
-// chooses among several at run time, or has exactly that one. A kernel with one way alone does nothing else.
+// Whether a kernel samples as the variant asks, in one of `ways`: the kernel has none of them, or chooses among several
+// at run time, or has exactly that one. A kernel with one way alone does nothing else.
 inline bool does_as_asked(FeatureSet candidate, FeatureSet needed, FeatureSet ways) {
     const FeatureSet compiled = candidate & ways;
     return std::popcount(compiled) != 1 || compiled == (needed & ways);

@@ -1,6 +1,6 @@
-// A traversal as a loop over an accelerator's steps (variants/bvh/walk.h); what such loops share. An Order's run(walk,
-// triangles, best_t, stack, leaf, counter) decides which step comes when, until the walk is over; `triangles` are those
-// in hand, none at first.
+// What traversals share that loop over an accelerator's steps (variants/bvh/walk.h). An Order's run(walk, triangles,
+// best_t, stack, leaf, counter) decides which step comes when, until the walk is over; `triangles` are those found and
+// yet to be tested, none at first.
 #pragma once
 
 #include "kernels/mesh_view.h"

@@ -1,5 +1,5 @@
-// A thread's traversal stack in shared memory: entry i of all threads of a block lies together, so no two lanes meet in
-// a bank. A kernel has one such array, however many traversals it has: no traversal runs within another.
+// A thread's traversal stack in shared memory: the entries i of a block's threads lie side by side, so no two lanes use
+// one bank. A kernel has one such array, however many traversals it has: no traversal runs within another.
 #pragma once
 
 #include "kernels/config.h"
