@@ -46,7 +46,7 @@ public:
     // The size in bytes of an incomplete last line that was dropped on opening; 0 if there was none.
     std::size_t dropped_bytes() const { return dropped_bytes_; }
 
-    // The journal's file descriptor, and the text that JSON lines would have as the next ones of the journal. A crash
+    // The journal's file descriptor, and the text with which JSON lines would be appended to the journal next. A crash
     // handler needs both beforehand, since it can make no text itself.
     int descriptor() const { return locked_.descriptor(); }
     std::string next_lines(const std::vector<Json>& lines) const;

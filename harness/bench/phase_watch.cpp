@@ -55,7 +55,7 @@ std::string PhaseLines::due(double now) {
         return "";
     }
     const double elapsed = now - begun_;
-    // The class Progress pauses as long between its lines.
+    // The time between two progress lines is chosen as in the class Progress.
     next_ = now + (is_terminal_ ? 0.2 : std::clamp(elapsed / 50, 10.0, 600.0));
     return fmt::format("{}: {}: {}", command_, what_, times(elapsed));
 }

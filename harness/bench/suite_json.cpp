@@ -206,7 +206,7 @@ std::vector<VariantSet> read_variants(const JsonValue& value) {
     return sets;
 }
 
-// A study as an object with the keys that its type allows; keys of the other type are refused by name.
+// A study as a JSON object. Keys that only the other type of study may have (convergence or not) are refused by name.
 JsonObject study_object(const JsonValue& value) {
     std::vector<std::string> keys{"name",     "type",       "title", "scenes", "axes",          "tunables",
                                   "variants", "resolution", "depth", "spp",    older_figure_key};

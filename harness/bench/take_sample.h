@@ -20,7 +20,7 @@ struct TakenSample {
 
 class SampleTaker {
 public:
-    // A taker that continues the numbering (pt_order) of the samples in the journal.
+    // A sample taker that continues the numbering (pt_order) of the samples in the journal.
     SampleTaker(const Plan& plan, const Journal& journal, std::uint64_t first_seed, FilmLedger& films,
                 ErrorBook& errors);
 

@@ -136,7 +136,7 @@ public:
     }
 
 private:
-    // Takes a sample, which may go to the journal if it has no error; an error is in the journal already.
+    // Takes a sample. An error has been written to the journal already; a good sample is for the caller to append.
     TakenSample taken(const Cell& cell, std::size_t index) {
         TakenSample sample = [&] {
             const LastLine last_line = journal_.fails_if_crashed(cell, taker_.place_of(index));
@@ -191,7 +191,7 @@ private:
 };
 
 void register_cell(const Cell& cell, CellTimer& timer) {
-    // Google Benchmark calls this function once per repetition; `next` counts the calls: the sample's index.
+    // Google Benchmark calls the lambda once per repetition; `next` counts the calls, which gives the sample's index.
     benchmark::RegisterBenchmark(cell.name.c_str(),
                                  [&timer, &cell, next = std::make_shared<std::size_t>(0)](benchmark::State& state) {
                                      timer.benchmark_cell(state, cell, (*next)++);

@@ -18,7 +18,7 @@ struct TunedVariant {
     std::map<std::string, std::uint32_t> values;  // tuned values that differ from the defaults
     std::string scene;
     std::uint32_t width = 0, height = 0, depth = 0, spp = 0;
-    double standard_ms = 0, tuned_ms = 0;  // median device times of a render, default and tuned values
+    double standard_ms = 0, tuned_ms = 0;  // median device times of a render in ms, with default and tuned values
 };
 
 class Tuning {

@@ -63,14 +63,14 @@ inline constexpr std::uint64_t reference_seeds[2] = {7'393'913'000'000'001, 7'39
 
 class ReferenceMaker {
 public:
-    // `is_stopped` is called between renders; if it returns true, the reference image stays as noisy as it is. `says`
-    // is called with a line of text after each slow step, and when a cached file is refused.
+    // Functions that a maker calls: `is_stopped` between renders (if it returns true, the reference image stays as
+    // noisy as it is), and `says` with a line of text after each slow step and when a cached file is refused.
     struct Hooks {
         std::function<bool()> is_stopped = [] { return false; };
         std::function<void(const std::string&)> says = [](const std::string&) {};
     };
 
-    // A maker that caches references in `folder`; an empty `folder` disables the cache.
+    // A maker of reference images that caches them in `folder`; an empty `folder` disables the cache.
     explicit ReferenceMaker(std::string folder) : ReferenceMaker(std::move(folder), Hooks{}) {}
     ReferenceMaker(std::string folder, Hooks hooks) : folder_(std::move(folder)), hooks_(std::move(hooks)) {}
 

@@ -54,7 +54,7 @@ public:
     virtual std::vector<std::string> kernels(const RaySet& set) const = 0;
     // Selects the set of rays for the calls that follow; the set must outlive them.
     virtual void load(const RaySet& set) = 0;
-    virtual double trace(const std::string& kernel) = 0;  // traces the loaded rays; milliseconds
+    virtual double trace(const std::string& kernel) = 0;  // traces the loaded rays; returns the time in milliseconds
     virtual std::vector<Hit> hits() = 0;                  // hits of the rays that `trace` traced last
     virtual std::optional<Work> count() = 0;              // traversal work; none without counters
 

@@ -11,7 +11,7 @@
 namespace pt::rays {
 
 struct RayCamera {
-    Vec3<float> eye, right, up, forward;  // ray directions: right x + up y + forward, x and y in [-1, 1]
+    Vec3<float> eye, right, up, forward;  // direction of a primary ray: right x + up y + forward, with x, y in [-1, 1]
 };
 
 struct RayMesh {

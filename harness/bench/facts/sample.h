@@ -14,8 +14,8 @@
 
 namespace pt {
 
-// A render's times and errors at a checkpoint. The errors are empty where the film has samples that are not finite, and
-// bias2 also where it cannot be told.
+// A render's times and errors at a checkpoint. The errors are empty where the film has samples that are not finite;
+// bias2 (squared bias) also where the halves of the render's samples are not known or not independent.
 struct CheckpointFacts {
     std::uint32_t spp = 0;
     double wall_ms = 0, device_ms = 0, cpu_ms = 0;
@@ -58,9 +58,9 @@ struct Sample {
     std::uint64_t launches = 0, graph_nodes = 0, loop_rounds = 0, host_waits = 0;
     std::uint64_t order = 0;  // position of the sample among all samples of the run
     double timestamp = 0;     // seconds since 1970 at the end of the sample
-    int clock_unknown = 0;    // 1 if a clock is unknown, 0 otherwise
+    int clock_unknown = 0;    // 1 if the processor's clock before or after the sample is unknown, 0 otherwise
     std::optional<double> clock_mhz_before = {}, clock_mhz_after = {};
-    double foreign_cpu_ms = 0;  // CPU time of other processes; rounding can make it negative
+    double foreign_cpu_ms = 0;  // CPU time of other processes during the sample; rounding can make it negative
     long involuntary_switches = 0;
     std::uint64_t throttled_periods = 0;  // scheduler periods in which a CPU quota was used up
     double throttled_ms = 0;
