@@ -31,8 +31,8 @@ struct LastErrors {
     std::optional<ErrorEfficiency> efficiency_by_rel_mse(const LastErrors& baseline) const;
 };
 
-// The last errors of a study's cells, for cells with errors from at least two seeds. Times are taken from the same
-// renders without checkpoints, if the plan has a cell for these beside each of the cells.
+// The last errors of a study's cells, for cells with errors from at least two seeds. If each of these cells has a
+// counterpart without checkpoints in the plan, times are those of the counterparts.
 std::vector<LastErrors> last_errors(const Plan& plan, const Cells& cells, const Journal& journal);
 // Picks the baseline cell of a group: the plainest estimator, of several the one most like the group; null if empty.
 const LastErrors* baseline_of(const std::vector<LastErrors>& group, const Journal& journal);

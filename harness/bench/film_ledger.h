@@ -32,8 +32,8 @@ struct FailedCell {
 
 class FilmLedger {
 public:
-    // Renders `variant` at the cell's resolution and with its checkpoints, and returns the imprint (film hash and work
-    // counts). Throws what a render throws.
+    // Renders `variant` at a cell's resolution and with the cell's checkpoints, and returns the imprint (film hash and
+    // work counts). Throws what a render throws.
     using Render =
         std::function<Imprint(const Cell& cell, const Variant& variant, std::uint32_t samples, std::uint64_t seed)>;
 
@@ -45,8 +45,8 @@ public:
     // earlier ones. The reference is rendered once for each seed of a bitwise group; for long cells (spp above
     // Cell::prepared_spp) only if films of the group differ. Throws std::runtime_error if it cannot be rendered.
     std::vector<FailedCell> note_sample(const Cell& cell, std::size_t index, const Imprint& found);
-    // Records a preparatory render (first seed, samples_to_prepare() samples), which is always compared with the
-    // reference. Returns the cells that are wrong.
+    // Records the imprint of a preparatory render (first seed, samples_to_prepare() samples), which is always compared
+    // with the reference. Returns the cells that are wrong.
     std::vector<FailedCell> note_preparation(const Cell& cell, const Imprint& found);
     // Records a preparatory render of the exact twin of a cell that rounds freely, because only the twin's bits can be
     // compared with the reference. Returns the cells that are wrong.

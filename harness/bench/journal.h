@@ -65,7 +65,7 @@ private:
     void keep_sample(const std::string& cell, const Sample& sample);
     void keep_retake(const std::string& cell, const Sample& sample);
     void count_sample();
-    // The cell's sample with the seed of `sample`; null if there is none.
+    // The sample that the journal has of a cell with the seed of `sample`; null if there is none.
     Sample* taken_before(const std::string& cell, const Sample& sample);
     void keep_session(SessionFacts facts);
 

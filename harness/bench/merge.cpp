@@ -290,7 +290,7 @@ Merged merge_parsed(const std::vector<ShardResult>& shards, const std::string& o
     OrderedJson own = shards.front().result.at("ptbench");
     own["run"] = merged_run(shards);
     own["cells"] = std::move(cells);
-    if (own.contains("retakes")) {  // either all shards have retakes, or none
+    if (own.contains("retakes")) {  // either the results of all shards have retakes, or none
         own["retakes"] = merged_retakes(shards);
     }
     if (own.contains("comparisons")) {  // results of older programs have no comparisons

@@ -62,7 +62,7 @@ std::string PhaseLines::due(double now) {
 
 PhaseWatch::PhaseWatch(const std::string& command)
     : is_terminal_(::isatty(STDERR_FILENO) != 0), lines_(command, is_terminal_, patience_of_environment()) {
-    // The display's thread blocks all signals, so that the kernel delivers them to the main thread.
+    // The thread that displays phases blocks all signals, so that the kernel delivers them to the main thread.
     sigset_t all, kept;
     ::sigfillset(&all);
     ::pthread_sigmask(SIG_SETMASK, &all, &kept);

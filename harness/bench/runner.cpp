@@ -50,7 +50,7 @@ void apply_filter(Plan& plan, const std::string& filter) {
     }
 }
 
-// Checks that no sample has a seed of the reference images, whose halves must be independent of what is compared.
+// Checks that no sample has a seed of a reference image, whose halves must be independent of the measured images.
 void check_seeds(const Plan& plan, std::uint64_t first, int repetitions) {
     const bool has_errors = std::any_of(plan.cells.begin(), plan.cells.end(),
                                         [](const Cell& cell) { return cell.convergence.has_value(); });
@@ -113,7 +113,7 @@ RunRecord record_of(const RunIdentity& identity, const Shard& shard, const std::
     return record;
 }
 
-// The keys of a run's identity that may differ on --resume: the host name, with --other-host. Sessions keep the names.
+// The keys of a run's identity that may differ on --resume: the host name, with --other-host (sessions record it).
 std::vector<std::string> that_may_differ(const RunOptions& options) {
     return options.other_host ? std::vector<std::string>{RunIdentity::host_name_key} : std::vector<std::string>{};
 }

@@ -28,13 +28,13 @@ struct VariantSet {
 // The settings of a study of error against run time (harness/bench/convergence_study.h).
 struct ConvergenceSettings {
     std::string reference_scene = {};                        // scene of the reference image; empty: that of the cell
-    std::map<std::string, std::string> reference_axes = {};  // choices of the reference's variant
+    std::map<std::string, std::string> reference_axes = {};  // choices of the variant that renders the reference
     double variance = 1e-6;                                  // largest variance of the reference image per channel
     std::map<Backend, double> variance_on = {};              // largest variance of the reference, for single backends
     std::uint64_t most_spp = 65536;                          // largest spp of each half of the reference
     std::map<Backend, std::uint64_t> most_spp_on = {};
-    bool images = false;               // save the first sample's image at each checkpoint
-    bool without_checkpoints = false;  // also time the cells without checkpoints
+    bool images = false;               // whether to save the first sample's image at each checkpoint
+    bool without_checkpoints = false;  // whether to time the cells without checkpoints too
 };
 
 // The value of `compares` for a study of how many paths are alive at each bounce.
@@ -56,8 +56,8 @@ struct Study {
     // Whether a command line describes the study. Axes that it leaves open get the best known choice (fastest.h), those
     // that a suite leaves open their baseline.
     bool is_of_a_call = false;
-    std::vector<VariantSet> variants = {};                // sets of choices, each combined with `axes` and `tunables`
-    std::optional<ConvergenceSettings> convergence = {};  // settings, for a study of error against time only
+    std::vector<VariantSet> variants = {};                // choices and values to combine with `axes` and `tunables`
+    std::optional<ConvergenceSettings> convergence = {};  // settings of a study of error against time; else none
     std::uint32_t width = 0, height = 0;                  // resolution in pixels; 0: the scene's own
     std::vector<std::pair<std::uint32_t, std::uint32_t>> more_sizes;  // resolutions besides width x height
     std::map<Backend, std::vector<std::pair<std::uint32_t, std::uint32_t>>> sizes_on =

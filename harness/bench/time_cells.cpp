@@ -111,7 +111,7 @@ public:
         return !again.empty();
     }
 
-    // Takes samples beyond the repetitions, in random order over all cells, until the time is used up.
+    // Takes further samples for open verdicts, in random order over all cells, until the time for them is used up.
     void take_more(const std::vector<WantedSamples>& wanted, double seconds, std::mt19937& random) {
         std::vector<const Cell*> turns;
         for (const WantedSamples& one : wanted) {

@@ -12,7 +12,7 @@ namespace pt {
 struct Difference {
     std::uint32_t x = 0, y = 0;
     std::optional<std::uint32_t> sample;  // first sample that differs; none if only the sums over samples do
-    std::optional<std::uint32_t> bounce;  // smallest depth at which the sample differs between the variants
+    std::optional<std::uint32_t> bounce;  // smallest path depth at which this sample differs between the variants
     std::string text() const;
 };
 
@@ -49,7 +49,7 @@ private:
     RenderResult render_part(const Variant& variant, std::uint32_t first, std::uint32_t count) const;
 
     struct MeanCheck {
-        std::string failure = {};  // which mean differs and how; empty if none does
+        std::string failure = {};  // which mean of an image or block differs, and how; empty if none does
         double detectable = 0;     // smallest relative bias of the image mean that would fail
         double effect = 0;         // largest relative change of a channel's mean by the variant's choices
     };

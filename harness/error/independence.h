@@ -7,7 +7,7 @@
 
 namespace pt {
 
-// A statistic, pooled over the image, whose expectation is 0 for independent samples.
+// A statistic of dependence between samples, pooled over the image; its expectation is 0 for independent samples.
 struct Dependence {
     const char* name = "";
     double value = 0;

@@ -36,7 +36,7 @@ struct Reference {
     std::string scene, scene_hash;
     std::uint32_t width = 0, height = 0, depth = 0;
     bool is_closed_form = false;
-    std::string formula;             // formula of a closed form, else empty
+    std::string formula;             // formula of the image if it has a closed form, else empty
     std::uint64_t spp_per_half = 0;  // samples per pixel of each half; 0 for a closed form
     std::string variant, variant_id, backend;
     std::uint64_t seeds[2] = {0, 0};

@@ -45,7 +45,7 @@ struct Welch {
                    ? known(tested.squared_error() + baseline.squared_error(), std::max(tested.mean, baseline.mean))
                    : known(tested.squared_error(), tested.mean) && known(baseline.squared_error(), baseline.mean);
     }
-    // The relative difference with its confidence interval, by first-order error propagation from both means.
+    // The relative difference of two means, with a confidence interval by first-order propagation of both errors.
     RelativeDifference relative(double confidence) const {
         if (baseline.mean == 0) {
             return {tested.mean == 0 ? 0 : INFINITY, {0, tested.mean == 0 ? 0 : INFINITY}};

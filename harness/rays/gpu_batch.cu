@@ -22,7 +22,7 @@ std::uint32_t blocks_for(std::size_t count) { return static_cast<std::uint32_t>(
 
 struct PlainKernels {
     const char* accelerator;
-    bool has_persistent;  // whether persistent kernels and a GPU encoder exist (cwbvh)
+    bool has_persistent;  // whether the accelerator has persistent kernels and a GPU encoder (cwbvh)
     void (*trace)(PlainView);
     void (*count)(PlainView, unsigned long long*);
 };

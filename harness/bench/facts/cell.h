@@ -132,7 +132,7 @@ struct ConvergenceFacts {
     double expected_mse = 0;
     std::optional<ImageFacts> images = {};
     bool independent_samples = false;
-    std::map<std::string, std::string> metrics = {};  // definition of each error metric, by name
+    std::map<std::string, std::string> metrics = {};  // definition of each error metric, by the metric's name
     Json reference = {};                              // the reference image, as Reference::provenance() describes it
     std::optional<std::string> shared_with = {};  // name of a cell with the same films and errors; in result files only
 
