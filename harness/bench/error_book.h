@@ -26,7 +26,7 @@ inline constexpr double allowed_reference_error = 0.05;
 
 class ErrorBook {
 public:
-    // Collects the references that a plan needs; a shared one gets its cells' lowest variance and highest most_spp.
+    // Collects the reference images that a plan needs; shared ones get the lowest variance and highest most_spp.
     ErrorBook(const Plan& plan, ReferenceMaker maker);
 
     // Renders every reference image up to its task's variance or loads it (cache). Failures are thrown by reference().

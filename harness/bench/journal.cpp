@@ -204,7 +204,7 @@ void Journal::append(const Json& line) {
     if (written != static_cast<ssize_t>(text.size())) {
         std::string why = written < 0 ? std::strerror(errno) : "disk full";
         if (written > 0 &&
-            ::ftruncate(locked_.descriptor(), end) != 0) {  // no line may follow one that is written only in part
+            ::ftruncate(locked_.descriptor(), end) != 0) {  // no line of the journal may follow an incomplete one
             why += fmt::format("; {}", std::strerror(errno));
         }
         throw MachineError(

@@ -30,9 +30,10 @@ public:
     // Writes the tuning file. Throws MachineError if it cannot be written.
     void save(const std::string& file, const std::string& machine) const;
 
-    // The entry of a variant identity; null if that variant was never tuned.
+    // The tuning file's entry with this variant identity; null if that variant was never tuned.
     const TunedVariant* find(const std::string& id) const;
-    // The variant with the tuned values of its entry, but none for tunables in `named` or with a value already.
+    // A variant with the tuned values from the file's entry for it, except for tunables in `named` or with a value
+    // already.
     Variant applied(const Variant& variant, const std::set<std::string>& named) const;
     const std::vector<TunedVariant>& entries() const { return entries_; }
 

@@ -86,8 +86,8 @@ std::vector<std::vector<double>> batch_means(const Scene& scene, RenderSettings 
 
 struct PairedDifference {
     double mean_a = 0, mean_b = 0;
-    double difference = 0;  // mean over batches of the difference a - b between the two sides
-    double error = 0;       // standard error of the mean difference between the two sides
+    double difference = 0;  // mean over batches of the difference between variant a and variant b
+    double error = 0;       // standard error of the mean difference between the two variants
 };
 
 PairedDifference paired_difference(const std::vector<std::vector<double>>& a, const std::vector<std::vector<double>>& b,

@@ -19,7 +19,7 @@ struct Independence {
     // Excess variance of a run over the prediction from its parts; correlation between the errors of neighbouring
     // pixels; correlation between the errors of runs with successive seeds.
     std::array<Dependence, 3> dependences;
-    double p = 1;  // p-value of the three tests together, by Sidak's formula from the smallest
+    double p = 1;  // p-value of the three tests of independence together, by Sidak's formula from the smallest
     const Dependence& strongest() const;
 };
 

@@ -185,7 +185,7 @@ private:
     // and its variance without a bias follows from the covariances.
     struct SquaredBias {
         double square = 0, variance = 0;
-        double more_variance = 0;  // bound on the variance of `square` due to a bias d: 4 d' C d, C the covariance
+        double more_variance = 0;  // bound on the variance that a bias d adds to `square`: 4 d' C d, C the covariance
         double noise = 0;          // variance of the difference of the mean images, summed over channels
         double light = 0;          // squared mean radiance of the baseline
         double pixels = 0;

@@ -90,7 +90,7 @@ PT_HD inline Ray leak_ray(const LeakView& view, std::uint64_t number) {
         const float zero = random.below(2) == 0 ? 0.0f : -0.0f;
         const Vec3<float> flat{axis == 0 ? zero : direction.x, axis == 1 ? zero : direction.y,
                                axis == 2 ? zero : direction.z};
-        // A component is set to 0 only if the direction stays long enough: cwbvh expects roughly unit length.
+        // A ray direction's component is set to 0 only if enough length is left: cwbvh expects roughly unit length.
         direction = dot(flat, flat) > 0x1p-20f * dot(direction, direction) ? flat : direction;
     }
     if (random.below(2) == 0) {
