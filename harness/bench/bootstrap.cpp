@@ -33,7 +33,7 @@ std::vector<double> resampled_medians(const std::vector<double>& values, Bootstr
     return medians;
 }
 
-// The quantile of sorted values at `share`, from 0 to 1.
+// The quantile of sorted values, with the share `share` (from 0 to 1) of the values below it.
 double quantile(const std::vector<double>& sorted, double share) {
     return sorted[static_cast<std::size_t>(std::lround(share * static_cast<double>(sorted.size() - 1)))];
 }

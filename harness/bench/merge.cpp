@@ -173,7 +173,7 @@ OrderedJson cell_of(OrderedJson cell, const ShardResult& shard, const std::strin
     return cell;
 }
 
-// The facts of a shard that the merged result keeps beside its rows.
+// The facts that differ between shards (such as host and date), which the merged result keeps in ptbench.shards.
 OrderedJson shard_json(const ShardResult& shard) {
     OrderedJson json{{"shard", shard.shard.name()}, {"cells", shard.positions.size()}};
     for (const auto& [key, value] : shard.result.at("context").items()) {

@@ -251,7 +251,7 @@ Study read_study(const JsonValue& value) {
     return study;
 }
 
-// A convergence study adds another study, of its cells without checkpoints, whose name must be free.
+// A convergence study adds a second study, which times its cells without checkpoints; that study's name must be free.
 void check_names(const Suite& suite, const std::string& file) {
     for (std::size_t i = 0; i < suite.studies.size(); ++i) {
         const std::string twin = suite.studies[i].name + std::string(without_checkpoints_suffix);

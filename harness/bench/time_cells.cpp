@@ -155,7 +155,7 @@ private:
         return sample;
     }
 
-    // Takes a sample and records it; returns the error, or "" if there was none.
+    // Takes a sample and appends it to the journal; returns the sample's error, or "" if there was none.
     std::string take_sample(const Cell& cell, std::size_t index) {
         progress_.begin(names_.of(cell));
         const double start = steady_seconds();

@@ -32,8 +32,7 @@ public:
 
     // The tuning file's entry with this variant identity; null if that variant was never tuned.
     const TunedVariant* find(const std::string& id) const;
-    // A variant with the tuned values from the file's entry for it, except for tunables in `named` or with a value
-    // already.
+    // A variant with the tuned values of its entry in the file, but not of tunables in `named` or with a value already.
     Variant applied(const Variant& variant, const std::set<std::string>& named) const;
     const std::vector<TunedVariant>& entries() const { return entries_; }
 

@@ -42,7 +42,7 @@ private:
     const RenderResult& reference(const Variant& reference_variant);
     struct CpuCheck {
         bool is_made = false;      // whether the CPU backend has the variant
-        std::string failure = {};  // how the CPU's film differs; empty if it is equal
+        std::string failure = {};  // how the CPU's film differs from CUDA's; empty if it is equal
     };
     // Compares a reference variant's film on CUDA with the film of the CPU's own reference.
     const CpuCheck& against_cpu(const Variant& reference_variant);

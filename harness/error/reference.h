@@ -24,7 +24,7 @@ struct ReferenceTask {
     std::shared_ptr<const Scene> scene;
     std::uint32_t width = 0, height = 0, depth = 0;
     Backend backend = Backend::cpu;
-    std::map<std::string, std::string> axes = {};  // choices by axis, in place of those of reference_variant
+    std::map<std::string, std::string> axes = {};  // choices by axis that replace those of reference_variant
     double variance = 0;                           // largest allowed variance per pixel and channel
     std::uint64_t most_spp = 1;                    // largest samples per pixel of each half
     // The reference's name, "cornell_open/64x64/depth:8/cpu", followed by "/AXIS=CHOICE" for each of `axes`.

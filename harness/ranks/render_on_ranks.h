@@ -17,7 +17,7 @@ struct RankFacts {
 };
 
 struct RankedRender {
-    RenderResult result;  // its wall time includes the summing of films, its CPU time is that of all ranks
+    RenderResult result;  // wall time includes the summing of films; CPU time is that of all ranks
     RankFacts ranks;
 };
 
