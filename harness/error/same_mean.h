@@ -48,7 +48,7 @@ struct RelativeDifference {
 };
 
 struct SameMeanReport {
-    std::array<Statistic, 6> statistics;  // p-values of the tests image, blocks, squares, pixel, support, independence
+    std::array<Statistic, 6> statistics;  // p-values of six tests: image, blocks, squares, pixel, support, independence
     double level = 0;                     // significance level: a smaller p-value rejects equal means
     bool same() const;
     const Statistic& strongest() const;

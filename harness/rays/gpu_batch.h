@@ -1,5 +1,4 @@
-// Ray batches on a GPU, whose kernels are in gpu_batch.cu; gpu_batch_without_cuda.cpp in a build without a CUDA
-// toolkit.
+// Ray batches on a GPU, implemented by gpu_batch.cu or, without a CUDA toolkit, by gpu_batch_without_cuda.cpp.
 #pragma once
 
 #include <memory>

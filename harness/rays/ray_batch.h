@@ -52,7 +52,7 @@ public:
 
     // The names of the kernels that can trace a set of rays, usually the fastest first.
     virtual std::vector<std::string> kernels(const RaySet& set) const = 0;
-    // Selects the set of rays for the calls that follow; the set must outlive them.
+    // Selects the set of rays for later calls of the tracer; the set must outlive them.
     virtual void load(const RaySet& set) = 0;
     virtual double trace(const std::string& kernel) = 0;  // traces the loaded rays; returns the time in milliseconds
     virtual std::vector<Hit> hits() = 0;                  // hits of the rays that the last `trace` traced
