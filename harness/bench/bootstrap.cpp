@@ -33,12 +33,12 @@ std::vector<double> resampled_medians(const std::vector<double>& values, Bootstr
     return medians;
 }
 
-// The quantile of sorted values at `share`, from 0 to 1.
+// The quantile of sorted values, with the share `share` (from 0 to 1) of the values below it.
 double quantile(const std::vector<double>& sorted, double share) {
     return sorted[static_cast<std::size_t>(std::lround(share * static_cast<double>(sorted.size() - 1)))];
 }
 
-// Whether the rounded number in `text` lies on the same side of a limit as the exact value.
+// Whether `value`, an end of an interval, lies on the same side of a verdict's limit as its rounded text.
 bool is_on_its_side(double value, const std::string& text, double limit) {
     const double shown = std::stod(text);
     return (value < limit) == (shown < limit) && (value > limit) == (shown > limit);

@@ -31,7 +31,7 @@ struct RatioInterval {
 struct RatioEstimate {
     double value = 1;
     std::optional<RatioInterval> interval = {};  // 95 % confidence interval of the ratio; none if a side has one sample
-    std::size_t samples = 0;                     // number of samples of the ratio's side with fewer
+    std::size_t samples = 0;                     // number of timed samples on that side of the ratio that has fewer
 };
 
 // The median of some values. Precondition: there is at least one.
@@ -70,7 +70,7 @@ struct Times {
     std::vector<double> ms_per_spp;
     std::vector<double> cycles;  // millions of cycles per spp; empty if a clock is unknown
     bool is_throttled = false;   // whether a CPU quota disturbed any of the samples
-    bool is_contended = false;   // whether more than most_disturbed_share of the samples were disturbed
+    bool is_contended = false;   // whether other load or quotas disturbed more than most_disturbed_share of the samples
 };
 
 // The verdict on the confidence interval of a ratio, whatever the number of samples.

@@ -78,7 +78,7 @@ bool is_same_setting(const ComparedCell& cell, const ComparedCell& other, const 
 struct TuningDifference {
     bool is_comparable = true;  // whether the differing tunables are at their standards in both cells
     int differences = 0;
-    int others_alone = 0;  // number of the other cell's tuned values for tunables that this cell lacks
+    int others_alone = 0;  // number of tuned values of the second cell whose tunables the first cell lacks
 };
 
 TuningDifference compare_tuning(const ComparedCell& cell, const ComparedCell& other, const Question& question) {

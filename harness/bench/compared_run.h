@@ -27,7 +27,7 @@ struct ComparedCell {
     std::string scene;
     Backend backend = Backend::cpu;
     std::string variant;                            // variant name as tables show it
-    std::map<std::string, std::string> axes;        // the cell's choice by axis name
+    std::map<std::string, std::string> axes;        // choices of the cell's variant, by axis name
     std::map<std::string, std::uint32_t> tunables;  // values of all tunables of the variant, standard values too
     std::set<std::string> tuned;                    // names of tunables with a value other than the standard
     std::uint32_t width = 0, height = 0, depth = 0, spp = 1;

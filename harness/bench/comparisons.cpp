@@ -132,7 +132,7 @@ private:
         return fmt::format("{} {}x{}, depth {}, {} spp on {}", cell.scene, cell.width, cell.height, cell.depth,
                            cell.spp, to_string(cell.backend));
     }
-    // Sorts table rows so that cells of one scene and setting are adjacent; groups keep the order of their first cells.
+    // Sorts a table's cells into groups of one scene and setting each, in the order of each group's first cell.
     static ComparedCells ordered(const ComparedCells& cells) {
         std::map<std::string, std::size_t> ranks;
         for (const ComparedCell* const cell : cells) {

@@ -45,7 +45,7 @@ public:
             ends_[1] = -1;
         }
     }
-    // Reads the next number from a pipe; returns false once all writers have closed the pipe.
+    // Reads the next number that a writer put into the pipe; returns false once all writers have closed the pipe.
     bool read(std::uint32_t& value) const { return ::read(ends_[0], &value, sizeof value) == sizeof value; }
 
 private:
@@ -54,7 +54,7 @@ private:
 
 using Programs = std::vector<std::pair<std::string, cuda::ProgramToCompile>>;
 
-// Sorts programs so that slow ones are compiled first: a program that takes a minute should not start last.
+// Sorts CUDA programs so that those slow to compile come first: one that takes a minute should not start last.
 Programs longest_first(const cuda::ProgramsToCompile& programs) {
     Programs ordered(programs.begin(), programs.end());
     std::stable_sort(ordered.begin(), ordered.end(),
@@ -62,7 +62,7 @@ Programs longest_first(const cuda::ProgramsToCompile& programs) {
     return ordered;
 }
 
-// A counter in memory that several processes share; each number is taken once.
+// A counter in memory that several processes share: each number from 0 on is handed out to one process only.
 class SharedCounter {
 public:
     SharedCounter() {
@@ -82,13 +82,13 @@ private:
     std::atomic<std::uint32_t>* next_ = nullptr;
 };
 
-constexpr std::uint32_t is_refused = 1u << 31;  // bit of a child's report: the program did not compile
+constexpr std::uint32_t is_refused = 1u << 31;  // bit in a child process's message: its program did not compile
 
-// Compiles a share of the programs in a child process, because NVRTC compiles only one program at a time per process,
+// Compiles some of the CUDA programs in a child process, because NVRTC compiles only one program at a time per process,
 // whatever the number of threads (CUDA 13.0). The child calls nothing of CUDA but the compiler, and exits without
 // running its parent's atexit handlers.
 [[noreturn]] void compile_share(const Programs& programs, const SharedCounter& next, int done, pid_t parent) {
-    // The child inherits the locks on its parent's files; if it outlived the parent, a resumed run could not lock them.
+    // A child that outlived its parent process would keep inherited file locks, and a resumed run could not take them.
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     std::signal(SIGINT, SIG_DFL);
     std::signal(SIGTERM, SIG_DFL);
@@ -101,7 +101,7 @@ constexpr std::uint32_t is_refused = 1u << 31;  // bit of a child's report: the 
             std::uint32_t report = i;
             try {
                 programs[i].second.compile();
-            } catch (const std::exception&) {  // the error is reported later, by the command that needs the program
+            } catch (const std::exception&) {  // a compile error is reported by the command that then needs the program
                 report |= is_refused;
             }
             (void)!::write(done, &report, sizeof report);

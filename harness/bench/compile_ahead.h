@@ -12,8 +12,8 @@ namespace pt {
 struct CompileTask {
     const Scene* scene = nullptr;
     Variant variant;
-    std::string architecture = {};  // "sm_90" for instance; empty: that of the installed GPU
-    // Whether to compile the variant's own programs only, not those of its exact twin and of its reference variant.
+    std::string architecture = {};  // GPU architecture, "sm_90" for instance; empty: that of the installed GPU
+    // Whether to compile the variant's own programs only, not those of variants that verification compares it with.
     bool is_alone = false;
 };
 

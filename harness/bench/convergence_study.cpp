@@ -10,15 +10,15 @@ namespace {
 
 constexpr long long largest_spp = 1LL << 31;
 
-// The number of samples in the verification and instrumented pass of a cell with checkpoints. They suffice to test
-// cache, kernels and bits, and the full number would take as long as a timed sample.
+// Samples per pixel of the preparatory renders (verification, instrumented pass) of a cell with checkpoints. So few
+// suffice to test caches, kernels and the film's bits; the full number would take as long as a timed sample.
 constexpr std::uint32_t prepared_samples = 64;
 
 std::uint64_t read_most(const JsonValue& value) {
     return static_cast<std::uint64_t>(value.whole(1, largest_spp, "a whole number from 1 to 2147483648"));
 }
 
-// Reads a study's `variance`: a number, or an object with one for each backend, since a GPU renders more samples.
+// Reads `variance`, a study's limit for its reference image: a number, or one for each backend (a GPU renders more).
 void read_variance(const JsonValue& value, ConvergenceSettings& settings) {
     const auto variance = [](const JsonValue& v) { return v.number(1e-300, 1e300, "a number above 0"); };
     if (!value.json().is_object()) {

@@ -5,7 +5,7 @@
 
 namespace pt {
 
-// Suffixes of the names of cells with checkpoints, and of studies that time the same cells without checkpoints.
+// Suffixes of the names of cells with checkpoints, and of studies that time these cells without checkpoints.
 inline constexpr std::string_view checkpoints_suffix = "/checkpoints:octaves";
 inline constexpr std::string_view without_checkpoints_suffix = "_without_checkpoints";
 

@@ -69,7 +69,7 @@ private:
 }  // namespace
 
 std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet features, Backend backend) {
-    constexpr int completions = 60;  // variants tried to cover a pair of choices; the first is near the baseline
+    constexpr int completions = 60;  // number of variants tried for a pair of choices; all but the first are random
     std::mt19937 random(1);          // fixed seed, so that the set of variants is always the same
     const Variant baseline = expand({}, backend).front();
     std::vector<Variant> variants;
@@ -90,7 +90,7 @@ std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet featu
             for (const NumberedChoice& wanted : {one, other}) {
                 variant.set(axis_names[wanted.axis], pairs.names(wanted.axis)[wanted.choice]);
             }
-            // New pairs are counted first, since that is cheap and most candidates have none.
+            // Counting new pairs of choices is cheap and mostly finds none, so applicability is tested after it.
             if (const std::size_t gain = pairs.new_in(variant);
                 gain > best_gain && why_not_applicable(variant, features, backend).empty()) {
                 best = variant;
@@ -109,8 +109,8 @@ std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet featu
             }
             consider(variant);
         }
-        // A choice that needs several others is rarely found at random. Therefore the pair is also tried with one more
-        // choice added to the baseline, and put into each variant found before.
+        // Random variants rarely contain a choice that needs several others. If none covered the pair of choices, the
+        // pair is also tried with one more choice added to the baseline, and put into each variant found before.
         for (std::size_t axis = 0; axis < std::size(axis_names) && best_gain == 0; ++axis) {
             for (const std::string& name : pairs.names(axis)) {
                 Variant variant = plainest;
@@ -158,8 +158,8 @@ void add_choices(const Variant& variant, SeenChoices& seen) {
 
 }  // namespace
 
-// Selects variants greedily, with the scenes taking turns: next comes the scene's first variant with the most choices
-// that have not occurred yet.
+// Selects variants greedily. The scenes take turns; a scene's next variant is its first one with the most choices that
+// no selected variant has yet.
 std::vector<std::vector<Variant>> each_choice_once(std::vector<std::vector<Variant>> left) {
     SeenChoices seen;
     std::vector<std::vector<Variant>> variants(left.size());

@@ -14,7 +14,8 @@ namespace pt {
 
 namespace {
 
-// The half width that a confidence interval shall reach: below that of the range of SAME, so that it fits uncentred.
+// Half width to which a confidence interval shall shrink, below that of the range of ratios with the verdict SAME, so
+// that an interval that is not centred on 1 fits into that range.
 constexpr double wanted_half_width = 0.8 * limits::least_difference;
 
 bool is_good(const ComparedCell& cell, const Journal& journal) {
@@ -22,7 +23,7 @@ bool is_good(const ComparedCell& cell, const Journal& journal) {
 }
 
 // The number of samples per cell that would narrow the confidence interval of a ratio of times to wanted_half_width; 0
-// if the ratio has a verdict already, or lacks one for another reason than the width.
+// if the ratio has a verdict already, or if something else than the interval's width keeps the verdict open.
 std::size_t samples_for(const Times& times, const Times& baseline) {
     const RatioEstimate ratio = ratio_estimate(times.ms_per_spp, baseline.ms_per_spp);
     if (times.is_contended || baseline.is_contended || ratio.samples < limits::fewest_samples || !ratio.interval ||

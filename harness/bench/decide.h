@@ -16,7 +16,7 @@ inline constexpr int most_times_repetitions = 4;
 
 struct WantedSamples {
     const Cell* cell = nullptr;
-    std::size_t samples = 0;  // number of samples to reach, those in the journal included
+    std::size_t samples = 0;  // number of samples that the cell shall reach, those in the journal included
 };
 
 // How many samples cells with an open verdict, and their baselines, need until their confidence intervals are narrow

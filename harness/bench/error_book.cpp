@@ -14,7 +14,7 @@ namespace pt {
 
 namespace {
 
-// The images of the first half of a film's samples and of the rest, by subtraction of the sums.
+// The mean images of the first samples of a film (`half`) and of its remaining samples, by subtracting radiance sums.
 Halves halves_of(const Film& half, const Film& whole) {
     Halves halves{image_of(half), {}};
     const double unit = 1 / (whole.scale() * static_cast<double>(whole.samples() - half.samples()));

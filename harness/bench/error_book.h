@@ -26,11 +26,10 @@ inline constexpr double allowed_reference_error = 0.05;
 
 class ErrorBook {
 public:
-    // Collects the reference tasks of the plan's cells; of several for one reference the strictest requirements count.
+    // Collects the reference images that a plan needs; shared ones get the lowest variance and highest most_spp.
     ErrorBook(const Plan& plan, ReferenceMaker maker);
 
-    // Renders every reference image, or loads it from the cache, up to its task's variance. reference() throws
-    // failures.
+    // Renders every reference image up to its task's variance or loads it (cache). Failures are thrown by reference().
     void make_references();
     // Adds samples to a reference image until its dual_error is at most `dual_error`, or it has the task's most_spp.
     void improve(const std::string& name, double dual_error);
@@ -39,7 +38,7 @@ public:
 
     // The mse_dual to expect of a cell at its full spp, extrapolated as 1/spp from a film with fewer samples.
     double expected_mse(const Cell& cell, const Film& film) const;
-    // Says why a cell's reference image is too noisy for an error of `expected_mse` and which spp would do; else "".
+    // Says why a cell's reference is too noisy for an error of `expected_mse`, and what spp would be enough; else "".
     std::string refusal(const Cell& cell, double expected_mse) const;
 
     // What a result file says about a cell's reference and metrics; `expected_mse` is not set.
@@ -56,10 +55,10 @@ private:
     std::optional<Errors> errors_at(const Cell& cell, const Hashed& whole, const Hashed& half);
 
     ReferenceMaker maker_;
-    std::map<std::string, ReferenceTask> tasks_;  // tasks by name of the reference image
+    std::map<std::string, ReferenceTask> tasks_;  // how to make each reference image, by the image's name
     std::map<std::string, Reference> references_;
     std::map<std::string, std::string> failures_;
-    std::map<std::string, std::optional<Errors>> known_;  // errors by reference, sample count and film hash
+    std::map<std::string, std::optional<Errors>> known_;  // errors of films, by reference, sample count and film hash
 };
 
 // The folder for the images of a result, beside the result file. While an earlier result is kept, images are written to

@@ -78,7 +78,7 @@ std::vector<std::string> settings_in_which_differ(const Cell& cell, const Cell& 
             names.emplace_back(axis);
         }
     }
-    // A scene's name is compared without the prefix of the reference scene's name: "box_fog" is like "hall_fog".
+    // Scenes whose names differ only in the reference scene's name in front ("box_fog", "hall_fog") count as equal.
     const auto scene_of = [](const Cell& c) {
         const std::string& name = c.scene->name;
         const std::string head = c.convergence->reference.scene->name + "_";

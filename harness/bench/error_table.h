@@ -31,10 +31,10 @@ struct LastErrors {
     std::optional<ErrorEfficiency> efficiency_by_rel_mse(const LastErrors& baseline) const;
 };
 
-// The last errors of a study's cells, for cells with errors from at least two seeds. Times are those of the plan's
-// cells without checkpoints if all of these cells have such a companion.
+// The last errors of a study's cells, for cells with errors from at least two seeds. If each of these cells has a
+// counterpart without checkpoints in the plan, times are those of the counterparts.
 std::vector<LastErrors> last_errors(const Plan& plan, const Cells& cells, const Journal& journal);
-// Picks a group's baseline cell: the plainest estimator, then the cell most like the others; null if there is none.
+// Picks the baseline cell of a group: the plainest estimator, of several the one most like the group; null if empty.
 const LastErrors* baseline_of(const std::vector<LastErrors>& group, const Journal& journal);
 // Groups cells that render the same image (scene and depth of the reference, resolution, backend), in cell order.
 std::vector<Cells> by_image(const Cells& cells);

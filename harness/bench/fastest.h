@@ -1,4 +1,4 @@
-// Choices for a command that leaves them open: the fastest ones known on its backend.
+// The choices for a command that names none on an axis: the fastest ones known on its backend.
 #pragma once
 
 #include "harness/bench/suite.h"

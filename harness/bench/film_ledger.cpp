@@ -21,8 +21,8 @@ std::string bitwise_group(const Cell& cell) {
     if (cell.convergence && !stops_matter(cell)) {
         name.erase(name.rfind('/'));
     }
-    // The name contains the reference variant because kernels that round freely need not agree with others: such a
-    // variant is its own reference, so its cells form a group of their own.
+    // The group's name contains the reference variant, so that a variant that rounds freely has a group of its own: it
+    // is its own reference, and need not agree with others.
     return bitwise_reference(cell).spelled_out() + name;
 }
 
@@ -85,7 +85,7 @@ bool FilmLedger::differ(const Entry& entry) {
                        [&](const Seen& seen) { return !(seen.imprint == right); });
 }
 
-// Compares a group's films with the reference. Before a cell is blamed, the slow plain reference must confirm it.
+// Compares a group's films with the reference's. A cell is found wrong only if the slow plain reference says so too.
 std::vector<FailedCell> FilmLedger::judge(Entry& entry, const Cell& cell, std::uint32_t samples, std::uint64_t seed,
                                           const std::string& place) {
     if (const Variant plain = bitwise_reference(cell); differ(entry) && !(entry.reference == plain)) {
@@ -126,7 +126,7 @@ std::vector<FailedCell> FilmLedger::note_twin(const Cell& cell, const Imprint& f
 std::vector<FailedCell> FilmLedger::note_prepared(const Cell& rendered, const Variant& reference, const Cell& blamed,
                                                   const Imprint& found) {
     const std::uint32_t spp = rendered.samples_to_prepare();
-    // Checkpoints may change the film (stops_matter): films without them are compared only with each other.
+    // Where checkpoints change the film (stops_matter), films with checkpoints are not compared with films without.
     const std::string part = spp != rendered.spp || stops_matter(rendered) ? fmt::format("/first:{}", spp) : "";
     Entry& entry = entries_[{bitwise_group(rendered) + part, 0}];
     if (!entry.right) {

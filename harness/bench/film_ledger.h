@@ -32,21 +32,21 @@ struct FailedCell {
 
 class FilmLedger {
 public:
-    // Renders `variant` at the cell's resolution and with its checkpoints, and returns the imprint (film hash and work
-    // counts). Throws what a render throws.
+    // Renders `variant` at a cell's resolution and with the cell's checkpoints, and returns the imprint (film hash and
+    // work counts). Throws what a render throws.
     using Render =
         std::function<Imprint(const Cell& cell, const Variant& variant, std::uint32_t samples, std::uint64_t seed)>;
 
-    // Starts the ledger with the samples in the journal, which earlier processes took and which are checked like all
-    // others. `plan` must outlive the ledger. Sample i has the seed `first_seed` + i.
+    // A ledger of films that begins with the samples in the journal: earlier processes took them, and they are checked
+    // like all others. `plan` must outlive the ledger. Sample i has the seed `first_seed` + i.
     FilmLedger(const Plan& plan, const Journal& journal, std::uint64_t first_seed, Render render = render_imprint);
 
-    // Records the imprint of a cell's sample and returns the cells found wrong: this one, or cells recorded before. The
-    // reference is rendered once for each seed of a group; for long cells (spp above Cell::prepared_spp) only if two
-    // films of the group differ. Throws std::runtime_error if the reference cannot be rendered.
+    // Records the imprint (film hash, work counts) of a cell's sample and returns the cells found wrong, this or
+    // earlier ones. The reference is rendered once for each seed of a bitwise group; for long cells (spp above
+    // Cell::prepared_spp) only if films of the group differ. Throws std::runtime_error if it cannot be rendered.
     std::vector<FailedCell> note_sample(const Cell& cell, std::size_t index, const Imprint& found);
-    // Records a preparatory render (first seed, samples_to_prepare() samples), which is always compared with the
-    // reference. Returns the cells that are wrong.
+    // Records the imprint of a preparatory render (first seed, samples_to_prepare() samples), which is always compared
+    // with the reference. Returns the cells that are wrong.
     std::vector<FailedCell> note_preparation(const Cell& cell, const Imprint& found);
     // Records a preparatory render of the exact twin of a cell that rounds freely, because only the twin's bits can be
     // compared with the reference. Returns the cells that are wrong.
@@ -59,7 +59,7 @@ private:
     };
     struct Entry {
         std::optional<Imprint> right = {};
-        Variant reference = {};  // reference variant whose render gave `right`
+        Variant reference = {};  // reference variant whose render the member `right` describes
         std::string of = {};     // name of the reference variant
         std::vector<Seen> seen = {};
     };

@@ -32,7 +32,7 @@ Json parse_line(const std::string& line, const std::string& file) {
 }
 
 std::string shown(const Json* value) {
-    // Cell names are shown in full: they may differ at any position, and describe() shortens them.
+    // An error message shows cell names in full: they may differ at any position, but describe() shortens them.
     const bool is_name = value != nullptr && value->is_string();
     return value == nullptr ? "none"
            : is_name        ? value->dump(-1, ' ', false, Json::error_handler_t::replace)
@@ -204,7 +204,7 @@ void Journal::append(const Json& line) {
     if (written != static_cast<ssize_t>(text.size())) {
         std::string why = written < 0 ? std::strerror(errno) : "disk full";
         if (written > 0 &&
-            ::ftruncate(locked_.descriptor(), end) != 0) {  // cuts off an incomplete line, which no other may follow
+            ::ftruncate(locked_.descriptor(), end) != 0) {  // no line of the journal may follow an incomplete one
             why += fmt::format("; {}", std::strerror(errno));
         }
         throw MachineError(

@@ -46,7 +46,7 @@ public:
     // The size in bytes of an incomplete last line that was dropped on opening; 0 if there was none.
     std::size_t dropped_bytes() const { return dropped_bytes_; }
 
-    // The journal's file descriptor, and the text that JSON lines would have as the next ones of the journal. A crash
+    // The journal's file descriptor, and the text with which JSON lines would be appended to the journal next. A crash
     // handler needs both beforehand, since it can make no text itself.
     int descriptor() const { return locked_.descriptor(); }
     std::string next_lines(const std::vector<Json>& lines) const;
@@ -65,7 +65,7 @@ private:
     void keep_sample(const std::string& cell, const Sample& sample);
     void keep_retake(const std::string& cell, const Sample& sample);
     void count_sample();
-    // The cell's sample with the seed of `sample`; null if there is none.
+    // The sample that the journal has of a cell with the seed of `sample`; null if there is none.
     Sample* taken_before(const std::string& cell, const Sample& sample);
     void keep_session(SessionFacts facts);
 

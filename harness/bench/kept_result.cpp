@@ -9,7 +9,7 @@ namespace pt {
 
 namespace {
 
-// Parses a file as JSON; the value is_discarded() if the file holds something else.
+// Parses a file as JSON; if the file is no JSON, is_discarded() of the returned value is true.
 Json parsed(const std::string& file) { return Json::parse(read_earlier_output(file, largest_result), nullptr, false); }
 
 const std::string status_place = std::string("/context/") + CallContext::status_key;
@@ -32,7 +32,7 @@ void add_images(std::vector<std::string>& names, const Json& cell) {
     if (!cell.is_object() || !cell.contains(place)) {
         return;
     }
-    const Json flat = cell.at(place).flatten();  // a named object, since items() refers to it during the loop
+    const Json flat = cell.at(place).flatten();  // named, because items() only refers to the flattened object
     for (const auto& [key, name] : flat.items()) {
         if (name.is_string()) {
             names.push_back(name.get<std::string>());

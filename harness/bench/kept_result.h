@@ -31,13 +31,13 @@ struct EarlierResult {
     // does not stay.
     bool is_kept() const { return is_there && !(is_of_this_run && !is_complete); }
 };
-// Throws MachineError if another command has written `file` since `stamp` was taken. `where` says, for the message,
-// where the run's own samples are kept.
+// Throws MachineError if another command has written the result file `file` since `stamp` was taken of it. `where` is
+// the place where the run's own samples are kept, for the message.
 void check_untouched(const std::string& file, const FileStamp& stamp, const std::string& where);
 EarlierResult earlier_result(const std::string& file, const RunRecord& run);
 
-// Throws InputError if `file` exists and `overwrite` is false. The second form is for callers that have already parsed
-// the earlier result, since parsing takes seconds.
+// Throws InputError if the result file exists and `overwrite` is false. The overload with `earlier` is for callers that
+// have parsed the earlier result already, since parsing takes seconds.
 void check_overwrite(const std::string& file, bool overwrite);
 void check_overwrite(const std::string& file, const EarlierResult& earlier, bool overwrite);
 

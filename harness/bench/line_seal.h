@@ -20,7 +20,7 @@ public:
     std::string fault(std::string_view line);
 
 private:
-    std::uint64_t before_ = fnv1a_start;  // checksum of the file's last line so far
+    std::uint64_t before_ = fnv1a_start;  // checksum of the sealed file's last line so far
 };
 
 }  // namespace pt

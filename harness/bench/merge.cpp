@@ -173,7 +173,7 @@ OrderedJson cell_of(OrderedJson cell, const ShardResult& shard, const std::strin
     return cell;
 }
 
-// The facts of a shard that the merged result keeps beside its rows.
+// The facts that differ between shards (such as host and date), which the merged result keeps in ptbench.shards.
 OrderedJson shard_json(const ShardResult& shard) {
     OrderedJson json{{"shard", shard.shard.name()}, {"cells", shard.positions.size()}};
     for (const auto& [key, value] : shard.result.at("context").items()) {
@@ -195,10 +195,10 @@ OrderedJson merged_context(const std::vector<ShardResult>& shards, const std::st
         }
         date = std::max(date, shard.result.at("context").at(CallContext::date_key).get<std::string>());
     }
-    context[CallContext::date_key] = date;  // the latest date of a shard's end
+    context[CallContext::date_key] = date;  // date at which the last shard ended
     context[BenchmarkContext::host_name_key] = fmt::format("{}", fmt::join(hosts, ", "));
     context[CallContext::command_line_key] = command_line;
-    context.erase(CallContext::rank_hosts_key);  // listed for each shard in ptbench.shards
+    context.erase(CallContext::rank_hosts_key);  // hosts of the MPI ranks are listed for each shard, in ptbench.shards
     return context;
 }
 
@@ -238,7 +238,7 @@ void add_rows(OrderedJson& rows, const ShardResult& shard, std::size_t number, s
     }
 }
 
-// The replaced samples of all shards.
+// The samples of all shards that retakes replaced.
 OrderedJson merged_retakes(const std::vector<ShardResult>& shards) {
     OrderedJson samples = OrderedJson::array();
     std::size_t most = 0;
@@ -290,10 +290,10 @@ Merged merge_parsed(const std::vector<ShardResult>& shards, const std::string& o
     OrderedJson own = shards.front().result.at("ptbench");
     own["run"] = merged_run(shards);
     own["cells"] = std::move(cells);
-    if (own.contains("retakes")) {  // either all shards have retakes, or none
+    if (own.contains("retakes")) {  // either the results of all shards have retakes, or none
         own["retakes"] = merged_retakes(shards);
     }
-    if (own.contains("comparisons")) {  // absent from results of older programs
+    if (own.contains("comparisons")) {  // results of older programs have no comparisons
         own["comparisons"] = merged_comparisons(rows, own);
     }
     own["shards"] = std::move(parts);

@@ -17,7 +17,7 @@ struct ShardResult {
 };
 
 // Reads the results of all shards of a run, sorted by shard. Throws InputError for a file that is no shard's result, an
-// unfinished, missing or duplicate shard, and one of another machine, build, scene or command (the difference).
+// unfinished, missing or duplicate shard, and one of another machine, build, scene or command (with the difference).
 std::vector<ShardResult> read_shards(const std::vector<std::string>& files);
 
 struct Merged {

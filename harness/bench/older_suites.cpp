@@ -10,7 +10,7 @@ namespace pt {
 
 namespace {
 
-// What each figure compares, for figures with another name than the axis or tunable that they compare.
+// What older suites' figures compare, by figure name, where that is not the name of the compared axis or tunable.
 const std::map<std::string, Compared> figures{
     {"remaining_paths", {live_paths, ""}},
     {"sorting_by_depth", {axes::sorting, along_depth}},

@@ -14,8 +14,8 @@ struct Compared {
     std::string compares, along;
 };
 
-// What a study with this figure compares. `own_tunables` are the tunables that the study names. Throws InputError for
-// an unknown figure.
+// What a study of an older suite compares that names this figure. `own_tunables` are the tunables that the study names.
+// Throws InputError for an unknown figure.
 Compared compared_by_figure(const JsonValue& figure, const std::vector<std::string>& own_tunables);
 
 }  // namespace pt

@@ -19,8 +19,8 @@ namespace pt {
 namespace {
 
 constexpr std::uint32_t most_spp = 4096;
-constexpr double least_ms_to_measure = 5;  // a shorter render says too little of how long more samples take
-// The seeds of both runs lie apart, so that no sample of one is a sample of the other.
+constexpr double least_ms_to_measure = 5;  // shorter renders do not tell how long renders with more samples take
+// The seeds of a passport's two runs lie apart, so that no sample of one run is a sample of the other.
 constexpr std::uint64_t first_seeds[] = {1, 100001};
 constexpr const char* run_names[] = {"first", "second"};
 
@@ -31,7 +31,7 @@ double render_ms(const Scene& scene, RenderRequest& request, std::uint32_t sampl
 
 // Samples per pixel at which a render takes about `wanted_ms`.
 std::uint32_t samples_for(const Scene& scene, RenderRequest request, double wanted_ms) {
-    (void)render_ms(scene, request, 1);  // compiles, and warms up
+    (void)render_ms(scene, request, 1);  // an untimed render that compiles the kernels and warms up
     std::uint32_t samples = 1;
     double ms = render_ms(scene, request, samples);
     while (ms < least_ms_to_measure && samples < most_spp) {
@@ -73,7 +73,7 @@ void take_samples_of(Suite& suite, const Json& about, const std::string& file) {
     }
 }
 
-// Begins a passport, or goes on with one: returns the suite as it is run and what else stands in the file.
+// Begins or continues a passport: returns the suite scaled to the machine, and the chip and spp for the passport.
 std::pair<Suite, Json> begin(const Suite& suite, const PassportOptions& options, const Parts& parts) {
     const bool is_begun = std::filesystem::exists(parts.about());
     if (options.resume && !is_begun) {

@@ -13,10 +13,10 @@ namespace pt {
 
 struct PassportOptions {
     Backend backend = Backend::cpu;
-    nlohmann::ordered_json chip = {};  // what the chip can do, for the file
-    std::string out = {};              // name of the passport
-    std::string command_line = {};     // for the file, and for the words on how to go on
-    double sample_ms = 40;             // about how long the fastest variant of a study renders for a sample
+    nlohmann::ordered_json chip = {};  // what the machine's chip can do at most, to be stored in the passport
+    std::string out = {};              // name of the passport's file
+    std::string command_line = {};     // command line, for the results of both runs and for messages on how to continue
+    double sample_ms = 40;             // wanted time of a sample by the fastest integrator, in ms
     bool resume = false;               // go on with an unfinished passport, whose runs are kept in the folder OUT.parts
     bool overwrite = false;            // allow an existing passport to be replaced once the new one is complete
     bool quiet = false;                // show no progress on stderr

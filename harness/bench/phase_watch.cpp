@@ -55,14 +55,14 @@ std::string PhaseLines::due(double now) {
         return "";
     }
     const double elapsed = now - begun_;
-    // The class Progress pauses as long between its lines.
+    // The time between two progress lines is chosen as in the class Progress.
     next_ = now + (is_terminal_ ? 0.2 : std::clamp(elapsed / 50, 10.0, 600.0));
     return fmt::format("{}: {}: {}", command_, what_, times(elapsed));
 }
 
 PhaseWatch::PhaseWatch(const std::string& command)
     : is_terminal_(::isatty(STDERR_FILENO) != 0), lines_(command, is_terminal_, patience_of_environment()) {
-    // The display's thread blocks all signals, so that the kernel delivers them to the main thread.
+    // The thread that displays phases blocks all signals, so that the kernel delivers them to the main thread.
     sigset_t all, kept;
     ::sigfillset(&all);
     ::pthread_sigmask(SIG_SETMASK, &all, &kept);

@@ -59,7 +59,7 @@ void TimeLeft::drop(const std::string& name) {
 }
 
 std::optional<double> TimeLeft::seconds() const {
-    double sizes = 0, means = 0;  // sums over names of which a step has been measured
+    double sizes = 0, means = 0;  // sums of step sizes and mean step times, over names with at least one measured step
     for (const auto& [name, entry] : names_) {
         if (entry.measured > 0) {
             sizes += entry.size;

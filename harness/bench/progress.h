@@ -17,7 +17,7 @@ double steady_seconds();
 // average or, if there are none yet, a time in proportion to its size, at the rate of the other names.
 class TimeLeft {
 public:
-    // Adds `steps` expected steps with this name. `size`, above 0, is the size of a step relative to other names.
+    // Adds `steps` expected steps with this name. `size`, above 0, is their size relative to steps of other names.
     void expect(const std::string& name, std::size_t steps, double size);
     // Records a step's duration. `was_expected`: false for a step that `expect` did not count (an earlier session).
     void took(const std::string& name, double seconds, bool was_expected = true);
@@ -32,7 +32,7 @@ private:
         std::size_t left = 0;
         double size = 1;
         std::size_t measured = 0;
-        double total = 0;  // seconds that the measured steps took
+        double total = 0;  // seconds that all measured steps of a name took
     };
     std::map<std::string, Name> names_;
 };

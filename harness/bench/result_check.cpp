@@ -60,7 +60,7 @@ private:
             fail(cell, fmt::format("sample {} with {}", index, fault), "what a render can leave");
         }
         counted_[{cells_.at(cell).at("cell").get<std::string>(), index}] = seed_and_film(sample);
-        if (cells_.at(cell).at("status") != "failed") {  // a failed cell's film may be wrong
+        if (cells_.at(cell).at("status") != "failed") {  // the film of a failed cell may be wrong and is not checked
             check_film(sample, cell, index);
         }
     }
@@ -123,8 +123,8 @@ private:
     const std::string& file_;
     const OrderedJson& result_;
     const OrderedJson& cells_;
-    std::vector<std::set<std::size_t>> indices_;                        // indices of the samples met, by cell number
-    std::map<std::pair<std::string, std::size_t>, Json> counted_;       // seed and film hash by cell name and index
+    std::vector<std::set<std::size_t>> indices_;                        // indices of a cell's samples so far, by cell
+    std::map<std::pair<std::string, std::size_t>, Json> counted_;       // seed and film hash by cell and sample index
     std::map<std::string, std::pair<std::string, std::size_t>> films_;  // a bitwise group's first film and its cell
 };
 

@@ -180,7 +180,7 @@ public:
         }
     }
 
-    // Returns a copy of `sample` whose checkpoints say (`shared`) whether another cell owns the films and their errors.
+    // Copies a sample and notes at its checkpoints (`shared`) whether another cell owns their films and errors.
     Sample marked(const Journal& journal, const Cell& cell, Sample sample) const {
         const bool shared = owner(journal, cell, sample) != cell.name;
         for (CheckpointFacts& checkpoint : sample.checkpoints.value()) {
@@ -260,7 +260,7 @@ Disturbance disturbance_of(const Plan& plan, const Journal& journal) {
     }
     Disturbance found;
     for (const auto& [sample, backend] : samples) {
-        const bool contended = is_disturbed(*sample, backend);  // whether processes or a quota falsified the time
+        const bool contended = is_disturbed(*sample, backend);  // whether other load or a quota falsified the time
         const bool low_clock = has_low_clock(*sample, highest);
         found.samples += 1;
         found.disturbed += contended || low_clock ? 1u : 0u;

@@ -17,7 +17,7 @@ struct RunFacts {
     bool completed = true;
     int repetitions = 1;
     int most_retakes = 0;  // largest number of retakes per cell
-    RunRecord run = {};    // identity of the run; the journal has the sessions
+    RunRecord run = {};    // identity of the run, without the sessions, which the journal has
     std::vector<ComparisonFacts> comparisons = {};
 };
 

@@ -106,7 +106,7 @@ int end_run(const RunEnding& ending, RunJournal& journal) {
     const Outcome outcome = outcome_of(ending, known);
     const bool completed = outcome.unfinished == 0;
     if (!completed && ::isatty(STDERR_FILENO) != 0) {
-        say("\n");  // the next output begins below the progress bar
+        say("\n");  // ends the progress bar's line, so that output begins on a line of its own
     }
     if (!completed && (known.sample_count() == 0 || ending.earlier.is_kept())) {
         return end_without_result(ending, known);

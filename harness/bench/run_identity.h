@@ -20,7 +20,7 @@ struct RunSettings {
 RunIdentity identity_of(const Plan& whole, const RunSettings& settings);
 
 // The part of a run's identity that a result file keeps: hashes instead of lists, and a hash of everything except the
-// host name and the shard. Positions and sessions are not set.
+// host name and the shard. The members `positions` and `sessions` stay empty.
 RunRecord record_of(const RunIdentity& identity);
 
 }  // namespace pt

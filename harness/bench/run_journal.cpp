@@ -75,8 +75,7 @@ SessionFacts RunJournal::session_facts() const {
     return {.date = iso_date(), .host_name = host_name_, .process = ::getpid()};
 }
 
-// Begins a session with this process's first entry, so that a run that is refused or complete leaves the journal as it
-// is.
+// Begins a session before this process's first entry, so that a refused or complete run leaves the journal as it is.
 void RunJournal::begin_session() {
     if (!std::exchange(has_session_, true)) {
         journal_.add_session(session_facts());

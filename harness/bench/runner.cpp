@@ -50,7 +50,7 @@ void apply_filter(Plan& plan, const std::string& filter) {
     }
 }
 
-// Checks that no sample has a seed of the reference images, whose halves must be independent of what is compared.
+// Checks that no sample has a seed of a reference image, whose halves must be independent of the measured images.
 void check_seeds(const Plan& plan, std::uint64_t first, int repetitions) {
     const bool has_errors = std::any_of(plan.cells.begin(), plan.cells.end(),
                                         [](const Cell& cell) { return cell.convergence.has_value(); });
@@ -62,7 +62,7 @@ void check_seeds(const Plan& plan, std::uint64_t first, int repetitions) {
     }
 }
 
-// Whether the complete result of this very run exists and its journal does not (killed at its end, or called again).
+// Whether --resume finds nothing to do: the complete result of this very run exists, and its journal is removed.
 bool is_done(const RunOptions& options, const EarlierResult& earlier) {
     return options.resume && !std::filesystem::exists(journal_of(options)) && earlier.is_of_this_run &&
            earlier.is_complete;
@@ -113,13 +113,13 @@ RunRecord record_of(const RunIdentity& identity, const Shard& shard, const std::
     return record;
 }
 
-// The keys of a run's identity that may differ on --resume: the host name, with --other-host. Sessions keep the names.
+// The keys of a run's identity that may differ on --resume: the host name, with --other-host (sessions record it).
 std::vector<std::string> that_may_differ(const RunOptions& options) {
     return options.other_host ? std::vector<std::string>{RunIdentity::host_name_key} : std::vector<std::string>{};
 }
 
-// During its lifetime, `end` ends a run that is overdue after an interrupt. It runs on another thread and ends the
-// process, while the render that is still in flight is abandoned.
+// While this object lives, a run that is overdue after an interrupt is ended by `end`, which is called on another
+// thread and ends the process; the render that is still in flight is abandoned.
 class EndWhenOverdue {
 public:
     EndWhenOverdue(Interrupt& interrupt, std::function<int()> end) : interrupt_(interrupt) {
@@ -200,7 +200,7 @@ std::chrono::milliseconds grace_of(const RunOptions& options) {
     return ranks().count > 1 ? std::min(options.grace, most_under_a_launcher) : options.grace;
 }
 
-// Runs the plan of `ending`, which is the whole run or one shard of it.
+// Runs the cells of `ending.plan`, which are all cells of the run or those of one shard.
 int run_part(const RunEnding& ending, const RunIdentity& identity, const RunOptions& options) {
     const Plan& plan = ending.plan;
     const Progress::Lines lines = options.quiet ? Progress::Lines::hidden : Progress::Lines::shown;

@@ -43,7 +43,7 @@ void settle_reference(const Cell& cell, const std::string& result_file, RunJourn
     journal.set_cell(cell, facts);
 }
 
-// By name of the reference, the smallest mse that a cell which is compared with it is expected to have.
+// The smallest expected mse of the cells that are compared with a reference image, by the reference's name.
 std::map<std::string, double> smallest_errors(const Plan& plan, const RunJournal& journal, const ErrorBook& errors) {
     std::map<std::string, double> smallest;
     for (const Cell& cell : plan.cells) {

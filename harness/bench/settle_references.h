@@ -9,8 +9,8 @@
 
 namespace pt {
 
-// Refuses cells whose reference would need more than the task's most_spp, in the journal and on stderr. Throws
-// InputError with the result file's name if samples in the journal were compared with another reference.
+// Fails cells whose reference image would need more samples than its most_spp, in the journal and on stderr. Throws
+// InputError, with the result file's name, if samples in the journal were compared with another reference.
 void settle_references(const Plan& plan, const std::string& result_file, RunJournal& journal, ErrorBook& errors,
                        const Interrupt& interrupt);
 

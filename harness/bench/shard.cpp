@@ -23,7 +23,7 @@ public:
         }
         return cell;
     }
-    // Merges the group of `cell` with that of the cell in `known` with the same key, if there is one.
+    // Merges the group of `cell` with the group of the earlier cell that has the same `key`, if `known` has one.
     void join(std::map<std::string, std::size_t>& known, const std::string& key, std::size_t cell) {
         const std::size_t a = first_of(known.try_emplace(key, cell).first->second);
         const std::size_t b = first_of(cell);

@@ -27,7 +27,7 @@ std::vector<std::vector<std::size_t>> groups_of(const Plan& plan);
 // The positions in the plan of a shard's cells, increasing. Groups are distributed greedily, the largest (pixels times
 // samples) first, each to the shard with the least work. Throws InputError for more shards than groups.
 std::vector<std::size_t> positions_of(const Plan& plan, const Shard& shard);
-// A plan with only the cells of `plan` at these positions, and its whole list of what does not apply.
+// A plan with only the cells at these positions of `plan`, and its whole list of variants that do not apply.
 Plan part_of(const Plan& plan, const std::vector<std::size_t>& positions);
 
 }  // namespace pt

@@ -88,7 +88,7 @@ Cell make_cell(const std::shared_ptr<const Scene>& scene, Backend backend, const
     return cell;
 }
 
-// Merges two requests for the same cell, of two studies. The more accurate of the two references is kept.
+// Merges two studies' requests for the same cell; the reference image gets the higher of the two accuracies.
 void merge(Cell& known, const Cell& other, const std::string& study) {
     known.prepared_spp =
         known.samples_to_prepare() >= other.samples_to_prepare() ? known.prepared_spp : other.prepared_spp;
@@ -204,8 +204,8 @@ AxisChoices parse_axis_arguments(const std::vector<std::string>& arguments, cons
     return axes;
 }
 
-// A tunable's value passes if any choice with a tunable of that name allows it; to choices that do not allow the value
-// it does not apply.
+// Throws InputError unless a choice has a tunable of this name that allows the value. Variants whose own choice does
+// not allow it do not apply.
 void check_tunable(const std::string& name, std::uint32_t value, const std::string& file, const std::string& place) {
     std::set<std::string> known, ranges;
     for (const Tunable& tunable : tunables_on_any_backend()) {
@@ -395,7 +395,7 @@ public:
     }
 
 private:
-    // The study's variants, with the best known choices for what the command left open; plan_.chosen lists those.
+    // The study's variants, with the best known choices on axes that the command left open (listed in plan_.chosen).
     std::vector<Variant> best_known(Study study, const Scene& scene) {
         const std::string tree = tree_in_words(study.axes, study.tunables, scene, backend_);
         if (!tree.empty()) {
@@ -434,8 +434,8 @@ private:
         }
     }
 
-    // Adds the cell with checkpoints at the depth at which its variant has the expectation of plain paths of the
-    // requested depth, and, if the study wants it, the cell without checkpoints.
+    // Adds a cell with checkpoints, at the depth at which its variant has the expectation of plain paths of the
+    // requested depth. If the study wants it, the cell without checkpoints is added too.
     void add_cells_with_error(const Study& study, const Cell& asked) {
         const ConvergenceSettings& settings = *study.convergence;
         const std::uint32_t depth = asked.settings.depth;

@@ -28,18 +28,18 @@ struct VariantSet {
 // The settings of a study of error against run time (harness/bench/convergence_study.h).
 struct ConvergenceSettings {
     std::string reference_scene = {};                        // scene of the reference image; empty: that of the cell
-    std::map<std::string, std::string> reference_axes = {};  // choices of the reference's variant
+    std::map<std::string, std::string> reference_axes = {};  // choices of the variant that renders the reference
     double variance = 1e-6;                                  // largest variance of the reference image per channel
-    std::map<Backend, double> variance_on = {};              // variance limits for single backends
+    std::map<Backend, double> variance_on = {};              // largest variance of the reference, for single backends
     std::uint64_t most_spp = 65536;                          // largest spp of each half of the reference
     std::map<Backend, std::uint64_t> most_spp_on = {};
-    bool images = false;               // save the first sample's image at each checkpoint
-    bool without_checkpoints = false;  // also time the cells without checkpoints
+    bool images = false;               // whether to save the first sample's image at each checkpoint
+    bool without_checkpoints = false;  // whether to time the cells without checkpoints too
 };
 
 // The value of `compares` for a study of how many paths are alive at each bounce.
 inline constexpr const char* live_paths = "live_paths";
-// The values of `along`, what a comparison is followed along: a setting, a scene's number of materials, or a tunable.
+// The values of `along`, a comparison's second parameter: a setting, a scene's number of materials, or a tunable.
 inline constexpr const char* along_depth = "depth";
 inline constexpr const char* all_along[] = {"resolution", along_depth, "materials", "shading_fmas"};
 
@@ -56,8 +56,8 @@ struct Study {
     // Whether a command line describes the study. Axes that it leaves open get the best known choice (fastest.h), those
     // that a suite leaves open their baseline.
     bool is_of_a_call = false;
-    std::vector<VariantSet> variants = {};                // sets to combine with `axes` and `tunables`
-    std::optional<ConvergenceSettings> convergence = {};  // settings, for a study of error against time only
+    std::vector<VariantSet> variants = {};                // choices and values to combine with `axes` and `tunables`
+    std::optional<ConvergenceSettings> convergence = {};  // settings of a study of error against time; else none
     std::uint32_t width = 0, height = 0;                  // resolution in pixels; 0: the scene's own
     std::vector<std::pair<std::uint32_t, std::uint32_t>> more_sizes;  // resolutions besides width x height
     std::map<Backend, std::vector<std::pair<std::uint32_t, std::uint32_t>>> sizes_on =
@@ -137,8 +137,8 @@ AxisChoices all_choices(Backend backend = Backend::cpu);
 // A pairwise covering: variants that apply to a scene with these features and together contain every compatible pair of
 // choices on two axes. All combinations of choices would be too many.
 std::vector<Variant> covering_variants(const AxisChoices& axes, FeatureSet features, Backend backend);
-// Selects few variants from the coverings of several scenes, shared evenly among the scenes, so that every choice that
-// occurs in any covering occurs at least once.
+// Selects few variants from the coverings of several scenes, in turns over the scenes, so that every choice that occurs
+// in any covering occurs in a selected variant.
 std::vector<std::vector<Variant>> each_choice_once(std::vector<std::vector<Variant>> coverings);
 // Parses the argument "AXIS=c1,c2" or "AXIS=all" (all choices of the backend) and adds the choices to `axes`. Throws
 // InputError for an unknown name, with the allowed names, and for an axis that `axes` already has.

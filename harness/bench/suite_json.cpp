@@ -206,7 +206,7 @@ std::vector<VariantSet> read_variants(const JsonValue& value) {
     return sets;
 }
 
-// A study as an object with the keys that its type allows; keys of the other type are refused by name.
+// A study as a JSON object. Keys that only the other type of study may have (convergence or not) are refused by name.
 JsonObject study_object(const JsonValue& value) {
     std::vector<std::string> keys{"name",     "type",       "title", "scenes", "axes",          "tunables",
                                   "variants", "resolution", "depth", "spp",    older_figure_key};
@@ -251,7 +251,7 @@ Study read_study(const JsonValue& value) {
     return study;
 }
 
-// A convergence study adds another study, of its cells without checkpoints, whose name must be free.
+// A convergence study adds a second study, which times its cells without checkpoints; that study's name must be free.
 void check_names(const Suite& suite, const std::string& file) {
     for (std::size_t i = 0; i < suite.studies.size(); ++i) {
         const std::string twin = suite.studies[i].name + std::string(without_checkpoints_suffix);

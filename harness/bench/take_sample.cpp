@@ -159,7 +159,7 @@ std::string SampleTaker::fault(const Cell& cell, std::size_t index, const Render
         ranks().count == 1 && !missing.empty()) {
         return fmt::format("{}: {}", place_of(index), missing);
     }
-    // The number of paths is known for every variant, even for one that rounds freely and so has no reference's rays.
+    // Every variant must trace one path per pixel and sample, even if it rounds freely and its rays are not compared.
     const std::uint64_t paths = std::uint64_t{cell.settings.width} * cell.settings.height * cell.spp;
     if (result.work.paths != paths) {
         return fmt::format("{}: {} paths, not {}", place_of(index), result.work.paths, paths);

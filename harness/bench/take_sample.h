@@ -12,7 +12,7 @@
 namespace pt {
 
 struct TakenSample {
-    std::string error = {};                // reason of a failure; empty if there is none
+    std::string error = {};                // why taking the sample failed; empty if it did not
     Sample facts = {};                     // times and counters of the sample, for the journal
     std::vector<Snapshot> snapshots = {};  // films at the checkpoints, if the cell has any
     std::vector<FailedCell> others = {};   // cells whose earlier samples this sample showed to be wrong
@@ -20,7 +20,7 @@ struct TakenSample {
 
 class SampleTaker {
 public:
-    // A taker that continues the numbering (pt_order) of the samples in the journal.
+    // A sample taker that continues the numbering (pt_order) of the samples in the journal.
     SampleTaker(const Plan& plan, const Journal& journal, std::uint64_t first_seed, FilmLedger& films,
                 ErrorBook& errors);
 

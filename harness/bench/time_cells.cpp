@@ -111,7 +111,7 @@ public:
         return !again.empty();
     }
 
-    // Takes samples beyond the repetitions, in random order over all cells, until the time is used up.
+    // Takes further samples for open verdicts, in random order over all cells, until the time for them is used up.
     void take_more(const std::vector<WantedSamples>& wanted, double seconds, std::mt19937& random) {
         std::vector<const Cell*> turns;
         for (const WantedSamples& one : wanted) {
@@ -136,7 +136,7 @@ public:
     }
 
 private:
-    // Takes a sample, which may go to the journal if it has no error; an error is in the journal already.
+    // Takes a sample. An error has been written to the journal already; a good sample is for the caller to append.
     TakenSample taken(const Cell& cell, std::size_t index) {
         TakenSample sample = [&] {
             const LastLine last_line = journal_.fails_if_crashed(cell, taker_.place_of(index));
@@ -155,7 +155,7 @@ private:
         return sample;
     }
 
-    // Takes a sample and records it; returns the error, or "" if there was none.
+    // Takes a sample and appends it to the journal; returns the sample's error, or "" if there was none.
     std::string take_sample(const Cell& cell, std::size_t index) {
         progress_.begin(names_.of(cell));
         const double start = steady_seconds();
@@ -191,7 +191,7 @@ private:
 };
 
 void register_cell(const Cell& cell, CellTimer& timer) {
-    // Google Benchmark calls this function once per repetition; `next` counts the calls: the sample's index.
+    // Google Benchmark calls the lambda once per repetition; `next` counts the calls, which gives the sample's index.
     benchmark::RegisterBenchmark(cell.name.c_str(),
                                  [&timer, &cell, next = std::make_shared<std::size_t>(0)](benchmark::State& state) {
                                      timer.benchmark_cell(state, cell, (*next)++);

@@ -17,7 +17,7 @@ struct TimingOptions {
     int most_retakes = 0;                           // largest number of retakes of disturbed samples per cell
     int decide_seconds = 0;                         // time limit for samples that settle open verdicts
     std::vector<std::string> benchmark_flags = {};  // --benchmark_* flags of the command line
-    std::string images_folder = {};                 // folder for kept images of cells
+    std::string images_folder = {};                 // folder for the images of cells whose study keeps images
     Progress::Lines lines = Progress::Lines::shown;
 };
 

@@ -30,8 +30,8 @@ std::string id_of_spelled_out(const JsonValue& name, Backend backend) {
             variant.set(axis_names[count], choice);
         }
     }
-    // A name of a variant from a program with fewer axes would silently match none. One with the first 14 axes gets on
-    // later axes the choice that changes nothing (`as_before`); later programs write identities.
+    // A variant's name with choices on the first 14 axes gets on later axes the choice that changes nothing
+    // (`as_before`). A name with fewer would silently match no variant; programs with more axes write identities.
     constexpr std::size_t spelled_axes = 14;
     for (std::size_t i = count; count == spelled_axes && i < axis_count; ++i) {
         variant.set(axis_names[i], std::string(axis_table[i].as_before));

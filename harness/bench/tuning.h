@@ -18,7 +18,7 @@ struct TunedVariant {
     std::map<std::string, std::uint32_t> values;  // tuned values that differ from the defaults
     std::string scene;
     std::uint32_t width = 0, height = 0, depth = 0, spp = 0;
-    double standard_ms = 0, tuned_ms = 0;  // median device times of a render, default and tuned values
+    double standard_ms = 0, tuned_ms = 0;  // median device times of a render in ms, with default and tuned values
 };
 
 class Tuning {
@@ -30,9 +30,9 @@ public:
     // Writes the tuning file. Throws MachineError if it cannot be written.
     void save(const std::string& file, const std::string& machine) const;
 
-    // The entry of a variant identity; null if that variant was never tuned.
+    // The tuning file's entry with this variant identity; null if that variant was never tuned.
     const TunedVariant* find(const std::string& id) const;
-    // The variant with the tuned values of its entry, but none for tunables in `named` or with a value already.
+    // A variant with the tuned values of its entry in the file, but not of tunables in `named` or with a value already.
     Variant applied(const Variant& variant, const std::set<std::string>& named) const;
     const std::vector<TunedVariant>& entries() const { return entries_; }
 

@@ -86,8 +86,8 @@ std::vector<std::vector<double>> batch_means(const Scene& scene, RenderSettings 
 
 struct PairedDifference {
     double mean_a = 0, mean_b = 0;
-    double difference = 0;  // mean over batches of (a - b)
-    double error = 0;       // standard error of `difference`
+    double difference = 0;  // mean over batches of the difference between variant a and variant b
+    double error = 0;       // standard error of the mean difference between the two variants
 };
 
 PairedDifference paired_difference(const std::vector<std::vector<double>>& a, const std::vector<std::vector<double>>& b,
@@ -176,7 +176,7 @@ const Verifier::CpuCheck& Verifier::against_cpu(const Variant& reference_variant
     }
     plain = fast_reference_on(scene_, plain, Backend::cpu);
     if (!why_not_applicable(plain, features_of(scene_), Backend::cpu).empty()) {
-        return check;  // the CPU has no counterpart: matrices in double precision
+        return check;  // the CPU backend has no counterpart of the variant: matrices in double precision
     }
     check.is_made = true;
     const RenderResult expected = render_samples(scene_, settings_, plain, Backend::cpu, 0, spp_, spp_);
@@ -212,7 +212,7 @@ Verifier::MeanCheck Verifier::check_statistical(const Variant& variant) {
     const std::uint32_t spp = std::max(4u, spp_);
     const auto claimed = batch_means(scene_, settings_, variant, backend_, spp);
     const auto expected = batch_means(scene_, deeper, plain, backend_, spp);
-    // `plain` at the variant's own depth shows how much the choice changes; without extra depth it is `expected`.
+    // `without` shows how much the choices change the mean: `plain`, the variant with the claimed mean, at equal depth.
     const auto without =
         deeper.depth != settings_.depth ? batch_means(scene_, settings_, plain, backend_, spp) : expected;
     MeanCheck check;

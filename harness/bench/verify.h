@@ -12,7 +12,7 @@ namespace pt {
 struct Difference {
     std::uint32_t x = 0, y = 0;
     std::optional<std::uint32_t> sample;  // first sample that differs; none if only the sums over samples do
-    std::optional<std::uint32_t> bounce;  // smallest depth at which the sample differs between the variants
+    std::optional<std::uint32_t> bounce;  // smallest path depth at which this sample differs between the variants
     std::string text() const;
 };
 
@@ -42,14 +42,14 @@ private:
     const RenderResult& reference(const Variant& reference_variant);
     struct CpuCheck {
         bool is_made = false;      // whether the CPU backend has the variant
-        std::string failure = {};  // how the CPU's film differs; empty if it is equal
+        std::string failure = {};  // how the CPU's film differs from CUDA's; empty if it is equal
     };
     // Compares a reference variant's film on CUDA with the film of the CPU's own reference.
     const CpuCheck& against_cpu(const Variant& reference_variant);
     RenderResult render_part(const Variant& variant, std::uint32_t first, std::uint32_t count) const;
 
     struct MeanCheck {
-        std::string failure = {};  // which mean differs and how; empty if none does
+        std::string failure = {};  // which mean of an image or block differs, and how; empty if none does
         double detectable = 0;     // smallest relative bias of the image mean that would fail
         double effect = 0;         // largest relative change of a channel's mean by the variant's choices
     };

@@ -94,7 +94,7 @@ MeanVerdict StatisticalVerifier::check(const MeanClaim& claim) {
         return {true, fmt::format("same mean as {}: {}", against, report.text())};
     }
     const Statistic& strongest = report.strongest();
-    // The report's last statistic tests independence: samples may repeat errors although the mean is right.
+    // The last statistic tests whether samples are independent; they may repeat errors although their mean is right.
     const bool dependent = &strongest == &report.statistics.back();
     return {false, fmt::format("{} {}: {} ({}): {}",
                                dependent ? "samples are not independent, tested with" : "not the mean of", against,

@@ -16,11 +16,11 @@ namespace pt {
 struct MeanClaim {
     Variant tested, baseline;
     std::uint32_t depth = 0, baseline_depth = 0;  // path depths at which the two have equal expectations
-    bool same_sampling = true;                    // whether both are black equally often (SameMeanOptions)
+    bool same_sampling = true;                    // whether pixels of both are black equally often (SameMeanOptions)
 };
 
-// The claim that follows from a variant's choices (Descriptor::mean_of). The baseline is the reference variant with
-// each choice that claims another choice's mean replaced by that choice, at the depth with the same expectation.
+// The claim that a variant's choices make: it has the mean image of the reference variant in which each choice that
+// claims another choice's mean (Descriptor::mean_of) is replaced by that choice, at the depth with equal expectation.
 MeanClaim claim_of_mean(const Variant& variant, std::uint32_t depth, Backend backend);
 // The claim that `variant` has the mean image of a given `baseline`, each at the depth with the same expectation.
 MeanClaim claim_against(const Variant& variant, const Variant& baseline, std::uint32_t depth, Backend backend);

@@ -9,7 +9,7 @@ namespace pt {
 namespace {
 
 constexpr int most_terms = 1000000;
-constexpr double tiny = 1e-290;  // stands for a denominator of 0, by which Lentz would divide
+constexpr double tiny = 1e-290;  // replaces a denominator of 0, since Lentz's algorithm divides by denominators
 
 // Evaluates a continued fraction b0 + a1/(b1 + a2/(b2 + ...)) from the front (Lentz 1976).
 class Lentz {

@@ -34,8 +34,8 @@ double covariance(const std::vector<double>& a, const std::vector<double>& b) {
     return sum / static_cast<double>(a.size() - 1);
 }
 
-// The weight of each block's pixels: 1/variance, pooled over the block, since a pixel's own variance correlates with
-// its error. 0 where only rounding errors vary.
+// Weights of pixels, by block: 1/variance, pooled over the block, since a pixel's own variance correlates with its
+// error. 0 for blocks in which only rounding errors vary.
 std::vector<double> weights_of(const ImageRuns& runs, const RunErrors& errors) {
     constexpr double rounding = 1e-6;
     std::vector<double> variances(runs.blocks()), counts(runs.blocks()), roundings(runs.blocks());
@@ -76,8 +76,8 @@ private:
     double sum_ = 0, squares_ = 0, variances_ = 0;
 };
 
-// The variance of a run in excess of what its m parts predict: 1/m of a part's variance if they are independent. Any
-// excess comes from covariances of the parts.
+// How far the variance of a run exceeds what its m parts would give it if they were independent, 1/m of a part's
+// variance. Any excess comes from covariances of the parts.
 Dependence excess_variance(const ImageRuns& runs, const RunErrors& errors, const std::vector<double>& weights) {
     Pool pool("excess variance of a run");
     const double parts = static_cast<double>(runs.parts());

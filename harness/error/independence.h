@@ -7,7 +7,7 @@
 
 namespace pt {
 
-// A statistic, pooled over the image, whose expectation is 0 for independent samples.
+// A statistic of dependence between samples, pooled over the image; its expectation is 0 for independent samples.
 struct Dependence {
     const char* name = "";
     double value = 0;
@@ -19,7 +19,7 @@ struct Independence {
     // Excess variance of a run over the prediction from its parts; correlation between the errors of neighbouring
     // pixels; correlation between the errors of runs with successive seeds.
     std::array<Dependence, 3> dependences;
-    double p = 1;  // joint p-value, from the smallest of the three (Sidak)
+    double p = 1;  // p-value of the three tests of independence together, by Sidak's formula from the smallest
     const Dependence& strongest() const;
 };
 

@@ -107,7 +107,7 @@ ReferenceNoise noise_of(const Image& first_reference, const Image& second_refere
         mean_squares += r * r;
     }
     const auto values = static_cast<double>(first_reference.size());
-    // For halves r1, r2 with normal noise of variance u and mean mu: E (r1-r2)^4 = 12 u^2, var (r1-mu)(r2-mu) = u^2.
+    // Reference halves r1, r2 (mean mu, normal noise, variance u): E (r1-r2)^4 = 12 u^2, var (r1-mu)(r2-mu) = u^2.
     return {0.25 * squares / values, mean_squares / values, std::sqrt(fourths / values / 12 / (values / 3))};
 }
 

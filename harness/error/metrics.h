@@ -27,7 +27,7 @@ struct Errors {
     double rel_mse = 0;
     double rel_mse_dual = 0;
     double smape = 0;
-    std::optional<double> bias2;  // none unless the render's halves are known and independent
+    std::optional<double> bias2;  // squared bias; none unless halves of the render's samples are known and independent
 };
 
 // Name and definition of each metric, as result files state them.

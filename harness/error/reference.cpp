@@ -19,7 +19,7 @@ namespace pt {
 
 namespace {
 
-constexpr std::uint64_t first_spp = 64;  // spp with which each half of a reference image begins
+constexpr std::uint64_t first_spp = 64;  // samples per pixel with which each half of a reference image begins
 
 std::string hash_of(const Image& first, const Image& second) {
     const std::uint64_t half = fnv1a_of_bytes(first.data(), first.size() * sizeof(double));

@@ -24,7 +24,7 @@ struct ReferenceTask {
     std::shared_ptr<const Scene> scene;
     std::uint32_t width = 0, height = 0, depth = 0;
     Backend backend = Backend::cpu;
-    std::map<std::string, std::string> axes = {};  // choices by axis, in place of those of reference_variant
+    std::map<std::string, std::string> axes = {};  // choices by axis that replace those of reference_variant
     double variance = 0;                           // largest allowed variance per pixel and channel
     std::uint64_t most_spp = 1;                    // largest samples per pixel of each half
     // The reference's name, "cornell_open/64x64/depth:8/cpu", followed by "/AXIS=CHOICE" for each of `axes`.
@@ -36,7 +36,7 @@ struct Reference {
     std::string scene, scene_hash;
     std::uint32_t width = 0, height = 0, depth = 0;
     bool is_closed_form = false;
-    std::string formula;             // formula of a closed form, else empty
+    std::string formula;             // formula of the image if it has a closed form, else empty
     std::uint64_t spp_per_half = 0;  // samples per pixel of each half; 0 for a closed form
     std::string variant, variant_id, backend;
     std::uint64_t seeds[2] = {0, 0};
@@ -63,14 +63,14 @@ inline constexpr std::uint64_t reference_seeds[2] = {7'393'913'000'000'001, 7'39
 
 class ReferenceMaker {
 public:
-    // `is_stopped` is called between renders; if it returns true, the reference image stays as noisy as it is. `says`
-    // is called with a line of text after each slow step, and when a cached file is refused.
+    // Functions that a maker calls: `is_stopped` between renders (if it returns true, the reference image stays as
+    // noisy as it is), and `says` with a line of text after each slow step and when a cached file is refused.
     struct Hooks {
         std::function<bool()> is_stopped = [] { return false; };
         std::function<void(const std::string&)> says = [](const std::string&) {};
     };
 
-    // A maker that caches references in `folder`; an empty `folder` disables the cache.
+    // A maker of reference images that caches them in `folder`; an empty `folder` disables the cache.
     explicit ReferenceMaker(std::string folder) : ReferenceMaker(std::move(folder), Hooks{}) {}
     ReferenceMaker(std::string folder, Hooks hooks) : folder_(std::move(folder)), hooks_(std::move(hooks)) {}
 

@@ -17,7 +17,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-// The identity of a cached reference; a file is used only if it stores the same.
+// The identity of a cached reference; a cache file is used only if the identity stored in it is equal.
 Json identity_of(const Reference& reference) {
     return {{"format", 1},
             {"scene", reference.scene},

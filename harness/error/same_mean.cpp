@@ -45,7 +45,7 @@ struct Welch {
                    ? known(tested.squared_error() + baseline.squared_error(), std::max(tested.mean, baseline.mean))
                    : known(tested.squared_error(), tested.mean) && known(baseline.squared_error(), baseline.mean);
     }
-    // The relative difference with its confidence interval, by first-order error propagation from both means.
+    // The relative difference of two means, with a confidence interval by first-order propagation of both errors.
     RelativeDifference relative(double confidence) const {
         if (baseline.mean == 0) {
             return {tested.mean == 0 ? 0 : INFINITY, {0, tested.mean == 0 ? 0 : INFINITY}};
@@ -185,8 +185,8 @@ private:
     // and its variance without a bias follows from the covariances.
     struct SquaredBias {
         double square = 0, variance = 0;
-        double more_variance = 0;  // bound on the variance added by a bias d: 4 d' C d, C the covariance
-        double noise = 0;          // variance of the difference of means, sum of channels
+        double more_variance = 0;  // bound on the variance that a bias d adds to `square`: 4 d' C d, C the covariance
+        double noise = 0;          // variance of the difference of the mean images, summed over channels
         double light = 0;          // squared mean radiance of the baseline
         double pixels = 0;
         SquaredBias& operator+=(const SquaredBias& other) {
@@ -198,8 +198,8 @@ private:
             pixels += other.pixels;
             return *this;
         }
-        // Whether noise exceeds rounding errors. Elsewhere the images are not random, and a squared difference tests
-        // nothing that other statistics miss.
+        // Whether the noise of these pixels exceeds rounding errors. Where it does not, the images are not random, and
+        // a squared difference tests nothing that other statistics miss.
         bool is_random() const { return noise > rounding * rounding * light; }
     };
     SquaredBias pixel_bias(std::size_t index) const {

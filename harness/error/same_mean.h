@@ -26,14 +26,14 @@ struct SameMeanOptions {
     double family_error = limits::family_error;
     // Whether the variants draw samples in the same way, from other random numbers, and so are black equally often.
     bool same_sampling = true;
-    double confidence = limits::confidence;  // confidence level of each interval by itself
+    double confidence = limits::confidence;  // confidence level of each reported interval, not of all together
 };
 
 struct Statistic {
     const char* name = "";
     double p = 1;
     bool applies = true;
-    std::string where = {};  // where the smallest p-value is: pixel, block or channel
+    std::string where = {};  // pixel, block or channel with the smallest p-value
 };
 
 struct ConfidenceInterval {
@@ -48,7 +48,7 @@ struct RelativeDifference {
 };
 
 struct SameMeanReport {
-    std::array<Statistic, 6> statistics;  // image, blocks, squares, pixel, support, independence
+    std::array<Statistic, 6> statistics;  // p-values of six tests: image, blocks, squares, pixel, support, independence
     double level = 0;                     // significance level: a smaller p-value rejects equal means
     bool same() const;
     const Statistic& strongest() const;

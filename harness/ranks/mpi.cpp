@@ -13,7 +13,7 @@ namespace {
 int my_rank = 0;
 int rank_count = 1;
 
-// Waits asleep for a request, because MPI's own waits poll. A delay of 0.1 ms is small beside a render, and untimed.
+// Sleeps until an MPI request is done, since MPI's own waits poll; the delay of 0.1 ms is small and never timed.
 void wait_asleep(MPI_Request request) {
     for (int is_done = 0;;) {
         MPI_Test(&request, &is_done, MPI_STATUS_IGNORE);

@@ -46,7 +46,7 @@ int wait_for(pid_t child, const Launch& launch) {
         return WEXITSTATUS(status);
     }
     if (WTERMSIG(status) == SIGINT || WTERMSIG(status) == SIGTERM ||
-        WTERMSIG(status) == SIGHUP) {  // signals by which the user stops all ranks
+        WTERMSIG(status) == SIGHUP) {  // signals by which a user stops all MPI ranks
         return exit_interrupted;
     }
     say("ptbench: rank {} of {} on {} was killed: {}\n", launch.rank, launch.count, host_of_this_rank(),

@@ -20,7 +20,7 @@ namespace pt {
 
 namespace {
 
-// The scene of a task, loaded once per process.
+// The scene of a render task from rank 0, loaded once per process.
 const Scene& scene_in(const Json& task) {
     static std::map<std::string, Scene> scenes;
     const std::string file = task.at("scene");
@@ -114,7 +114,7 @@ void throw_failure(const std::vector<Json>& all) {
     }
 }
 
-// Collects the facts of all ranks on rank 0, and tells all ranks whether one failed, before any of them continues.
+// Collects every rank's facts about its render on rank 0, and tells all ranks whether one failed, before any goes on.
 std::optional<std::vector<Json>> agree(const Share& share) {
     std::vector<Json> all;
     for (const std::string& text : mpi::gather(share.facts.dump())) {

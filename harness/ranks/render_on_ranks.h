@@ -10,14 +10,14 @@ namespace pt {
 // Facts about a render on several ranks; on a single rank `count` is 1 and everything else 0.
 struct RankFacts {
     int count = 1;
-    double slowest_ms = 0;         // longest wall time of a rank, without the reduction
-    double fastest_ms = 0;         // shortest wall time among ranks with samples, without the reduction
-    double reduce_ms = 0;          // time to add up the films after all have rendered
+    double slowest_ms = 0;         // longest wall time of a rank, without the summing of films
+    double fastest_ms = 0;         // shortest wall time of a rank with samples, without the summing of films
+    double reduce_ms = 0;          // time to sum the films of the ranks, after all have rendered
     double neighbours_cpu_ms = 0;  // CPU time of the other ranks on rank 0's host
 };
 
 struct RankedRender {
-    RenderResult result;  // wall time with the reduction; CPU time of all ranks
+    RenderResult result;  // wall time includes the summing of films; CPU time is that of all ranks
     RankFacts ranks;
 };
 

@@ -117,7 +117,7 @@ public:
 
 private:
     Hit meet(const Ray& ray) const {
-        // A batch accepts hits with t == t_max, the accelerator only t < best.t; so best.t is just above t_max.
+        // A ray of a batch may hit at t == t_max, an accelerator takes only t < best.t: best.t starts just above t_max.
         pt::Hit<float> best;
         best.t = std::nextafter(ray.t_max, std::numeric_limits<float>::infinity());
         const Vec3<float> origin = vector_of<float>(ray.origin);

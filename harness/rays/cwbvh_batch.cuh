@@ -15,15 +15,15 @@ namespace cwbvh = accelerator::cwbvh;
 template <int Threads, int BlocksPerSm, int SharedEntries, int Refill, int Vote, int Groups, bool Any = false>
 struct BatchPolicy : traversal::WarpPolicy<Refill, Vote> {
     static constexpr int threads = Threads;               // threads per block
-    static constexpr int blocks_per_sm = BlocksPerSm;     // resident blocks per multiprocessor, which bounds registers
+    static constexpr int blocks_per_sm = BlocksPerSm;     // resident blocks per SM; they limit registers per thread
     static constexpr int shared_entries = SharedEntries;  // traversal stack entries per thread in shared memory
     // Triangle groups that a lane can postpone. With 2, a lane visits the next node while other lanes test triangles.
     static constexpr int groups = Groups;
     static constexpr bool any = Any;  // whether rays are occlusion tests
 };
 
-// A ray for the watertight triangle test (kernels/triangle.h), specialised for the rows of a leaf slot: with the same
-// operations in the same order, but axes are permuted by the choice of the rows to read.
+// A ray for the watertight triangle test (kernels/triangle.h) on triangles in leaf slots: the operations and their
+// order are the same, but axes are permuted by the choice of the rows that are read from the slot.
 struct PermutedRay {
     float x, y, z;  // ray origin, permuted to the axes kx, ky, kz
     ShearedDirection<float> shear;
@@ -87,8 +87,8 @@ struct OctantOrders {
 template <class P>
 class RayState {
 public:
-    // A lane's state without a ray. `local` holds stack entries that do not fit into shared memory. It must not be a
-    // member, because an array indexed at run time would force the other members into local memory too.
+    // A lane's state without a ray. `local` holds traversal stack entries that do not fit into shared memory. It must
+    // not be a member, because an array indexed at run time would force the other members into local memory too.
     __device__ RayState(const BatchView& batch, uint2* shared, uint2* local, const OctantOrders& orders)
         : batch_(batch), shared_(shared), local_(local), orders_(orders) {}
 
@@ -174,7 +174,7 @@ private:
     cwbvh::BoxRay box_ray_;
     PermutedRay ray_;
     Hit best_;
-    cwbvh::NodeGroup group_{};  // initially empty: an idle lane has no node
+    cwbvh::NodeGroup group_{};  // child nodes still to visit; none in a lane without a ray
     cwbvh::SlotGroup pending_, later_;
     std::uint32_t index_;
     int depth_ = 0;

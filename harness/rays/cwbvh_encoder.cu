@@ -45,9 +45,9 @@ struct EncoderView {
     const GpuNode* nodes;
     const std::uint32_t* root;
     std::uint32_t* parents;
-    std::uint32_t* arrived;  // by inner node: number of children whose cut is ready
+    std::uint32_t* arrived;  // number of a node's children whose optimal cuts are computed, by inner node
     Cut* cuts;               // optimal cuts of the subtrees, by inner node
-    std::uint32_t* tasks;    // index of the binary node for each wide node
+    std::uint32_t* tasks;    // index of the binary node that each wide node encodes
     Node* wide;
     std::uint32_t* references;
     std::uint32_t* level_counts;  // number of wide nodes by level
@@ -193,7 +193,7 @@ struct GpuEncoderMemory {
     Memory<std::uint32_t> tasks;
     Memory<Node> wide;
     Memory<std::uint32_t> references;
-    Memory<std::uint32_t> counters;  // counter of leaf slots, then of wide nodes in each level
+    Memory<std::uint32_t> counters;  // number of leaf slots, then the number of wide nodes in each level
 };
 
 GpuEncoder::GpuEncoder(std::uint32_t primitives) : memory_(std::make_unique<GpuEncoderMemory>(primitives)) {}

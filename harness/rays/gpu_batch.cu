@@ -22,7 +22,7 @@ std::uint32_t blocks_for(std::size_t count) { return static_cast<std::uint32_t>(
 
 struct PlainKernels {
     const char* accelerator;
-    bool has_persistent;  // whether persistent kernels and a GPU encoder exist (cwbvh)
+    bool has_persistent;  // whether the accelerator has persistent kernels and a GPU encoder (cwbvh)
     void (*trace)(PlainView);
     void (*count)(PlainView, unsigned long long*);
 };
@@ -278,7 +278,7 @@ DeviceBuild time_device_build(const std::string& name, std::span<const Triangle<
         events.start();
         encoder.encode(tree.device_nodes(), tree.device_root());
         const float encode = events.stop();
-        if (i == 0) {  // the first build warms up and is not timed
+        if (i == 0) {  // the first build of a tree is a warm-up and is not timed
             first = tree.download();
         } else {
             times.build_ms.push_back(static_cast<double>(build_ms));

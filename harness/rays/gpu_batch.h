@@ -1,5 +1,4 @@
-// Ray batches on a GPU, whose kernels are in gpu_batch.cu; gpu_batch_without_cuda.cpp in a build without a CUDA
-// toolkit.
+// Ray batches on a GPU, implemented by gpu_batch.cu or, without a CUDA toolkit, by gpu_batch_without_cuda.cpp.
 #pragma once
 
 #include <memory>
@@ -25,7 +24,7 @@ std::vector<Hit> brute_force_on_gpu(std::span<const Triangle<float>> triangles, 
 // binary tree to a compressed wide BVH. Empty without triangles, and for builders without a GPU implementation.
 struct DeviceBuild {
     std::vector<double> build_ms, encode_ms;
-    bool same_every_time = true;  // whether the last build's tree equals the first build's
+    bool same_every_time = true;  // whether the tree of the last build equals that of the first build
 };
 DeviceBuild time_device_build(const std::string& builder, std::span<const Triangle<float>> triangles, int repetitions);
 

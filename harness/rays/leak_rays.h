@@ -85,12 +85,12 @@ PT_HD inline Ray leak_ray(const LeakView& view, std::uint64_t number) {
         origin.z += cube.half * (2.0f * random.unit() - 1.0f);
     }
     Vec3<float> direction = kind == 5 ? b - a : leak_target(kind, a, b, random) - origin;
-    if (kind == 6) {  // class axis_plane: a component of the direction is +0 or -0
+    if (kind == 6) {  // ray class axis_plane: one component of the direction is +0 or -0
         const std::uint32_t axis = random.below(3);
         const float zero = random.below(2) == 0 ? 0.0f : -0.0f;
         const Vec3<float> flat{axis == 0 ? zero : direction.x, axis == 1 ? zero : direction.y,
                                axis == 2 ? zero : direction.z};
-        // A direction with a component of 0 is used only if it is not much shorter: cwbvh expects roughly unit length.
+        // A ray direction's component is set to 0 only if enough length is left: cwbvh expects roughly unit length.
         direction = dot(flat, flat) > 0x1p-20f * dot(direction, direction) ? flat : direction;
     }
     if (random.below(2) == 0) {

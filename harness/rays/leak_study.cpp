@@ -64,7 +64,7 @@ Json leak_json(const LeakSource& source, std::uint64_t number) {
             {"direction", hex(ray.direction)}};
 }
 
-// The leaks of one tree and one kernel.
+// How many rays leaked through one tree when one kernel traced them, and the first of these rays.
 struct KernelLeaks {
     std::string kernel;
     LeakCounts counts;
@@ -148,7 +148,7 @@ LeakSource leak_source(const RayMesh& mesh, std::uint32_t count, std::uint64_t s
         if (!is_inside(*closed, Vec3d(centre))) {
             continue;
         }
-        // Half the size of a start cube that just fits, so that corners stay inside the mesh after rounding.
+        // A start cube is half as large as would fit, so that its corners stay inside the mesh after rounding.
         const double half = distance_from(source.triangles, Vec3d(centre)) / (2 * std::sqrt(3.0));
         if (half > 0x1p-16 * size) {
             source.cubes.push_back({{centre.x, centre.y, centre.z}, static_cast<float>(half)});

@@ -52,16 +52,16 @@ public:
 
     // The names of the kernels that can trace a set of rays, usually the fastest first.
     virtual std::vector<std::string> kernels(const RaySet& set) const = 0;
-    // Selects the set of rays for the calls that follow; the set must outlive them.
+    // Selects the set of rays for later calls of the tracer; the set must outlive them.
     virtual void load(const RaySet& set) = 0;
-    virtual double trace(const std::string& kernel) = 0;  // traces the loaded rays; milliseconds
-    virtual std::vector<Hit> hits() = 0;                  // hits of the rays that `trace` traced last
+    virtual double trace(const std::string& kernel) = 0;  // traces the loaded rays; returns the time in milliseconds
+    virtual std::vector<Hit> hits() = 0;                  // hits of the rays that the last `trace` traced
     virtual std::optional<Work> count() = 0;              // traversal work; none without counters
 
     // Sets the mesh and the seed from which make_leak_rays generates leak rays (leak_rays.h) on the tracer's device.
     virtual void take_leak_source(const LeakSource& source) = 0;
     virtual void make_leak_rays(std::uint64_t first, std::uint32_t count) = 0;
-    virtual LeakCounts leaks() = 0;  // rays that leaked in the last traced batch
+    virtual LeakCounts leaks() = 0;  // rays without a hit (leaked) in the last traced batch
 };
 
 // Replaces `best` by a hit that is closer, or as close with a smaller primitive index.

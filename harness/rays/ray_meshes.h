@@ -11,7 +11,7 @@
 namespace pt::rays {
 
 struct RayCamera {
-    Vec3<float> eye, right, up, forward;  // ray directions: right x + up y + forward, x and y in [-1, 1]
+    Vec3<float> eye, right, up, forward;  // direction of a primary ray: right x + up y + forward, with x, y in [-1, 1]
 };
 
 struct RayMesh {
@@ -26,7 +26,7 @@ struct RayMesh {
 // Loads the mesh that an argument names: a mesh of the OptiX probe ("sphere_262k"), a generator and its size
 // ("icosphere:3"), or a file. Throws InputError.
 RayMesh mesh_for_rays(const std::string& argument);
-// Loads the mesh of a generator or a file, without the box for a camera.
+// Loads a generated mesh or a mesh file, without the box that is put around a mesh for a camera.
 RayMesh mesh_without_box(const std::string& argument);
 // Collects the triangles of all meshes in a scene, relative to the eye. Throws InputError if there are none.
 RayMesh scene_for_rays(const std::string& name_or_file);

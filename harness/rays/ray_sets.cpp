@@ -46,7 +46,7 @@ std::vector<Ray> make_rays(std::size_t count, const Make& make) {
 struct Maker {
     const RayMesh& mesh;
     std::uint32_t log2_rays;
-    float reach = half_extent();  // half the largest extent of the mesh, the unit of lengths; 2 in the OptiX probe
+    float reach = half_extent();  // half the mesh's largest extent, by which lengths scale; 2 in the OptiX probe
 
     float half_extent() const {
         const Vec3<float> extent = mesh.high - mesh.low;

@@ -99,7 +99,7 @@ void measure_set(BatchTracer& tracer, const RaySet& set, SetState& state, int re
     tracer.load(set);
     const std::optional<Work> work = tracer.count();
     for (const std::string& kernel : tracer.kernels(set)) {
-        (void)tracer.trace(kernel);  // an untimed warm-up of the kernel
+        (void)tracer.trace(kernel);  // an untimed first trace, to warm the kernel up
         std::vector<double> ms;
         for (int i = 0; i < repetitions; ++i) {
             ms.push_back(tracer.trace(kernel));

@@ -19,7 +19,7 @@ struct RayStudy {
     std::vector<std::string> accelerators, builders, classes;
     std::uint32_t log2_rays = 20;
     int repetitions = 9;
-    std::uint32_t checked = 1024;    // rays of each set compared with brute force
+    std::uint32_t checked = 1024;    // number of rays of each set that are compared with brute force
     std::vector<RaySet> given = {};  // ray sets to use instead of generated ones
 };
 

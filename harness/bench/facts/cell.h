@@ -132,7 +132,7 @@ struct ConvergenceFacts {
     double expected_mse = 0;
     std::optional<ImageFacts> images = {};
     bool independent_samples = false;
-    std::map<std::string, std::string> metrics = {};  // definition of each error metric, by name
+    std::map<std::string, std::string> metrics = {};  // definition of each error metric, by the metric's name
     Json reference = {};                              // the reference image, as Reference::provenance() describes it
     std::optional<std::string> shared_with = {};  // name of a cell with the same films and errors; in result files only
 
@@ -151,7 +151,7 @@ struct ConvergenceFacts {
     }
 };
 
-// The facts about a cell. Optional members are set once it has come that far: verified, then rendered at full size.
+// The facts about a cell. Optional members are set once the cell has been verified, or rendered at full size.
 struct CellFacts {
     CellStatus status = CellStatus::ok;
     std::string reason = {};  // why the cell failed
@@ -163,7 +163,7 @@ struct CellFacts {
     std::optional<std::uint64_t> nonfinite = {}, negative = {}, saturated = {}, unfinished_walks = {};
     std::optional<CounterFacts> counters = {};
     std::optional<DeviceUse> cuda = {};
-    std::optional<MeshUse> meshes = {};  // use of meshes; only for scenes with meshes
+    std::optional<MeshUse> meshes = {};  // facts about the acceleration trees; only for scenes with meshes
     std::optional<InstrumentedFacts> instrumented = {};
     std::optional<ConvergenceFacts> convergence = {};  // reference and error metrics; only for cells with checkpoints
 

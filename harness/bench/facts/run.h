@@ -12,7 +12,8 @@
 
 namespace pt {
 
-// All that must be equal for a run to continue from a journal. `machine` is the result's context, less process facts.
+// All that must be equal for a run to continue from a journal. `machine` is the context of the result file, without its
+// facts about a single process.
 struct RunIdentity {
     std::string backend = {};
     std::vector<std::string> cells = {};

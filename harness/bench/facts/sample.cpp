@@ -122,7 +122,7 @@ void add_sample_to_row(OrderedJson& row, const Sample& sample) {
     row["time_unit"] = "ms";
     Sample::visit_row(sample, fields_detail::Writer<OrderedJson>(row));
     row["film_hash"] = sample.film_hash;
-    row[low_clock_key] = 0;  // until mark_low_clocks has compared all rows
+    row[low_clock_key] = 0;  // mark_low_clocks sets this flag later, when the clocks of all rows are known
     row["pt_contended"] = is_contended(sample) ? 1 : 0;
 }
 

@@ -14,8 +14,8 @@
 
 namespace pt {
 
-// A render's times and errors at a checkpoint. The errors are empty where the film has samples that are not finite, and
-// bias2 also where it cannot be told.
+// A render's times and errors at a checkpoint. The errors are empty where the film has samples that are not finite;
+// bias2 (squared bias) also where the halves of the render's samples are not known or not independent.
 struct CheckpointFacts {
     std::uint32_t spp = 0;
     double wall_ms = 0, device_ms = 0, cpu_ms = 0;
@@ -48,8 +48,8 @@ struct CheckpointFacts {
 };
 
 struct Sample {
-    double wall_ms = 0;  // wall time of the render, the time that is compared
-    double cpu_ms = 0;   // CPU time of the render, all threads together
+    double wall_ms = 0;  // wall time of the render in ms, by which cells are compared
+    double cpu_ms = 0;   // CPU time of the render in ms, all threads together
     std::optional<double> device_ms = {}, end_to_end_ms = {};
     std::uint64_t seed = 0;
     std::uint32_t spp = 0;
@@ -58,9 +58,9 @@ struct Sample {
     std::uint64_t launches = 0, graph_nodes = 0, loop_rounds = 0, host_waits = 0;
     std::uint64_t order = 0;  // position of the sample among all samples of the run
     double timestamp = 0;     // seconds since 1970 at the end of the sample
-    int clock_unknown = 0;    // 1 if a clock is unknown, 0 otherwise
+    int clock_unknown = 0;    // 1 if the processor's clock before or after the sample is unknown, 0 otherwise
     std::optional<double> clock_mhz_before = {}, clock_mhz_after = {};
-    double foreign_cpu_ms = 0;  // CPU time of other processes; rounding can make it negative
+    double foreign_cpu_ms = 0;  // CPU time of other processes during the sample; rounding can make it negative
     long involuntary_switches = 0;
     std::uint64_t throttled_periods = 0;  // scheduler periods in which a CPU quota was used up
     double throttled_ms = 0;
@@ -134,10 +134,10 @@ bool is_contended(const Sample& sample);
 // matters only if the render took longer than the device worked, or if the device waited for the host during the
 // render.
 bool is_disturbed(const Sample& sample, Backend backend);
-// The mean of the clocks before and after a render in MHz; none if one of them is unknown.
+// The mean of the processor's clocks before and after a render, in MHz; none if one of them is unknown.
 std::optional<double> clock_of(const Sample& sample);
 
-// The higher of the clocks before and after a render in MHz; 0 if both are unknown.
+// The higher of the processor's clocks before and after a render, in MHz; 0 if both are unknown.
 double highest_clock(const Sample& sample);
 // Whether the processor's clock before or after a sample was far below the highest clock of the whole run.
 bool has_low_clock(const Sample& sample, double highest_of_run);
@@ -149,7 +149,7 @@ std::string fault_of_sample(const Sample& sample);
 void add_sample_to_row(nlohmann::ordered_json& row, const Sample& sample);
 // Whether a row of a result file is a sample, and not an aggregate or a failure.
 bool is_row_of_sample(const nlohmann::ordered_json& row);
-// Marks the rows of samples with a low clock: far below the highest clock in all rows.
+// Marks the rows of samples during which the processor's clock was far below the highest clock in all rows.
 void mark_low_clocks(nlohmann::ordered_json& rows);
 
 }  // namespace pt
