@@ -29,7 +29,7 @@ class Question:
         return value or "?"
 
 
-# For studies along a parameter of scenes, the dimension that tells points apart.
+# Parameters of scenes that studies sweep, with the setting of cells (such as the scene) that tells their values apart.
 _SWEPT = {"materials": "scene"}
 
 
