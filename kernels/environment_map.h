@@ -12,12 +12,12 @@
 
 namespace pt {
 
-// A row of an environment image: directions whose cosine to +y lies between `top` and the next row's `top`, or -1.
+// A row of an environment image: directions whose cosine to +y is from the next row's `top` (or -1) to `top`.
 template <class Real>
 struct EnvironmentRow {
     Real top;
-    Real inverse_pdf;     // 1 / pdf of a direction in this row if its texel had probability 1
-    std::uint32_t first;  // start of the row's interval of random words [0, 2^32), up to the next row's
+    Real inverse_pdf;     // 1 / pdf of a direction in this environment row if its texel had probability 1
+    std::uint32_t first;  // first random word in [0, 2^32) that draws this row; the last is before the next row's first
 };
 
 template <class Real>
@@ -38,7 +38,7 @@ struct EnvironmentMap {
     Real inverse_object_probability;      // 1 / probability of drawing an emitting object
 };
 
-// Index of the last of `count` entries whose interval of [0, 2^32) begins at or below `word`, by binary search.
+// Index of the last of `count` table entries whose interval of random words begins at or below `word`: binary search.
 template <class Entry>
 PT_HD inline std::uint32_t entry_at(const Entry* entries, std::uint32_t count, std::uint32_t word) {
     std::uint32_t low = 0, high = count;

@@ -117,7 +117,7 @@ PT_HD inline DirectionSample<typename Config::Real> sample_direction_to(
         }
     };
     if constexpr (has_many_box_likes<Config>()) {
-        // Shapes only tell their box here: threads of a warp whose lights differ in shape then sample points together.
+        // Here a box light only tells its box: a warp's threads then sample points together, whatever their lights are.
         const LightSampling sampling = light_sampling_of<Config>(scene);
         SeenAsBox<Real> box;
         visit_shape<Config>(scene, object, [&](const auto& shape) {

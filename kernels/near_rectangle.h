@@ -12,7 +12,7 @@ namespace pt {
 template <class Real>
 struct NearRectangle {
     Real x0, x1, y0, y1, height;
-    Real length;  // extent along y, known more precisely than the difference y1 - y0
+    Real length;  // extent of the rectangle along y, known more precisely than the difference y1 - y0
     Real angle;   // angle that the strip subtends, up to pi; 0: the rectangle is not visible
 
     // `at`: the observer's position over the rectangle, from its centre; `half`: the rectangle's half sides.
@@ -49,8 +49,8 @@ private:
     // Lower bound on squared lengths, so that their reciprocals are finite.
     static constexpr Real least_square = Real(0x1p-100);
 
-    // The rectangle's line at one x, by the sines of the angles from the plane y = 0, in which the observer lies, to
-    // the directions of the line's ends.
+    // The line across the rectangle at one x, from y0 to y1, by the sines of the angles from the plane y = 0, in which
+    // the observer lies, to the directions of the line's ends.
     struct Stretch {
         Real square;  // squared distance from the observer to the line, extended endlessly
         Real low, high;
@@ -64,8 +64,8 @@ private:
             high = of.y1 * inverse_high;
             on_one_side = of.y0 * of.y1 > Real(0);
         }
-        // The y at which a share v of the line's solid angle lies on the side of y0. If both ends are on one side, it
-        // is found from 1 - |sine|, which may be below the last digit of the sine.
+        // The y at which a share v of the line's solid angle lies on the side of y0. If both ends of the line are on
+        // one side of y = 0, the y is found from 1 - |sine|, which may be below the last digit of the sine.
         PT_HD Real y_at(const NearRectangle& of, Real v) const {
             Real sine = low + v * (high - low);
             Real rest = (Real(1) - sine) * (Real(1) + sine);
@@ -81,7 +81,7 @@ private:
                                of.y0, of.y1)
                        : end;
         }
-        // high - low (a difference of sines), without cancellation where both ends are on one side of the plane y = 0.
+        // The sines' difference high - low, without cancellation where both ends of the line are on one side of y = 0.
         PT_HD Real share(const NearRectangle& of) const {
             if (!on_one_side) {
                 return high - low;

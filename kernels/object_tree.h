@@ -29,7 +29,7 @@ struct ObjectTree {
 
 template <class Real>
 struct ObjectTreeRay {
-    Vec3<Real> near_origin, far_origin;  // ray origin shifted by the margin, for entry and exit planes
+    Vec3<Real> near_origin, far_origin;  // origins for entry and exit planes, shifted by the tree's margin for rounding
     Vec3<Real> inverse;                  // reciprocal ray direction; infinite along axes on which the ray does not move
 
     PT_HD static ObjectTreeRay of(const Vec3<Real>& origin, const Vec3<Real>& direction, float margin) {

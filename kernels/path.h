@@ -11,7 +11,7 @@ namespace pt {
 struct SurfaceId {
     static constexpr std::uint32_t nowhere = 0xffffffffu;
     static constexpr std::uint32_t most_objects = 1u << 27;
-    std::uint32_t code = nowhere;  // bit 0: inside; bits 1 to 27: object; bit 28: face looks up; bits 29, 30: axis + 1
+    std::uint32_t code = nowhere;  // bit 0: inside; bits 1-27: object; bit 28: face looks up; bits 29-30: face axis + 1
 
     PT_HD static constexpr SurfaceId of(std::uint32_t object, bool inside) {
         return {(object << 1) | (inside ? 1u : 0u)};

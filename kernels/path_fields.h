@@ -8,7 +8,7 @@
 namespace pt {
 
 enum class FieldType {
-    vector,  // three numbers of type Real
+    vector,  // vector of three numbers of type Real
     real,
     word  // 32 bits
 };
@@ -45,7 +45,7 @@ struct PathFieldInfo {
     FieldType type;
     FieldChange change;
     bool is_optional;
-    FeatureSet features;  // of an optional field: a kernel with one of these features carries it
+    FeatureSet features;  // features of kernels that carry the field; for an optional field
 
     PT_HD constexpr std::size_t bytes(std::size_t real_bytes) const {
         return type == FieldType::vector ? 3 * real_bytes

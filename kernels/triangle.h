@@ -19,7 +19,7 @@ struct Triangle {
 template <class Real>
 struct ShearedDirection {
     std::uint32_t kx, ky, kz;  // kz: the axis of the direction's largest component
-    Vec3<Real> shear;          // shift in x and y per unit of z, and 1 / the largest component
+    Vec3<Real> shear;          // shift in x and y per unit of z, and 1 / the direction's largest component
 
     PT_HD static ShearedDirection of(const Vec3<Real>& direction) {
         const Vec3<Real> size{absolute(direction.x), absolute(direction.y), absolute(direction.z)};

@@ -28,7 +28,7 @@ struct DielectricMaterial {
         return true;
     }
 
-    // Reflects or refracts the path by a random number in [0, 1), without a medium; returns whether it is refracted.
+    // Reflects or refracts the path by u in [0, 1), and leaves path.medium alone; returns whether it is refracted.
     template <class Config>
     PT_HD bool scatter_by(Path<Real>& path, const Vertex<Real>& vertex, Real u) const {
         const Boundary<Real>& boundary = seen_from(vertex.inside);

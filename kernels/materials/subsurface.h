@@ -82,8 +82,8 @@ struct Walk {
 template <class Real>
 struct GuidedWalk : Walk {
     Vec3<Real> normal;            // outward normal of the body's surface that is nearest as far as is known
-    StepChoice choice;            // density by which the walk's next step is drawn
-    bool drew_direction = false;  // the walk's direction was drawn together with `choice`
+    StepChoice choice;            // colour channel, guided or not, by whose density the walk's next step is drawn
+    bool drew_direction = false;  // the walk's direction was drawn by the density of `choice`
 
     PT_HD void meet_surface(const Vec3<Real>& outward, const StepChoice& next) {
         normal = outward;
@@ -233,7 +233,7 @@ PT_HD inline WalkStep walk_step(const SceneView<typename Config::Real>& scene, P
         random_words<Config>(scene.seed, {path.pixel, path.sample, path.segment, random_block::walk + walk.step});
     walk.step += 1;
     const Real to_exit = distance_to_exit<Config>(scene, walk.object, path.origin, direction, walk.on_surface);
-    // A distance beyond what Real holds means that the body is too thin or too far away for its coordinates.
+    // An infinite or NaN distance to the surface means that the body is too thin or too far away for its coordinates.
     if (!(to_exit <= std::numeric_limits<Real>::max())) {
         return WalkStep::lost;
     }

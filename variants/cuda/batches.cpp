@@ -76,7 +76,7 @@ std::uint32_t Batches::enqueue_loop(const std::function<LiveCounts()>& enqueue_r
     });
     is_in_loop_ = false;
     work_per_round_ = std::exchange(job_.work, before);
-    work_per_round_.launches = 0;  // the device itself launches the loop's rounds
+    work_per_round_.launches = 0;  // the device, not the host, launches the rounds of the graph's loop
     return taken;
 }
 

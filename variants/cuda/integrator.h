@@ -53,13 +53,13 @@ struct IntegratorNeeds {
     std::uint32_t tunable(std::string_view name) const { return pt::tunable(variant, name, Backend::cuda); }
 };
 
-// Describes to program compilation the kernel that has Parameters<Real> and whose text is in `source`.
+// Part of an integrator's program: the kernel that has Parameters<Real> and whose text is in `source`.
 template <template <class Real> class Parameters>
 constexpr KernelPart kernel_part(const char* source) {
     return {source, kernel_of<Parameters<float>>(), kernel_of<Parameters<double>>()};
 }
 
-// The hook of an integrator: Class<Real>(JobOf<Real>&, IntegratorNeeds&&), with Class<Real>::kernels().
+// Hook that makes an integrator: by Class<Real>(JobOf<Real>&, IntegratorNeeds&&), with kernels Class<Real>::kernels().
 template <template <class Real> class Class>
 IntegratorHook integrator_hook() {
     return {.make_single = [](JobOf<float>& job, IntegratorNeeds&& needs) -> std::unique_ptr<Integrator> {

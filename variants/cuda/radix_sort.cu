@@ -82,7 +82,7 @@ void RadixSort::sort(Queue& queue, std::uint32_t key_count) {
         queue.indirect = true;
     }
     const int bits = key_bits_ == KeyBits::all ? all_bits : std::bit_width(key_count - 1);
-    if (bits == 0) {  // with one sort key alone the order stays
+    if (bits == 0) {  // all paths have one sort key, so the order stays
         return;
     }
     Words keys(queue.keys, queue.keys_spare), slots(queue.order, queue.order_spare);

@@ -26,7 +26,7 @@ struct Queue {
     std::uint32_t bound = 0;               // upper bound on the number of paths in play
     bool indirect = false;
     std::uint32_t capacity = 0;                   // number of path slots
-    const unsigned char* object_class = nullptr;  // in device memory, by object: 0 if diffuse-like, 1 if delta-like
+    const unsigned char* object_class = nullptr;  // class of each object, on the device: 0 diffuse-like, 1 delta-like
 
     void swap_order() { std::swap(order, order_spare); }
     void swap_paths() { std::swap(paths, spare); }

@@ -60,8 +60,8 @@ protected:
     // (appends_).
     virtual std::uint32_t parts() const { return 1; }
     virtual void reserve_counts(Arena&) {}
-    // Ends the two segments of a loop's round and returns where the paths that live are counted. Leaves queue_.count as
-    // a round finds it.
+    // Ends a graph loop's round of two segments and returns where the paths that live are counted. Leaves queue_.count
+    // where the next round expects it.
     virtual LiveCounts end_round(const Queue& before);
 
     // Resets queue_ to the state in which a batch starts, with `paths` paths in play.
@@ -96,8 +96,8 @@ private:
     PathBytes path_bytes_;
 };
 
-// Whether the host asks now and then if all paths of a batch have ended. It asks where no read-back tells it and paths
-// may be long enough that going on costs more than asking. A batch that is captured cannot ask.
+// Whether the host asks now and then if all paths of a batch have ended. It asks where no compaction reads the count
+// back, and paths may be long enough that going on costs more than asking. A batch that is captured cannot ask.
 inline bool asks_for_the_end(const Job& job, bool is_told, bool is_capturing, std::uint32_t segment) {
     constexpr std::uint32_t segments_between = 512;
     return !is_told && !is_capturing && job.longest_path > few_segments && segment % segments_between == 0;

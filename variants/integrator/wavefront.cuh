@@ -11,8 +11,8 @@
 
 namespace pt::cuda {
 
-// Parameters of the kernel that starts path i in slot i: pixel i mod pixels, sample first_sample + i / pixels; with a
-// cursor, the first sample is read from it.
+// Parameters of the kernel that starts path i in slot i: pixel i mod pixels, sample first_sample + i / pixels; if
+// `cursor` is not null, the first sample is read from it.
 template <class Real>
 struct GeneratePathsParameters {
     static constexpr const char* kernel = "generate_paths";

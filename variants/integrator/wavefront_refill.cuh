@@ -37,7 +37,7 @@ struct FillQueueParameters {
     std::uint32_t* count;
     std::uint32_t slots;
     PathSupply supply;
-    HitCache<Real> cache;  // for first_path(), and empty: the integrator has no first-bounce cache
+    HitCache<Real> cache;  // argument of first_path(); empty: the integrator has no first-bounce cache
     StoredHit<Real>* hits;
 };
 
@@ -466,7 +466,7 @@ private:
             std::this_thread::yield();
             const cudaError_t state = cudaStreamQuery(job_.stream);
             if (state != cudaErrorNotReady) {
-                PT_CUDA_CHECK(state);  // after a failed kernel no progress is reported
+                PT_CUDA_CHECK(state);  // a failed kernel reports no progress
                 return;
             }
         }

@@ -49,7 +49,7 @@ __device__ inline std::uint32_t append_by_block(std::uint32_t* count, bool keep)
     }
     __syncthreads();
     const std::uint32_t position = before[warp] + static_cast<std::uint32_t>(__popc(kept & ((1u << lane()) - 1u)));
-    __syncthreads();  // from here on `before` may be written again
+    __syncthreads();  // all have read `before`, which the next call overwrites
     return position;
 }
 
@@ -66,7 +66,7 @@ __device__ inline void finish_list(ListCounts* counts) {
 
 // Elements gathered by a block: element i below `count` gets position first + i among the elements of all blocks.
 struct Gathered {
-    std::uint32_t first, count;   // place of the first element; undefined if there is none
+    std::uint32_t first, count;   // position of the block's first element among all blocks'; undefined if it has none
     const std::uint32_t* values;  // gathered values in shared memory, until the block gathers again
 };
 

@@ -1,4 +1,4 @@
-// For kernels with one thread per path: listing the paths that the fetching kernel takes through meshes (mesh_queue.h).
+// Lists the paths that a kernel of their own takes through meshes (mesh_queue.h), in kernels with one thread per path.
 #pragma once
 
 #include "variants/cuda/device/append.cuh"

@@ -20,7 +20,7 @@ PT_HD constexpr std::uint32_t fetching_blocks_at_once(std::uint32_t block, std::
     return static_cast<std::uint32_t>(7 * most_fetching_threads * sizeof(float) / real_bytes) / fetching_block(block);
 }
 
-// List of the queue positions that enter a mesh, with room for all. Null: the traversal has no kernel of its own.
+// List of the queue positions of rays that enter a mesh, with room for all. Null: no kernel takes rays through meshes.
 struct MeshQueue {
     std::uint32_t* positions = nullptr;
     ListCounts* counts = nullptr;

@@ -95,7 +95,8 @@ private:
             first = atomicAdd(&tails_[kind], static_cast<std::uint32_t>(__popc(peers)));
         }
         first = __shfl_sync(pt::cuda::all_lanes, first, __ffs(static_cast<int>(peers)) - 1);
-        // Positions a ring's length apart share an entry, which the reader of the earlier one may not have emptied yet.
+        // Positions a ring's length apart share an entry, perhaps not yet emptied by the reader of the earlier
+        // position.
         bool has_entry = kind < Kinds::lists;
         while (__any_sync(pt::cuda::all_lanes, has_entry)) {
             if (has_entry) {

@@ -46,8 +46,8 @@ __device__ inline void trace_items(const SceneViews& scene, const FilmView& film
         !pt::has<Configuration>(pt::Feature::splitting) && warps * sizeof(WaitingPaths) <= most_waiting_bytes;
     __shared__ WaitingPaths waiting_of_warp[may_wait ? warps : 1];
     WaitingPaths& waiting = waiting_of_warp[may_wait ? threadIdx.x / warp_size : 0];
-    std::uint32_t waiting_count = 0;  // number of paths waiting in shared memory; the same in all lanes, as `held` is
-    unsigned held = 0;                // the lanes of the warp that hold a path, alive or ended
+    std::uint32_t waiting_count = 0;  // number of the warp's paths that wait in shared memory; the same in all lanes
+    unsigned held = 0;                // the lanes of the warp that hold a path, alive or ended; the same in all lanes
     bool alive = false;
     pt::WalkOf<Configuration> walk;
     Path path;
