@@ -23,7 +23,7 @@ struct EnvironmentRow {
 template <class Real>
 struct EnvironmentTexel {
     Vec3<Real> radiance;
-    std::uint32_t first;  // start of the texel's interval of random words [0, 2^32) in its row
+    std::uint32_t first;  // first random word that draws this texel in its row; they end at the next texel's first
 };
 
 template <class Real>

@@ -89,8 +89,8 @@ struct SeenAsBox {
     }
 };
 
-// Length of a shadow ray towards a body: the distance at which the ray enters the body, as by closest_hit, or 0 if
-// unknown. (Light samples on the faces of boxes come with their distance.)
+// Length of a shadow ray towards a body: the distance at which the ray enters the body, computed as by closest_hit, or
+// 0 if not known. (Light samples on the faces of boxes come with their distance.)
 template <class Config, class Shape, class Real>
 PT_HD inline Real distance_to_light(const Shape& shape, const Vec3<Real>& observer, const Vec3<Real>& direction) {
     constexpr bool looks = has_lines_of_sight<Config> && (Config::features & light_samplings) != 0;

@@ -30,9 +30,9 @@ concept IsBoxLike = requires(const Shape& shape, const Vec3<Real>& v) {
 template <class Real>
 struct SeenFaces {
     Vec3<Real> observer, half;
-    Vec3<Real> height;  // observer's height over the plane of the face across each axis; 0: face not seen, or no area
-    Vec3<Real> area;    // area of the faces across each axis, whether the observer sees them or not
-    Real scale;         // scaled units of length per scene unit
+    Vec3<Real> height;  // observer's height over the plane of the box face across each axis; 0: not seen, or no area
+    Vec3<Real> area;    // area of the box face across each axis, whether the observer sees it or not
+    Real scale;         // scaled units of length in one scene unit
 
     PT_HD explicit SeenFaces(const BoxFrame<Real>& frame)
         : scale(power_to_one(frame.half.x + frame.half.y + frame.half.z)) {

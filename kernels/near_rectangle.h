@@ -13,7 +13,7 @@ template <class Real>
 struct NearRectangle {
     Real x0, x1, y0, y1, height;
     Real length;  // extent of the rectangle along y, known more precisely than the difference y1 - y0
-    Real angle;   // angle that the strip subtends, up to pi; 0: the rectangle is not visible
+    Real angle;   // angle that the rectangle, made endless along y, subtends, up to pi; 0: it is not visible
 
     // `at`: the observer's position over the rectangle, from its centre; `half`: the rectangle's half sides.
     PT_HD NearRectangle(Real half_x, Real half_y, Real at_x, Real at_y, Real z)
@@ -52,7 +52,7 @@ private:
     // The line across the rectangle at one x, from y0 to y1, by the sines of the angles from the plane y = 0, in which
     // the observer lies, to the directions of the line's ends.
     struct Stretch {
-        Real square;  // squared distance from the observer to the line, extended endlessly
+        Real square;  // squared distance from the observer to the rectangle's line, extended endlessly
         Real low, high;
         Real inverse_low, inverse_high;  // 1 / distances from the observer to the line's ends
         bool on_one_side;                // both ends of the line are on one side of the plane y = 0
@@ -99,7 +99,7 @@ private:
 
     // Scale that brings the distances to the rectangle near 1, so that no squared length in an angle underflows.
     PT_HD Real unit() const { return power_to_one(max(max(absolute(x0), absolute(x1)), height)); }
-    // The x for which a share u of the angle of the rectangle's strip lies on the side of x0.
+    // The x up to which, from x0, a share u of the angle lies that the rectangle, made endless along y, subtends.
     PT_HD Real x_at(Real u) const {
         const Real scale = unit();
         const SinCos<Real> turn = sin_cos_turn(u * (angle * (Real(0.5) / pi<Real>)));

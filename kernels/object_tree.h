@@ -19,9 +19,9 @@ struct alignas(16) ObjectNode {
 static_assert(sizeof(ObjectNode) == 64);
 
 struct ObjectTree {
-    const ObjectNode* nodes = nullptr;  // nodes of the tree, root first
+    const ObjectNode* nodes = nullptr;  // nodes of the tree over mesh instances, root first
     std::uint32_t node_count = 0;
-    float margin = 0;  // growth of all boxes for rounding, in multiples of the ray origin's largest coordinate
+    float margin = 0;  // growth of the tree's boxes for rounding, in multiples of the ray origin's largest coordinate
 
     // Size of the traversal stack: each inner node on the way to the deepest leaf leaves one child on it.
     static constexpr std::uint32_t most_levels = 64;

@@ -97,7 +97,7 @@ struct PathFields {
 };
 inline constexpr PathFields every_path_field{};
 
-// Whether a queue whose paths carry `carried` has columns for `field`, and stages with this kind of change write them.
+// Whether stages whose changes are of the kind `change` write `field` to a queue whose paths carry `carried`.
 PT_HD constexpr bool is_written(PathField field, FieldChange change, const PathFields& carried) {
     return info(field).change == change && carried.carries(field);
 }

@@ -91,7 +91,7 @@ private:
     bool resumes_ = false;
 };
 
-// The interface that shade() asks of a branch (see OneBranch), for a path of a tree.
+// The interface that shade() asks of a branch policy (see OneBranch), for a path that may split.
 template <class Tree>
 struct BranchOfTree {
     template <class Config>

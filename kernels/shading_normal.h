@@ -14,7 +14,7 @@
 
 namespace pt {
 
-// Outward shading normal of a mesh's triangle, interpolated from its corners' normals; `own` where corners have none.
+// Outward shading normal of a mesh's triangle, interpolated from its corners' normals; without these the normal `own`.
 template <class Config, class Scene>
 PT_HD inline Vec3<typename Config::Real> normal_of_corners(const Scene& scene,
                                                            const ObjectNormals<typename Config::Real>& normals,

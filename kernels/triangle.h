@@ -35,8 +35,8 @@ struct ShearedDirection {
 
 template <class Real>
 struct TriangleHit {
-    Real t;        // distance in multiples of the direction's length
-    Real det;      // determinant u + v + w
+    Real t;        // distance to the triangle, in multiples of the ray direction's length
+    Real det;      // determinant u + v + w, the sum of the edge functions
     Real u, v, w;  // barycentric weights of the triangle's corners a, b, c, times det
     bool hits;
     bool from_behind;  // the side on which a, b, c go round clockwise was hit

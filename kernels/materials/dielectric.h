@@ -14,8 +14,8 @@ struct DielectricMaterial {
     PT_HD const Boundary<Real>& seen_from(bool inside) const { return inside ? leaving : entering; }
 
     // Picks reflection or transmission in proportion to their energy, so the weight of either is 1 (and the tint of the
-    // transmission). Radiance is not scaled by n^2: what enters must leave, and sources inside are not compared with
-    // outside.
+    // transmission). Radiance is not scaled by the relative index squared: light that enters must leave, and sources
+    // inside are not compared with outside.
     template <class At>
     PT_HD bool scatter(const At& at, const Material<Real>& material) const {
         using Config = typename At::Config;

@@ -171,8 +171,8 @@ PT_HD inline void scatter_in_medium(const SceneView<typename Config::Real>& scen
 template <class Real>
 struct SubsurfaceMaterial {
     Boundary<Real> entering, leaving;
-    std::uint32_t has_boundary;     // 1 if the index of refraction is not 1
-    std::uint32_t max_scatterings;  // cap on the scatterings of one walk
+    std::uint32_t has_boundary;     // 1 if the body's index of refraction is not 1
+    std::uint32_t max_scatterings;  // cap on the scatterings of one subsurface walk
     ScatteringMedium<Real> medium;
 
     // Reflects the path at the boundary of a subsurface body, or lets it in to begin a walk. A path whose walk cannot

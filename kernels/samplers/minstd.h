@@ -9,7 +9,7 @@
 namespace pt {
 
 inline constexpr std::uint32_t minstd_multiplier = 48271u;
-inline constexpr std::uint32_t minstd_modulus = 2147483647u;  // the prime 2^31 - 1
+inline constexpr std::uint32_t minstd_modulus = 2147483647u;  // modulus: the prime 2^31 - 1
 
 PT_HD constexpr std::uint32_t minstd_product(std::uint32_t a, std::uint32_t b) {
     return static_cast<std::uint32_t>(static_cast<std::uint64_t>(a) * b % minstd_modulus);

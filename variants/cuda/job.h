@@ -15,8 +15,8 @@ namespace pt::cuda {
 struct Job {
     const Module* module = nullptr;
     FilmView film;                    // view of the film, in device memory
-    std::uint32_t pixels = 0;         // the pixels of the image that this device renders
-    std::uint32_t image_pixels = 0;   // pixels of the whole film and of the first-bounce cache
+    std::uint32_t pixels = 0;         // number of the image's pixels that this device renders
+    std::uint32_t image_pixels = 0;   // number of pixels of the whole film and of the first-bounce cache
     std::uint32_t longest_path = 1;   // most segments that a path may have
     std::uint32_t most_branches = 1;  // most branches into which one sample's path may split
     std::uint32_t materials = 0;

@@ -93,7 +93,7 @@ PT_KERNEL(regroup, pt::cuda::RegroupParameters<Real>,
     pt::Walk walk;
     std::uint32_t kind = Kinds::nothing;  // kind of stage that the lane's path needs next
     Taken taken = pool.exchange(0, kind);
-    bool is_taken = true;  // the paths just taken have yet to be loaded
+    bool is_taken = true;  // the warp has just taken paths from the pool, and is to load them
     while (!taken.finished) {
         if (is_taken) {
             kind = pt::cuda::lane() < taken.count ? taken.kind : Kinds::nothing;

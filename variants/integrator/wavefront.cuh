@@ -32,7 +32,7 @@ struct IntersectPathsParameters {
     static constexpr const char* kernel = "intersect_paths";
     SceneView<Real> scene;
     PathStore store;
-    const std::uint32_t* order;  // slots by position in the queue; null: slot i at position i
+    const std::uint32_t* order;  // slots of paths by queue position; null: slot i is at position i
     const std::uint32_t* count;
     std::uint32_t bound;
     StoredHit<Real>* hits;

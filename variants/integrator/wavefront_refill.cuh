@@ -48,7 +48,7 @@ struct IntersectQueueParameters {
     static constexpr const char* kernel = "intersect_queue";
     SceneView<Real> scene;
     PathStore store;
-    const std::uint32_t* order;  // slots by position in the queue; null: slot i at position i
+    const std::uint32_t* order;  // slots of paths by queue position; null: slot i is at position i
     std::uint32_t slots;
     StoredHit<Real>* hits;
     std::uint32_t* keys;
@@ -88,7 +88,7 @@ struct WalkOnParameters {
     FilmView film;
     PathStore store;
     StoredHit<Real>* hits;
-    WalkerList list;   // walks to take some steps on
+    WalkerList list;   // walks of which each takes some steps
     WalkerList again;  // list that gets the walks which are not over
     PathSupply supply;
     HitCache<Real> cache;

@@ -34,7 +34,7 @@ struct IntersectMeshesParameters {
     static constexpr std::uint32_t most_threads = most_fetching_threads;
     SceneView<Real> scene;
     PathStore store;
-    const std::uint32_t* order;  // slots by position in the queue; null: slot i at position i
+    const std::uint32_t* order;  // slots of paths by queue position; null: slot i is at position i
     MeshQueue queue;
     StoredHit<Real>* hits;
     std::uint32_t* keys;

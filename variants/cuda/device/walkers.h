@@ -26,7 +26,7 @@ constexpr std::size_t walker_bytes(bool may_be_guided) {
 
 // A list of walkers with room for every path of the queue. Null: kernels take walks where they shade.
 struct WalkerList {
-    void* walkers = nullptr;  // the walkers, of type Walker<WalkOf<..>>
+    void* walkers = nullptr;  // the list's walkers, of type Walker<WalkOf<..>>
     ListCounts* counts = nullptr;
 };
 
