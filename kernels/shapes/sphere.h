@@ -86,7 +86,6 @@ PT_HD inline Real chord(const Sphere<Real>& sphere, const Vec3<Real>& origin, co
     return max(Real(0), Real(-2) * dot((origin - sphere.centre) * sphere.inverse_radius, direction)) * sphere.radius;
 }
 
-// For a ray that starts on the sphere, a NearSphere needs no formula of its own.
 template <class Real>
 PT_HD inline Real chord(const NearSphere<Real>& sphere, const Vec3<Real>& origin, const Vec3<Real>& direction) {
     return chord(static_cast<const Sphere<Real>&>(sphere), origin, direction);
