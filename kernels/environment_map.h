@@ -23,7 +23,7 @@ struct EnvironmentRow {
 template <class Real>
 struct EnvironmentTexel {
     Vec3<Real> radiance;
-    std::uint32_t first;  // first random word that draws this texel in its row; they end at the next texel's first
+    std::uint32_t first;  // first of the random words that draw this texel in its row; they end at the next texel's
 };
 
 template <class Real>

@@ -213,7 +213,7 @@ template <class Config>
 inline constexpr bool is_long_kernel = (Config::features & light_selections) != 0;
 
 // closest_axis_box with a loop that a device does not unroll, for kernels with an enclosure that stall on instruction
-// fetch: those that choose lights. (One function body for both changes all kernels under nvcc 13.0.)
+// fetch: those that choose lights. (One function body for both forms changes all kernels under nvcc 13.0.)
 template <class Config, bool without_walls, class Scene>
 PT_HD inline void closest_axis_box_rolled(Hit<typename Config::Real>& best, const Scene& scene,
                                           const Ray<typename Config::Real>& ray,

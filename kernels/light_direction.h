@@ -117,7 +117,8 @@ PT_HD inline DirectionSample<typename Config::Real> sample_direction_to(
         }
     };
     if constexpr (has_many_box_likes<Config>()) {
-        // Here a box light only tells its box: a warp's threads then sample points together, whatever their lights are.
+        // In this visit a box light only gives its box: the threads of a warp sample points together afterwards,
+        // whatever shapes their lights have.
         const LightSampling sampling = light_sampling_of<Config>(scene);
         SeenAsBox<Real> box;
         visit_shape<Config>(scene, object, [&](const auto& shape) {

@@ -37,7 +37,7 @@ struct Material {
     Vec3<Real> emission;    // radiance that the material emits, linear RGB
     Vec3<Real> sigma_a;     // absorption coefficient of the medium behind the surface, 1 / scene unit
     std::uint32_t absorbs;  // 1 if the medium behind the surface lets rays run through and absorbs (sigma_a is not 0)
-    // The material's parameters: the member for its type is in use.
+    // Parameters of the material: the member of the union for its type is in use.
 #define PT_PARAMETERS(name, Type, traits) Type<Real> name;
     union {
         PT_MATERIALS(PT_PARAMETERS)

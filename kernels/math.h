@@ -232,7 +232,7 @@ PT_HD inline Vec3<Real> renormalize(const Vec3<Real>& v) {
 template <class Real>
 PT_HD inline Vec3<Real> nearly_unit(const Vec3<Real>& v) {
     const Real excess = dot(v, v) - Real(1);
-    constexpr Real most = sizeof(Real) == 4 ? Real(1e-4) : Real(1e-8);  // excess that one Newton step rounds away
+    constexpr Real most = sizeof(Real) == 4 ? Real(1e-4) : Real(1e-8);  // excess that one Newton step removes
     return absolute(excess) < most ? v * (Real(1) - Real(0.5) * excess) : normalize(v);
 }
 
@@ -272,7 +272,7 @@ PT_HD inline SinCos<double> sin_cos_octant(double x) {
 // Sine and cosine of 2 pi u for u in [0, 1]: the reduction to an octant is exact, only the octant is rounded.
 template <class Real>
 PT_HD inline SinCos<Real> sin_cos_turn(Real u) {
-    const int quarter = static_cast<int>(u * Real(4) + Real(0.5));  // nearest quarter turn to u, 0 to 4
+    const int quarter = static_cast<int>(u * Real(4) + Real(0.5));  // number of the quarter turn nearest to u, 0 to 4
     const Real rest = u - Real(quarter) * Real(0.25);               // u - quarter / 4: exact (Sterbenz), within 1/8
     const SinCos<Real> octant = sin_cos_octant(rest * (Real(2) * pi<Real>));
     switch (quarter & 3) {

@@ -60,7 +60,7 @@ struct Path {
     std::uint32_t sample;
     std::uint32_t segment;     // number of ray segments traced so far (segments_of); `ended` once the path is over
     SurfaceId origin_surface;  // the surface that the ray starts on
-    std::uint32_t medium;      // material whose absorption the ray runs through, or no_medium
+    std::uint32_t medium;      // material whose absorbing medium the ray runs through, or no_medium
     // Pdf, by solid angle, of the ray's direction if its vertex was connected to a light too; 0 from the camera, a
     // specular surface or a body: lights that the ray hits then count in full. With one-sample MIS
     // (SceneView::one_sample) negative where the connection was chosen: lights that the ray hits then do not count.

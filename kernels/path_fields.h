@@ -13,7 +13,7 @@ enum class FieldType {
     word  // 32 bits
 };
 
-enum class FieldChange { by_bounce, never };  // when a field is written: at bounces, or only as the path begins
+enum class FieldChange { by_bounce, never };  // when a path's field is written: at bounces, or only as the path begins
 
 // The fields of struct Path in their order. ALWAYS(name, type, change): every path carries the field.
 // OPTIONAL(name, type, change, features, value): it is carried by kernels with one of these features; in others all

@@ -61,7 +61,7 @@ PT_HD inline Vec3<Real> flight_weight(const ScatteringMedium<Real>& medium, cons
                                    exponential((least - medium.sigma_t.y) * t),
                                    exponential((least - medium.sigma_t.z) * t)};
     const Real carried = dot(throughput, scattered ? transmittance * medium.sigma_t : transmittance);
-    // The weight stays finite where hardly anything is transmitted: an opaque channel must not become 0 * infinity.
+    // The flight's weight stays finite where hardly anything is transmitted: no opaque channel may become 0 * infinity.
     const Real inverse_mean = carried > Real(0) ? min(std::numeric_limits<Real>::max(),
                                                       (throughput.x + throughput.y + throughput.z) / carried)
                                                 : Real(0);
@@ -71,7 +71,7 @@ PT_HD inline Vec3<Real> flight_weight(const ScatteringMedium<Real>& medium, cons
 // A subsurface random walk; path.origin and path.direction are the walk's, in the frame of the body at rest.
 struct Walk {
     static constexpr std::uint32_t none = 0xffffffffu;
-    std::uint32_t step = none;  // steps taken by the walk; none: the path is on no walk
+    std::uint32_t step = none;  // steps taken by the subsurface walk; `none`: the path is on no walk
     std::uint32_t object = 0;   // object that the walk is inside of
     bool on_surface = true;
 

@@ -46,7 +46,7 @@ struct IntegratorNeeds {
     KeyBounds key_bounds;               // bounds of the scene's positions, for sort keys
     // The queue's memory layout and the choices that work on the queue; only integrators with a queue use them.
     Layout layout = {};
-    std::vector<unsigned char> object_class = {};      // class of each object, as in Queue::object_class
+    std::vector<unsigned char> object_class = {};      // class of each object: 0 diffuse-like, 1 delta-like
     std::unique_ptr<Compaction> compaction = nullptr;  // compaction stage; null: the queue is not compacted
     std::unique_ptr<Sorting> sorting = nullptr;        // sorting stage; null: the queue is not sorted
 

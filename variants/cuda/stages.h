@@ -15,7 +15,7 @@ namespace pt::cuda {
 // the device; the host knows a bound on it, which is the count itself after a choice that waits for the device.
 struct Queue {
     PathStore paths;
-    PathStore spare;                       // second store as large as `paths`, for choices that move whole paths
+    PathStore spare;                       // second path store of equal size, for compactions and sorts that move paths
     void* hits = nullptr;                  // StoredHit<Real> by slot of the path, valid between intersect and shade
     std::uint32_t* order = nullptr;        // slots by position in the queue, with `capacity` entries
     std::uint32_t* order_spare = nullptr;  // second array of slots with `capacity` entries, for sorts and compactions

@@ -1,5 +1,5 @@
-// What the Thrust choices share: where a call's temporaries come from, how it waits for the device, and how it is
-// counted.
+// What the Thrust compactions and sorts share: where a call's temporaries come from, how it waits for the device, and
+// how it is counted.
 #pragma once
 
 #include <map>

@@ -46,7 +46,7 @@ public:
         read(1);
         PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));
         job_.work.host_waits += 1;
-        return counts_[0] == counts_[1];  // read before and after the segment: it counts all batches
+        return counts_[0] == counts_[1];  // read before and after the segment: the counter spans batches
     }
 
 private:

@@ -50,7 +50,7 @@ protected:
     // Constructs a wavefront. hit_bytes: size of a hit that is stored between two kernels; 0: none is.
     Wavefront(Job& job, IntegratorNeeds&& needs, std::size_t real_bytes, std::size_t hit_bytes);
 
-    // Enqueues the start of the first queue_.bound paths of queue_. These paths may have done their first segment.
+    // Enqueues the kernel that starts the first queue_.bound paths of queue_, and may trace their first segment, too.
     virtual void begin(std::uint32_t first_sample) = 0;
     // Enqueues a segment of the paths in queue_, without the compaction after it.
     virtual void trace(std::uint32_t segment) = 0;
@@ -73,7 +73,7 @@ protected:
     const IntegratorNeeds& needs() const { return needs_; }
     const Batches& batches() const { return batches_; }
 
-    Queue queue_;  // queue with the batch that is being enqueued
+    Queue queue_;  // queue of the batch that is being enqueued
     const bool appends_;
 
 private:

@@ -88,7 +88,7 @@ struct WalkOnParameters {
     FilmView film;
     PathStore store;
     StoredHit<Real>* hits;
-    WalkerList list;   // walks of which each takes some steps
+    WalkerList list;   // list of walks that the kernel takes some steps on
     WalkerList again;  // list that gets the walks which are not over
     PathSupply supply;
     HitCache<Real> cache;
@@ -496,7 +496,7 @@ private:
     std::uint32_t refill_every_;
     WalkerLists<Real, 2> walkers_;   // walks of the current round, and walks that go on in the next round
     PinnedWords ended_;              // host's copy of the device's Totals
-    std::uint32_t* next_ = nullptr;  // in device memory: the word of PathSupply::next
+    std::uint32_t* next_ = nullptr;  // in device memory: number of the next path to hand out
     PathSupply supply_ = {};
     std::uint64_t paths_before_ = 0;  // paths that this cell has begun in all goes, the current one included
 };

@@ -49,7 +49,7 @@ __device__ inline std::uint32_t append_by_block(std::uint32_t* count, bool keep)
     }
     __syncthreads();
     const std::uint32_t position = before[warp] + static_cast<std::uint32_t>(__popc(kept & ((1u << lane()) - 1u)));
-    __syncthreads();  // all have read `before`, which the next call overwrites
+    __syncthreads();  // all warps have read `before`: the next call overwrites it
     return position;
 }
 

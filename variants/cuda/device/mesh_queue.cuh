@@ -6,7 +6,7 @@
 
 namespace pt::cuda {
 
-// Whether a choice of the axis `traversal` fetches paths by a kernel of its own.
+// Whether a choice of the axis `traversal` takes rays through meshes in a kernel whose warps fetch paths.
 template <class Traversal>
 inline constexpr bool fetches_paths = requires {
     Traversal::fetches_paths;

@@ -10,10 +10,10 @@
 // What a warp begins together: one sample of each of 32 pixels in a row. Pixels beyond the image's last one have no
 // path.
 struct Round {
-    pt::PixelPlace first;  // first pixel of the warp's strip, among the device's own
+    pt::PixelPlace first;  // first pixel of the warp's strip, among the pixels of this device
     std::uint32_t sample;
 
-    // The pixel of the calling lane. The division by the width is made once a strip instead of once a path.
+    // The pixel of the calling lane. The division by the image's width is made once a strip instead of once a path.
     __device__ pt::PixelPlace place(std::uint32_t width) const {
         const std::uint32_t step = pt::cuda::lane();
         if (width < warp_size) {
