@@ -11,12 +11,12 @@ namespace pt {
 template <class Real>
 struct Camera {
     Vec3<Real> right, up, forward;  // orthonormal camera axes; `up` points up in the image
-    Real pixel_size;                // size of a pixel at distance 1: 2 tan(vertical_fov / 2) / height
+    Real pixel_size;                // size of a pixel on the plane at distance 1: 2 tan(vertical_fov / 2) / height
     std::uint32_t width, height;
     Real aperture_radius;               // lens radius in scene units; 0: a pinhole camera
     Real focus_distance;                // distance of the plane in focus along `forward`, scene units
     Real shutter_open, shutter_length;  // when the shutter opens, and for how long, in seconds
-    std::uint32_t shutter_late;         // 1: ray times have density 2s/length^2, s = time since the opening
+    std::uint32_t shutter_late;         // 1: ray times have density 2s/length^2, s = time since the shutter opened
     std::uint32_t jitter;               // 0: every camera ray passes through its pixel's centre
     std::uint32_t initial_medium;       // material whose medium the eye is in, or Path::no_medium
 };

@@ -31,8 +31,8 @@ struct EnvironmentMap {
     View<EnvironmentRow<Real>> rows;      // rows of the environment image from +y down
     View<EnvironmentTexel<Real>> texels;  // texels of the environment image, row by row
     std::uint32_t width;                  // number of texels in a row of the environment image
-    Real turn;                            // rotation about y: where the direction -z is in the image, in widths
-    std::uint32_t object_share;           // a random word below this draws an object that emits, not the environment
+    Real turn;                            // rotation about y: the image column of direction -z, in image widths
+    std::uint32_t object_share;           // a random word below this draws an emitting object, not the environment
     std::uint32_t stretch;                // 2^63 / object_share, to stretch random words below object_share
     Real inverse_probability;             // 1 / probability of drawing the environment
     Real inverse_object_probability;      // 1 / probability of drawing an emitting object

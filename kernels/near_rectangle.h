@@ -32,7 +32,7 @@ struct NearRectangle {
 
     struct Sample {
         Vec3<Real> point;
-        Real inverse_pdf;  // 1 / pdf of the direction by solid angle
+        Real inverse_pdf;  // 1 / pdf, by solid angle, of the direction to a point of the rectangle
     };
     PT_HD Sample sample(Real u, Real v) const {
         const Real x = x_at(u);
@@ -54,8 +54,8 @@ private:
     struct Stretch {
         Real square;  // squared distance from the observer to the rectangle's line, extended endlessly
         Real low, high;
-        Real inverse_low, inverse_high;  // 1 / distances from the observer to the line's ends
-        bool on_one_side;                // both ends of the line are on one side of the plane y = 0
+        Real inverse_low, inverse_high;  // 1 / distances from the observer to the ends of the rectangle's line
+        bool on_one_side;                // both ends of the rectangle's line are on one side of the plane y = 0
 
         PT_HD Stretch(const NearRectangle& of, Real x) : square(x * x + of.height * of.height) {
             inverse_low = inverse_root(square + of.y0 * of.y0);

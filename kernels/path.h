@@ -36,7 +36,7 @@ struct SurfaceId {
 
 template <class Real>
 struct Hit {
-    Real t = Real(0);             // distance along the unit direction, scene units
+    Real t = Real(0);             // distance of the hit along the ray's unit direction, scene units
     SurfaceId side;               // surface that was hit; nowhere: the ray left the scene
     std::uint32_t primitive = 0;  // triangle of the mesh that was hit; 0 for other shapes
 };
@@ -56,7 +56,7 @@ struct Path {
     Vec3<Real> throughput;  // throughput: product of BSDF * cosine / pdf so far
     Vec3<Real> radiance;    // light that the path has collected so far
     Real time;              // time of the path's rays in seconds
-    std::uint32_t pixel;    // row-major pixel index
+    std::uint32_t pixel;    // row-major index of the path's pixel
     std::uint32_t sample;
     std::uint32_t segment;     // number of ray segments traced so far (segments_of); `ended` once the path is over
     SurfaceId origin_surface;  // the surface that the ray starts on

@@ -31,7 +31,7 @@ template <class Real>
 struct LightSlot {
     std::uint32_t threshold;   // share, in 2^-32, of the alias-table slot that is the light's own; the rest: `alias`
     std::uint32_t alias;       // light that has the rest of the alias-table slot
-    Real inverse_probability;  // 1 / probability of the light by power
+    Real inverse_probability;  // 1 / probability of drawing the light by power
     std::uint32_t way;         // way down the light tree: bits 4i to 4i + 3 are the child at level i
 };
 
@@ -156,11 +156,11 @@ struct SceneView {
     AxisAlignedEnclosure<Real> enclosure;  // the enclosure whose walls are axis boxes
     RandomSeed seed;
     std::uint32_t depth;           // most ray segments in a path, at least 1
-    std::uint32_t final_bounce;    // 1: connect the last vertex to a light
-    std::uint32_t next_event;      // 1: connect every diffuse vertex but the last to a light
+    std::uint32_t final_bounce;    // 1: connect a path's last vertex to a light (final bounce)
+    std::uint32_t next_event;      // 1: connect every diffuse vertex of a path but the last to a light
     std::uint32_t mis_exponent;    // MIS weights: 0 none (connections only), 1 balance heuristic, 2 power heuristic
     std::uint32_t roulette_start;  // first segment after which Russian roulette is played; 0: never
-    LightSampling light_sampling;  // light sampling of boxes and quads that emit
+    LightSampling light_sampling;  // how points on boxes and quads that emit are sampled
     std::uint16_t near_light;      // automatic light sampling: near limit, in hundredths of a light's half diagonal
     LightSelection light_selection;
     std::uint32_t one_sample;  // 1: one-sample MIS: either a connection counts or a light that is hit

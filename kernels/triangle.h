@@ -18,7 +18,7 @@ struct Triangle {
 // against the ray. The direction need not be a unit vector; distances come in multiples of it.
 template <class Real>
 struct ShearedDirection {
-    std::uint32_t kx, ky, kz;  // kz: the axis of the direction's largest component
+    std::uint32_t kx, ky, kz;  // kz: the axis of the largest component of the ray's direction
     Vec3<Real> shear;          // shift in x and y per unit of z, and 1 / the direction's largest component
 
     PT_HD static ShearedDirection of(const Vec3<Real>& direction) {

@@ -72,7 +72,7 @@ PT_HD inline Vec3<Real> flight_weight(const ScatteringMedium<Real>& medium, cons
 struct Walk {
     static constexpr std::uint32_t none = 0xffffffffu;
     std::uint32_t step = none;  // steps taken by the subsurface walk; `none`: the path is on no walk
-    std::uint32_t object = 0;   // object that the walk is inside of
+    std::uint32_t object = 0;   // object that the subsurface walk is inside of
     bool on_surface = true;
 
     PT_HD bool is_on() const { return step != none; }

@@ -20,7 +20,7 @@ void Batches::clear() {
 }
 
 void Batches::prepare(const Enqueue& enqueue) {
-    if (!launch_.is_captured || job_.stages != nullptr) {  // stage events cannot be captured in a graph
+    if (!launch_.is_captured || job_.stages != nullptr) {  // the CUDA events that time stages cannot be captured
         return;
     }
     PT_CUDA_CHECK(cudaMemcpyAsync(next_sample_, &job_.first_sample, sizeof job_.first_sample, cudaMemcpyHostToDevice,

@@ -31,7 +31,7 @@ struct Job {
     std::uint32_t kept_rays = 0;    // camera rays of a pixel that the first-bounce cache keeps; 0: there is none
     std::uint32_t cached_rays = 0;  // how many of the kept_rays earlier parts of the render have traced
     Totals* totals = nullptr;
-    HealthRequest health;  // audit request of the integrator audited, with counters in device memory
+    HealthRequest health;  // audit that the integrator `audited` makes, with counters in device memory
     SegmentCounts segments;
     StageEvents* stages = nullptr;  // stage timers; null: the render is not instrumented
     WorkCounters work;

@@ -17,7 +17,7 @@ struct Queue {
     PathStore paths;
     PathStore spare;                       // second path store of equal size, for compactions and sorts that move paths
     void* hits = nullptr;                  // StoredHit<Real> by slot of the path, valid between intersect and shade
-    std::uint32_t* order = nullptr;        // slots by position in the queue, with `capacity` entries
+    std::uint32_t* order = nullptr;        // slots of paths by queue position, with `capacity` entries
     std::uint32_t* order_spare = nullptr;  // second array of slots with `capacity` entries, for sorts and compactions
     std::uint32_t* keys = nullptr;         // sort keys by position in play, `capacity` entries; for sorts alone
     std::uint32_t* keys_spare = nullptr;   // second array of sort keys, with `capacity` entries
@@ -25,7 +25,7 @@ struct Queue {
     std::uint32_t* count_spare = nullptr;  // second counter of paths in play, in device memory
     std::uint32_t bound = 0;               // upper bound on the number of paths in play
     bool indirect = false;
-    std::uint32_t capacity = 0;                   // number of path slots
+    std::uint32_t capacity = 0;                   // number of path slots of the queue
     const unsigned char* object_class = nullptr;  // class of each object, on the device: 0 diffuse-like, 1 delta-like
 
     void swap_order() { std::swap(order, order_spare); }

@@ -90,7 +90,7 @@ private:
     IntegratorNeeds needs_;
     std::size_t real_bytes_, hit_bytes_;
     Batches batches_;
-    bool reads_back_;  // the host reads the count back after each compaction
+    bool reads_back_;  // the host reads the count of paths in play back after each compaction
     PinnedWords pinned_;
     Queue start_;  // the queue as it is when a batch starts
     PathBytes path_bytes_;

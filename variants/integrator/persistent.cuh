@@ -34,7 +34,7 @@ struct Pieces {
     Totals* totals;
     std::uint64_t* next;
     Round round = {};        // the round that the warp begins next: a strip of pixels and a sample
-    std::uint32_t left = 0;  // rounds left in the piece that the warp works on
+    std::uint32_t left = 0;  // rounds left in the piece of the image that the warp works on
     bool are_done = false;
 
     __device__ bool take(Round& taken, ThreadCounters& counters) {

@@ -41,7 +41,7 @@ struct IntersectPathsParameters {
     SegmentCounts segments;
     std::uint32_t* keys;
     std::uint32_t bits;
-    std::uint32_t chunk;  // slots in a chunk of the queue, for sort keys by chunk only
+    std::uint32_t chunk;  // number of slots in a chunk of the queue, for sort keys by chunk only
     std::uint32_t last_key;
     KeyBounds bounds;
     MeshQueue meshes;  // gets the paths whose rays traversal=persistent takes through meshes in a kernel of its own

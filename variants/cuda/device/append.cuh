@@ -67,7 +67,7 @@ __device__ inline void finish_list(ListCounts* counts) {
 // Elements gathered by a block: element i below `count` gets position first + i among the elements of all blocks.
 struct Gathered {
     std::uint32_t first, count;   // position of the block's first element among all blocks'; undefined if it has none
-    const std::uint32_t* values;  // gathered values in shared memory, until the block gathers again
+    const std::uint32_t* values;  // the block's gathered values in shared memory, until it gathers again
 };
 
 // append_by_block, which here also puts the block's kept values side by side into shared memory, in thread order.

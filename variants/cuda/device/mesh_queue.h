@@ -39,7 +39,7 @@ struct IntersectMeshesParameters {
     StoredHit<Real>* hits;
     std::uint32_t* keys;
     std::uint32_t bits;
-    std::uint32_t chunk;  // slots in a chunk of the queue, for sort keys by chunk only
+    std::uint32_t chunk;  // number of slots in a chunk of the queue, for sort keys by chunk only
     KeyBounds bounds;
 };
 

@@ -12,7 +12,7 @@
 // The paths that a warp takes from the pool: lanes below `count` have a slot each, all of one kind.
 struct Taken {
     std::uint32_t kind, count, slot;
-    bool finished;  // all slots of the block are retired: no path is left to work on
+    bool finished;  // every path slot of the block is retired: no path is left to work on
 };
 
 struct PoolSize {

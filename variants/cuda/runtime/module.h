@@ -28,7 +28,7 @@ struct ModuleRequest {
     KernelConfig config = {};
     std::vector<KernelConstant> constants = {};  // constants of the integrator that its kernels read as tuned::NAME
     std::vector<KernelSignature> kernels = {};   // kernels that the host launches
-    std::vector<std::string> options = {};       // compiler options that the choice of arithmetic needs
+    std::vector<std::string> options = {};       // compiler options that the variant's choice of arithmetic needs
     std::string prelude = "";                    // source text with which the program begins
     std::string architecture;                    // "sm_90"
 };
