@@ -18,7 +18,7 @@ struct AxisAlignedEnclosure {
     // Face of the wall behind the low (high) side of each axis; `nowhere` if that side is open.
     SurfaceId low_side[3], high_side[3];
     std::uint32_t walls = 0;       // bit i: axis box i is a wall of the enclosure; 0: there is no enclosure
-    std::uint32_t lamps = 0;       // bit i: axis box i has an emitter material: no path starts there
+    std::uint32_t lamps = 0;       // bit i: axis box i has an emitter material, so no path starts on it
     std::uint32_t open_sides = 0;  // bit 2 * axis (+ 1): the low (high) side across the axis is open
 
     // Whether axis box i, an index into SceneView::axis_boxes, is a wall of the enclosure.

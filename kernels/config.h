@@ -93,8 +93,8 @@ enum class Feature : FeatureSet {
     splitting = feature_bit::sampling << 3,
     // Features that only make a kernel faster: no scene needs them, and they do not change the film.
     enclosure = feature_bit::traversal << 0,
-    // Features that compute by other formulas and so round otherwise: intersection in double precision within single
-    // precision (kernels/widen.h), and textbook forms throughout (kernels/naive.h).
+    // Features for other formulas, which round differently: intersection in double precision within single precision
+    // (kernels/widen.h), and textbook forms throughout (kernels/naive.h).
     double_intersection = feature_bit::traversal << 1,
     naive = feature_bit::traversal << 2,
     // Ways to search mesh instances other than one by one: a tree over them (kernels/object_tree.h), and one tree over

@@ -83,8 +83,8 @@ PT_HD inline Vec3<Real> rounded_to(const Vec3<double>& v) {
 
 PT_HD inline Vec3<double> widened(const Vec3<float>& v) { return Vec3<double>(v); }
 
-// The distance through a body for a ray that starts on it and runs inside: its own surface lies at t = 0 on the near
-// side.
+// The distance through a body for a ray that starts on it and runs inside: the surface that it starts on lies at t = 0,
+// on the near side.
 template <class Shape, class Real>
 PT_HD inline Real chord(const Shape& shape, const Vec3<Real>& origin, const Vec3<Real>& direction) {
     return max(interval(shape, origin, direction).far, Real(0));

@@ -28,7 +28,7 @@ struct Transform {
     }
 };
 
-// Where a ray meets the unit quad, as in kernels/shapes/quad.h: the edges reach out by the rounding of the hit point.
+// Where a ray meets the unit quad, as in kernels/shapes/quad.h: its edges are widened by the hit point's rounding.
 template <class Real>
 PT_HD inline Interval<Real> unit_quad_interval(const Vec3<Real>& origin, const Vec3<Real>& direction) {
     const Real t = -origin.y / direction.y;

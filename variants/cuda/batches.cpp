@@ -40,7 +40,7 @@ void Batches::prepare(const Enqueue& enqueue) {
     work_per_graph_.graph_nodes = graph_->nodes();
 }
 
-// Launches a batch as a CUDA graph, which by itself goes on at the sample where its last launch ended.
+// Launches a batch as a CUDA graph, whose every launch goes on at the sample where the launch before ended.
 void Batches::launch_graph(std::uint32_t sample) {
     if (graph_sample_ != sample) {
         set_value(next_sample_, sample, job_.stream);

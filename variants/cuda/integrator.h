@@ -38,7 +38,7 @@ public:
     virtual PathBytes path_bytes() const { return {}; }
 };
 
-// What an integrator on CUDA is made from, with the job: the variant, its choices on the queue, facts of the scene.
+// What an integrator on CUDA is made from, besides the job: variant, choices on its queue, facts of the scene.
 struct IntegratorNeeds {
     Variant variant;
     VariantTraits traits;

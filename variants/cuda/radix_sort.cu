@@ -58,7 +58,7 @@ cudaError_t sort_bits(void* memory, std::size_t& bytes, Words& keys, Words& valu
 
 }  // namespace
 
-// Reserves CUB's storage for sorts by all bits of a key, which need most passes and storage, and by few bits.
+// Reserves CUB's storage for two sorts: by all bits of a key, with most passes and storage, and by few bits.
 void RadixSort::reserve(Arena& arena, const Queue& queue) {
     storage_.reserve(arena, [&](void* memory, std::size_t& bytes) {
         Words keys, slots;

@@ -45,7 +45,6 @@ struct CellContext {
     std::uint32_t materials = 0;
     std::uint32_t multiprocessors = 1;
     cudaStream_t stream = nullptr;
-    // Returns the value of a tunable in the variant.
     std::function<std::uint32_t(std::string_view)> tunable;
     // Kernels of the choice (Hooks::kernels), from the source of its name (variants/compaction/NAME.cuh), compiled for
     // the cell's layout, precision and GPU.
@@ -62,7 +61,7 @@ public:
     // Takes device memory beyond the queue's; called with a measuring arena first, then with one that has the memory.
     // Every pointer of the queue but its counts is null in the first call.
     virtual void reserve(Arena&, const Queue&) {}
-    // Enqueues the compaction. Afterwards *queue.count paths are in play, and queue.bound is not less.
+    // Enqueues the compaction. Afterwards *queue.count paths are in play, and queue.bound is at least their number.
     virtual void compact(Queue& queue) = 0;
     virtual bool needs_spare_paths() const { return false; }
     // Whether the compaction copies whole paths, in which case a store must have room for every field of a path.

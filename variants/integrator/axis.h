@@ -18,7 +18,7 @@ struct IntegratorTraits {
 };
 
 // What an integrator on the CPU is compiled for beside the feature sets of every integrator. The build reads these
-// lines of NAME.h (cmake/variants.cmake): each member that is true is on a line of its own.
+// members from NAME.h (cmake/variants.cmake): each that is true is on a line of its own.
 struct KernelSets {
     bool in_double = false;        // generic kernels also in double precision, and with the textbook's formulas
     bool with_path_trees = false;  // also kernels for paths that split

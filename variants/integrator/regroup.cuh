@@ -91,7 +91,7 @@ PT_KERNEL(regroup, pt::cuda::RegroupParameters<Real>,
     Path path;
     Hit hit;
     pt::Walk walk;
-    std::uint32_t kind = Kinds::nothing;  // kind of stage that the lane's path needs next
+    std::uint32_t kind = Kinds::nothing;  // kind of the next stage of the lane's path
     Taken taken = pool.exchange(0, kind);
     bool is_taken = true;  // the warp has just taken paths from the pool, and is to load them
     while (!taken.finished) {

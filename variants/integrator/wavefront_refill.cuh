@@ -118,7 +118,7 @@ struct RefillQueueParameters {
 
 namespace pt::cuda {
 
-// Distance in the hit of a slot whose path is on a subsurface walk; no other hit has it.
+// Mark of a slot whose path is on a subsurface walk: this distance in its hit, which no other hit has.
 inline constexpr ::Real on_a_walk = -1;
 
 // Whether the path in a slot is on a subsurface walk, so that it is neither traced nor shaded.
@@ -359,17 +359,18 @@ public:
 private:
     static constexpr std::uint32_t most_paths = 1u << 30;
     static constexpr std::uint32_t most_rounds = 1u << 31;
-    // Rounds that are enqueued ahead of the one that the device has begun, so that the device never waits for the host.
+    // Rounds enqueued ahead of the one that the device has begun, so that the device never waits for the host.
     static constexpr std::uint32_t rounds_ahead = 4;
     // Rounds between two checks of how many paths have ended, once all have begun. A check waits for the device.
     static constexpr std::uint32_t rounds_between_looks = 64;
     // Rounds between two checks where walks take rounds of their own: how many rounds are left is not known then.
     static constexpr std::uint32_t rounds_between_looks_at_walks = 8;
-    // Bound on rounds that a subsurface walk takes between two segments of a path, exceeded by hardly any walk.
+    // Bound on the rounds that a subsurface walk takes between two segments of a path; hardly any walk takes more.
     static constexpr std::uint32_t rounds_of_long_walks = 1024;
 
-    // Samples that a go may have for its rounds to be numbered. A path has its slot for at most longest_path rounds,
-    // walks aside, and leaves it empty for fewer than refill_every_. Half of the numbers is left for the last paths.
+    // Samples of a pixel in one go (part of a render), few enough for its rounds to be numbered. A path has its slot
+    // for at most longest_path rounds, walks aside, and leaves it empty for fewer than refill_every_. Half of the
+    // numbers is left for the last paths.
     std::uint32_t samples_within(std::uint32_t rounds) const {
         const std::uint64_t longest =
             std::uint64_t{job_.longest_path} * (walkers_.are_apart() ? rounds_of_long_walks : 1);

@@ -53,7 +53,7 @@ __device__ inline std::uint32_t append_by_block(std::uint32_t* count, bool keep)
     return position;
 }
 
-// Resets a list's counts once all thread blocks have called it. Every thread of a block must call it, and last of all.
+// Resets a list's counts once all thread blocks have called it, each thread of a block after all else that it does.
 __device__ inline void finish_list(ListCounts* counts) {
     __syncthreads();
     if (threadIdx.x == 0) {

@@ -28,8 +28,8 @@ using Scene = pt::SceneView<Real>;
 using Path = pt::Path<Real>;
 using Hit = pt::Hit<Real>;
 using StoredHit = pt::StoredHit<Real>;
-// Counters of one thread, in 32 bits: the host splits longer renders into several launches, or the kernel adds the
-// counters up in between.
+// Counters of one thread, in 32 bits: lest they overflow, the host splits longer renders into several launches, or the
+// kernel adds the counters up in between.
 using ThreadCounters = pt::PathCountersOf<std::uint32_t>;
 using HitCache = pt::cuda::HitCache<Real>;
 using pt::FilmView;

@@ -33,7 +33,7 @@ struct SegmentCounts {
     std::uint32_t copies = 1;
 };
 
-// Segment that a kernel traces: known at launch or, in the loop of a CUDA graph, `number` plus the loop's count.
+// Segment that a kernel traces: `number` or, in the loop of a CUDA graph, `number` plus the loop's count so far.
 struct SegmentNumber {
     std::uint32_t number = 0;
     const std::uint32_t* offset = nullptr;  // count of the graph loop's segments, in device memory; null: no loop

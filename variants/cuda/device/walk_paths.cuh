@@ -9,7 +9,7 @@
 // A warp takes new walkers once at most so many of its lanes walk: taking one walker costs as much as taking many.
 inline constexpr int walking_at_fetch = 20;
 
-// Puts a path that has left its body where the next segment finds it, and ends a path that was lost on its walk.
+// Stores a path that has left its body where the next segment reads it, and ends a path that was lost on its walk.
 __device__ inline void put_after_walk(const FilmView& film, const Path& path, bool alive, const Walker& walker,
                                       const PathStore& in, const PathStore& out, std::uint32_t* out_count,
                                       std::uint32_t parts, ThreadCounters& counters) {

@@ -36,7 +36,7 @@ struct ModuleRequest {
 struct ModuleImage {
     std::string cubin;
     std::string key;                   // hash of sources, options and architecture, which names the cached module
-    std::vector<std::string> options;  // NVRTC's options, then the config and constants of the program's text
+    std::vector<std::string> options;  // options for NVRTC, then the config and constants in the program's text
     double compile_seconds = 0;
     bool from_cache = false;
 };
