@@ -8,7 +8,7 @@ namespace pt {
 struct IntegratorTraits {
     bool has_queue = false;             // paths lie in memory between stages, where they can be compacted and sorted
     bool can_loop = false;              // the loop over bounces can be the loop of a CUDA graph
-    bool appends_in_kernel = false;     // its own kernel can append live paths, as compactions with AppendInKernel do
+    bool appends_in_kernel = false;     // integrator's kernel can append paths, as compactions with AppendInKernel do
     bool seeds_by_position = false;     // samplers may be seeded by where in the queue a path lies
     bool sums_in_order = false;         // a pixel's samples are added to the film in their order
     bool traces_in_own_kernel = false;  // rays are traced in a kernel of their own, whose warps may fetch rays

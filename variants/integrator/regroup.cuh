@@ -126,7 +126,7 @@ PT_KERNEL(regroup, pt::cuda::RegroupParameters<Real>,
         if (alive && Kinds::has_walks && walk.is_on()) {
             kind = Kinds::walking;
         } else if (alive && Kinds::may_walk(taken.kind)) {
-            kind = Kinds::starting;  // its ray waits to be traced with others: few paths leave a body at a time
+            kind = Kinds::starting;  // the ray waits to be traced with others: few paths leave a body at a time
         } else if (alive) {
             const bool is_kept = kernel_config.keeps_first_hits && path.segment == 0;
             hit = is_kept ? first_hit(scene, path, cache) : trace(scene, path);
