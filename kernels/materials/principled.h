@@ -39,8 +39,7 @@ struct Principled {
     Real metal_share, diffuse_share, glass_share;  // shares of the principled lobe's three parts, which sum to 1
     Real layer_reflectance;                        // reflectance of a smooth boundary in the viewing direction, F(n.v)
     Real diffuse_probability;
-    Vec3<Real>
-        diffuse_colour;  // factor of a diffuse sample's weight: base colour * diffuse_share / diffuse_probability
+    Vec3<Real> diffuse_colour;  // in a diffuse sample's weight: base colour * diffuse_share / diffuse_probability
     bool are_facets_wide;
     std::uint32_t medium_beyond;
 
