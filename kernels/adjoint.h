@@ -21,12 +21,12 @@ template <class Real>
 struct AdjointCache {
     Vec3<Real> low;  // lowest corner of the adjoint grid, in scene units from the eye
     Vec3<Real> cells_a_unit;
-    std::uint32_t cells;  // number of grid cells along each axis
+    std::uint32_t cells;  // number of the adjoint grid's cells along each axis
     // Weight window, from lowest to highest, on a path's expected contribution in units of its pixel's value.
     Real lowest, highest;
     std::uint32_t most_branches;  // most branches into which a path splits at a vertex; 1: paths do not split
-    // Adjoint estimates, relative to the image's mean: the radiance that paths bring from a grid cell and side, over
-    // their throughput there; a factor for each number of segments; and 1 over each pixel's value.
+    // Adjoint estimates, relative to the image's mean. by_place: the radiance that paths bring from a grid cell and
+    // side, per throughput there; by_segment: a factor per number of segments; by_pixel: 1 / each pixel's value.
     View<float> by_place;
     View<float> by_segment;
     View<float> by_pixel;

@@ -18,8 +18,8 @@ struct AxisAlignedEnclosure {
     // Face of the wall behind the low (high) side of each axis; `nowhere` if that side is open.
     SurfaceId low_side[3], high_side[3];
     std::uint32_t walls = 0;       // bit i: axis box i is a wall of the enclosure; 0: there is no enclosure
-    std::uint32_t lamps = 0;       // bit i: axis box i has an emitter material: no path starts there
-    std::uint32_t open_sides = 0;  // bit 2 * axis: the low side is open; bit 2 * axis + 1: the high side is open
+    std::uint32_t lamps = 0;       // bit i: axis box i has an emitter material, so no path starts on it
+    std::uint32_t open_sides = 0;  // bit 2 * axis (+ 1): the low (high) side across the axis is open
 
     // Whether axis box i, an index into SceneView::axis_boxes, is a wall of the enclosure.
     PT_HD bool is_wall(std::uint32_t i) const { return i < 32 && ((walls >> i) & 1u) != 0; }
@@ -41,8 +41,8 @@ struct EnclosureExit {
 template <class Real>
 inline constexpr Real room_slack = Real(1) + Real(4) * gamma<Real>(3);
 
-// Whether a ray from outside enters the enclosure by an open side before it leaves at distance `exit`: across the last
-// of its three entry planes, which must be last by more than the slack, so that each axis is tested alone.
+// Whether a ray from outside enters the enclosure by an open side, at a distance below `exit`. The ray crosses three
+// side planes inwards and enters by the last of them; two that tie within room_slack count as no entry.
 template <class Real>
 PT_HD inline bool enters_by_open_side(const AxisAlignedEnclosure<Real>& enclosure, const Vec3<Real>& origin,
                                       const Vec3<Real>& inverse, Real exit) {
@@ -84,9 +84,9 @@ PT_HD inline EnclosureExit<Real> leave_enclosure(const AxisAlignedEnclosure<Real
                    : side_z};
 }
 
-// Which of an enclosure's walls lie between two points. The enclosure is convex: no wall lies between two points
-// inside, and one wall does if the second point lies beyond walls alone, since the segment crosses no other plane.
-// Where the answer is `unknown`, the slab test of every wall decides.
+// Which of an enclosure's walls lie between two points, the first of them inside. The enclosure is convex: no wall lies
+// between two points inside it, and exactly one does if the second point is outside, beyond walls but beyond no open
+// side. Where the answer is `unknown`, the slab test of every wall decides.
 enum class WallsBetween { none, one, unknown };
 
 template <class Real>
@@ -108,7 +108,7 @@ PT_HD inline WallsBetween walls_between(const AxisAlignedEnclosure<Real>& enclos
             to_wall = min(to_wall, within[side]);
         }
     }
-    // `margin` exceeds the rounding errors of a point on the ray and of the slab test.
+    // `margin`, for distances to a side, exceeds the rounding errors of a point on the ray and of the slab test.
     const Real margin = gamma<Real>(64) * (absolute(low.x) + absolute(low.y) + absolute(low.z) + absolute(high.x) +
                                            absolute(high.y) + absolute(high.z));
     if (enclosure.walls == 0 || !enclosure.contains(from) || !(open < -margin)) {

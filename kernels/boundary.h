@@ -28,7 +28,7 @@ PT_HD inline Vec3<Real> reflect(const Vec3<Real>& direction, const Vec3<Real>& n
 template <class Real>
 struct Refraction {
     Real reflectance;  // Fresnel reflectance; 1 under total internal reflection
-    Real q;            // n cos(theta_t), theta_t the angle of refraction
+    Real q;            // n cos(theta_t), with the relative index n and the angle of refraction theta_t
 };
 
 // Fresnel reflectance at a boundary for a cosine of incidence in [0, 1].

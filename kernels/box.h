@@ -123,7 +123,7 @@ PT_HD inline LightSample<Real> sample_box(const Vec3<Real>& half, Real u, Real v
     const Real zx = half.z * half.x;
     const Real xy = half.x * half.y;
     const Real total = yz + zx + xy;
-    Real pick = w * Real(2);  // random number in [0, 2): its integer part chooses the side, its fraction the axis
+    Real pick = w * Real(2);  // in [0, 2): integer part chooses the box's low or high side, fraction the axis
     const bool high = pick >= Real(1);
     pick = (high ? pick - Real(1) : pick) * total;
     const Real side = high ? Real(1) : Real(-1);

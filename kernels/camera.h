@@ -11,12 +11,12 @@ namespace pt {
 template <class Real>
 struct Camera {
     Vec3<Real> right, up, forward;  // orthonormal camera axes; `up` points up in the image
-    Real pixel_size;                // size of a pixel at distance 1: 2 tan(vertical_fov / 2) / height
+    Real pixel_size;                // size of a pixel on the plane at distance 1: 2 tan(vertical_fov / 2) / height
     std::uint32_t width, height;
     Real aperture_radius;               // lens radius in scene units; 0: a pinhole camera
     Real focus_distance;                // distance of the plane in focus along `forward`, scene units
-    Real shutter_open, shutter_length;  // shutter times in seconds
-    std::uint32_t shutter_late;         // 1: ray times have density 2s/length^2, s = time since the opening
+    Real shutter_open, shutter_length;  // when the shutter opens, and for how long, in seconds
+    std::uint32_t shutter_late;         // 1: ray times have density 2s/length^2, s = time since the shutter opened
     std::uint32_t jitter;               // 0: every camera ray passes through its pixel's centre
     std::uint32_t initial_medium;       // material whose medium the eye is in, or Path::no_medium
 };
@@ -73,7 +73,7 @@ PT_HD inline Path<typename Config::Real> camera_path(const Camera<typename Confi
             in_pixel_y = unit_interval<Real>(words.y);
         }
     }
-    // x - width/2 is exact, so a sample cannot round into the neighbouring pixel (docs/numerics.md S45).
+    // The column - width/2 is exact, so a sample cannot round into the neighbouring pixel (docs/numerics.md S45).
     const Real x = (static_cast<Real>(place.x) - Real(0.5) * static_cast<Real>(camera.width)) + in_pixel_x;
     const Real y = (static_cast<Real>(place.y) - Real(0.5) * static_cast<Real>(camera.height)) + in_pixel_y;
     Vec3<Real> direction =

@@ -29,12 +29,12 @@ using FeatureSet = std::uint64_t;
 
 // First bit of each group of features in a FeatureSet. The bits of a group are contiguous, with spare ones for more.
 namespace feature_bit {
-inline constexpr FeatureSet camera = FeatureSet{1} << 0;      // 2 feature bits for the camera
-inline constexpr FeatureSet shape = FeatureSet{1} << 2;       // 16 feature bits for shapes
-inline constexpr FeatureSet material = FeatureSet{1} << 18;   // 17 feature bits for materials
-inline constexpr FeatureSet light = FeatureSet{1} << 35;      // 11 feature bits for lights
-inline constexpr FeatureSet sampling = FeatureSet{1} << 46;   // 12 feature bits for sampling
-inline constexpr FeatureSet traversal = FeatureSet{1} << 58;  // 6 feature bits for traversal
+inline constexpr FeatureSet camera = FeatureSet{1} << 0;      // first of 2 feature bits for the camera
+inline constexpr FeatureSet shape = FeatureSet{1} << 2;       // first of 16 feature bits for shapes
+inline constexpr FeatureSet material = FeatureSet{1} << 18;   // first of 17 feature bits for materials
+inline constexpr FeatureSet light = FeatureSet{1} << 35;      // first of 11 feature bits for lights
+inline constexpr FeatureSet sampling = FeatureSet{1} << 46;   // first of 12 feature bits for sampling
+inline constexpr FeatureSet traversal = FeatureSet{1} << 58;  // first of 6 feature bits for traversal
 }  // namespace feature_bit
 
 enum class Feature : FeatureSet {
@@ -93,8 +93,8 @@ enum class Feature : FeatureSet {
     splitting = feature_bit::sampling << 3,
     // Features that only make a kernel faster: no scene needs them, and they do not change the film.
     enclosure = feature_bit::traversal << 0,
-    // Features that compute by other formulas and so round otherwise: intersection in double precision within single
-    // precision (kernels/widen.h), and textbook forms throughout (kernels/naive.h).
+    // Features for other formulas, which round differently: intersection in double precision within single precision
+    // (kernels/widen.h), and textbook forms throughout (kernels/naive.h).
     double_intersection = feature_bit::traversal << 1,
     naive = feature_bit::traversal << 2,
     // Ways to search mesh instances other than one by one: a tree over them (kernels/object_tree.h), and one tree over
@@ -103,7 +103,7 @@ enum class Feature : FeatureSet {
     flat_tree = feature_bit::traversal << 4,
 };
 
-// Light sampling and selection as a variant asks for them, by the features of light_samplings and light_selections.
+// How a light is sampled and selected; a variant asks for it by features in light_samplings and light_selections.
 enum class LightSampling : std::uint16_t { solid_angle, area, projected, automatic };
 enum class LightSelection : std::uint32_t { uniform, power, tree };
 
@@ -193,7 +193,7 @@ struct Config {
 };
 
 // Whether a kernel is compiled for scenes whose only light is one fixed object, so that all threads read the same light
-// data. A configuration on the device says so where it applies.
+// data. A configuration on the device has a member has_one_light where that is so.
 template <class Config>
 PT_HD constexpr bool has_one_light() {
     if constexpr (requires { Config::has_one_light; }) {
@@ -224,8 +224,8 @@ __noinline__
     return function();
 }
 
-// Calls `function`: out of line in a kernel with all features, so that all call sites share one body of 10^5
-// instructions. For that the lambda must stand in a function that is the same for all call sites.
+// Calls `function`; in a kernel with all features out of line, so that all call sites share one compiled body (10^5
+// instructions). The call sites must pass the lambda of one function: each lambda expression has a body of its own.
 template <class Config, class Function>
 PT_HD inline auto in_one_place(const Function& function) {
     if constexpr (has_everything(Config::features)) {

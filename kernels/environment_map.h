@@ -12,18 +12,18 @@
 
 namespace pt {
 
-// A row of an environment image: directions whose cosine to +y lies between `top` and the next row's `top`, or -1.
+// A row of an environment image: directions whose cosine to +y is from the next row's `top` (or -1) to `top`.
 template <class Real>
 struct EnvironmentRow {
     Real top;
-    Real inverse_pdf;     // 1 / pdf of a direction in this row if its texel had probability 1
-    std::uint32_t first;  // start of the row's interval of random words [0, 2^32), up to the next row's
+    Real inverse_pdf;     // 1 / pdf of a direction in this environment row if its texel had probability 1
+    std::uint32_t first;  // first random word in [0, 2^32) that draws this row; the last is before the next row's first
 };
 
 template <class Real>
 struct EnvironmentTexel {
     Vec3<Real> radiance;
-    std::uint32_t first;  // start of the texel's interval of random words [0, 2^32) in its row
+    std::uint32_t first;  // first of the random words that draw this texel in its row; they end at the next texel's
 };
 
 template <class Real>
@@ -31,14 +31,14 @@ struct EnvironmentMap {
     View<EnvironmentRow<Real>> rows;      // rows of the environment image from +y down
     View<EnvironmentTexel<Real>> texels;  // texels of the environment image, row by row
     std::uint32_t width;                  // number of texels in a row of the environment image
-    Real turn;                            // rotation about y: where the direction -z is in the image, in widths
-    std::uint32_t object_share;           // a random word below this draws an object that emits, not the environment
+    Real turn;                            // rotation about y: the image column of direction -z, in image widths
+    std::uint32_t object_share;           // a random word below this draws an emitting object, not the environment
     std::uint32_t stretch;                // 2^63 / object_share, to stretch random words below object_share
     Real inverse_probability;             // 1 / probability of drawing the environment
     Real inverse_object_probability;      // 1 / probability of drawing an emitting object
 };
 
-// Index of the last of `count` entries whose interval of [0, 2^32) begins at or below `word`, by binary search.
+// Index of the last of `count` table entries whose interval of random words begins at or below `word`: binary search.
 template <class Entry>
 PT_HD inline std::uint32_t entry_at(const Entry* entries, std::uint32_t count, std::uint32_t word) {
     std::uint32_t low = 0, high = count;

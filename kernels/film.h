@@ -48,10 +48,10 @@ struct FilmView {
     FilmFaults* faults = nullptr;
     double scale = 1.0;  // quanta per unit of radiance, a power of two
     double limit = 0.0;  // largest quanta of one sample such that the sum of all samples cannot overflow
-    // Scale and limit of radiance in single precision, where a product with a power of two is exact as well. A negative
-    // limit says not to use single precision.
+    // The film's `scale` and `limit` for radiance in single precision, where a product with a power of two is exact as
+    // well. If single_limit is negative, single precision is not used.
     float single_scale = 1.0f;
-    float single_limit = -1.0f;  // the largest float not above `limit`; negative: none
+    float single_limit = -1.0f;  // the largest float not above `limit`, the most quanta of one sample; negative: none
 
     // Converts one sample's radiance to quanta. Faults are counted; a sample that is not finite is left out.
     PT_HD FilmSum quanta(const Vec3<float>& radiance) const {

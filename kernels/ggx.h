@@ -24,7 +24,7 @@ template <class Real>
 struct GgxFacets {
     Vec3<Real> outgoing, normal;
     Real alpha;      // GGX roughness; 0: all facets lie in the surface
-    Real cosine, q;  // cosine of `outgoing` to the normal, and stretched(cosine)
+    Real cosine, q;  // cosine c of `outgoing` to the normal, and sqrt(c^2 + alpha^2 (1 - c^2))
 
     PT_HD GgxFacets(Real alpha_of, const Vec3<Real>& outgoing_to, const Vec3<Real>& normal_of)
         : outgoing(outgoing_to),
@@ -37,7 +37,7 @@ struct GgxFacets {
     // how the directions round.
     PT_HD bool are_wide() const { return alpha >= Real(0x1p-7); }
 
-    // sqrt(c^2 + alpha^2 (1 - c^2)), a part of Smith's masking; never below the cosine c, so that no share is above 1.
+    // sqrt(c^2 + alpha^2 (1 - c^2)) of a cosine c, for Smith's masking; at least c, so no unmasked share is above 1.
     PT_HD Real stretched(Real c) const {
         return max(square_root(c * c + alpha * alpha * ((Real(1) - c) * (Real(1) + c))), c);
     }

@@ -99,7 +99,7 @@ PT_HD inline Vec3<Real> guided_step_weight(const ScatteringMedium<Real>& medium,
         return step.scattered ? medium.scattering_albedo * weight : Vec3<Real>{weight, weight, weight};
     }
     const auto guided_sigma = [&](int i) { return medium.sigma_t[i] * step.thinned(medium.guide_decay[i]); };
-    // Transmittances are relative to the most transparent of the six densities, so at least one does not underflow.
+    // Relative to the most transparent of the six densities (3 channels, guided or not) one transmittance is always 1.
     Real least = min(medium.sigma_t.x, guided_sigma(0));
     for (int i = 1; i < 3; ++i) {
         least = min(least, min(medium.sigma_t[i], guided_sigma(i)));
@@ -113,7 +113,7 @@ PT_HD inline Vec3<Real> guided_step_weight(const ScatteringMedium<Real>& medium,
         density += throughput[i] * (step.scattered ? medium.sigma_t[i] * mean : mean);
         carries[i] = step.scattered ? medium.sigma_s[i] * transmittance : transmittance;
     }
-    // The weight stays finite where hardly anything is transmitted, as flight_weight does.
+    // The step's weight stays finite where hardly anything is transmitted, as the weight of flight_weight does.
     const Real total = throughput.x + throughput.y + throughput.z;
     constexpr Real most = std::numeric_limits<Real>::max();
     const Real inverse_mean = density > Real(0) ? min(most, total / density) : Real(0);

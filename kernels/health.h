@@ -28,8 +28,8 @@ struct HealthCounters {
     std::uint64_t first_parity_error = nowhere;
     std::uint64_t escaped = 0;           // path segments that left the scene
     std::uint64_t capped = 0;            // paths that only the depth limit ended
-    std::uint64_t capped_energy = 0;     // mean throughput that these paths carried, added up in units of 2^-32
-    std::uint64_t unfinished_walks = 0;  // paths lost in a subsurface random walk, as in PathCounters
+    std::uint64_t capped_energy = 0;     // mean throughput of the paths in `capped`, added up in units of 2^-32
+    std::uint64_t unfinished_walks = 0;  // paths lost in a subsurface random walk, as counted in PathCounters
     std::uint64_t worst_direction = 0;   // largest | |d|^2 - 1 | of a ray direction d, in 2^-40
     std::uint64_t worst_normal = 0;      // largest | |n|^2 - 1 | of a surface normal n, in 2^-40
 
@@ -42,7 +42,7 @@ struct HealthCounters {
     }
 };
 
-// Calls `sum`, `least` or `most` with each counter of two HealthCounters, whichever function merges that counter.
+// Merges two HealthCounters: calls `sum`, `least` or `most` with each pair of counters, whichever merges the pair.
 template <class Counters, class Sum, class Least, class Most>
 PT_HD inline void for_each_entry(Counters& into, const HealthCounters& from, Sum sum, Least least, Most most) {
     sum(into.paths, from.paths);
@@ -84,7 +84,7 @@ struct HealthRequest {
 
 template <class Real>
 PT_HD inline bool is_finite(const Vec3<Real>& v) {
-    // Components are compared one by one: a sum of squares could overflow where no component does.
+    // The vector's components are compared one by one: a sum of squares could overflow where no component does.
     constexpr Real largest = std::numeric_limits<Real>::max();
     return absolute(v.x) <= largest && absolute(v.y) <= largest && absolute(v.z) <= largest;
 }
@@ -157,7 +157,7 @@ public:
             const Real sum = path.throughput.x + path.throughput.y + path.throughput.z;
             counters_.gains += sum > Real(3) * (Real(1) + Real(0x1p-20)) ? 1u : 0u;
         }
-        // Tracks the bodies that the path is inside of: it has gone through a surface that it leaves on the other side.
+        // Tracks the bodies around the path, which crosses a surface if it leaves on the other side than it came from.
         if (met_.exists() && path.origin_surface.exists() && path.origin_surface.object() == met_.object() &&
             path.origin_surface.inside() != met_.inside() && met_.object() < 64) {
             inside_ ^= BodySet{1} << met_.object();

@@ -199,7 +199,7 @@ PT_HD inline void closest_axis_box(Hit<typename Config::Real>& best, const Scene
                                                       : slab_interval(box.low, box.high, origin, inverse);
         bool starts_here = ray.origin_surface.is_of(object);
         if constexpr (has<Config>(Feature::enclosure)) {
-            starts_here = starts_here && !scene.enclosure.is_lamp(i);  // is_lamp is constant if the enclosure is
+            starts_here = starts_here && !scene.enclosure.is_lamp(i);  // compile-time hint: no path starts on a lamp
         }
         if (!starts_here) {
             keep_nearer(best, crossing, object);
@@ -213,7 +213,7 @@ template <class Config>
 inline constexpr bool is_long_kernel = (Config::features & light_selections) != 0;
 
 // closest_axis_box with a loop that a device does not unroll, for kernels with an enclosure that stall on instruction
-// fetch: those that choose lights. (One function body for both changes all kernels under nvcc 13.0.)
+// fetch: those that choose lights. (One function body for both forms changes all kernels under nvcc 13.0.)
 template <class Config, bool without_walls, class Scene>
 PT_HD inline void closest_axis_box_rolled(Hit<typename Config::Real>& best, const Scene& scene,
                                           const Ray<typename Config::Real>& ray,
@@ -302,7 +302,7 @@ template <class Real>
 struct MeshRay {
     Vec3<Real> origin, direction;
     ShearedDirection<Real> sheared;
-    Vec3<Real> along;  // ray origin along the axes kx, ky and kz, as the shear takes it
+    Vec3<Real> along;  // coordinates of the ray origin along the axes kx, ky and kz of `sheared`
     std::uint32_t object;
     std::uint32_t passed_over;  // triangle that the ray starts on and cannot hit, or `nothing`
 
@@ -340,7 +340,7 @@ PT_HD inline Vec3<Real> corners_along(const LeafTriangle::Row& row, const Real& 
     return Vec3<Real>(Real(row.a) - origin, Real(row.b) - origin, Real(row.c) - origin);
 }
 
-// Updates the closest hit `best` by a leaf's triangle. The leaf lies in memory, where rows can be chosen by address.
+// Updates the closest hit `best` by a leaf's triangle. Its rows of coordinates lie in memory, to be chosen by address.
 template <class Real>
 PT_HD inline void meet_triangle(Hit<Real>& best, const LeafTriangle& leaf, const MeshRay<Real>& ray) {
     // Each row of the leaf's triangle is loaded whole, in one memory access.
@@ -428,7 +428,7 @@ PT_HD inline void closest_by_flat_tree(Hit<typename Config::Real>& best, const S
     using Real = typename Config::Real;
     const FlatTree& flat = scene.mesh_search->flat;
     MeshRay<Real> in_mesh{};
-    std::uint32_t seen_by = meshes.size;  // mesh instance whose space `in_mesh` is in; none at first
+    std::uint32_t seen_by = meshes.size;  // mesh instance into whose space `in_mesh` is taken; at first none
     NoTraversalCounter counter;
     Config::Accelerator::traverse(
         flat.tree, ray.origin, ray.direction, best.t,

@@ -21,8 +21,8 @@ PT_HD inline LightSample<typename Config::Real> sample_light(const SceneView<typ
     return sample;
 }
 
-// Connects a diffuse vertex to the environment, which was drawn as one of `choices` lights. Returns the number of rays
-// traced.
+// Connects a diffuse vertex to the environment, which was drawn as a light with probability 1 / choices. Returns the
+// number of rays traced.
 template <class Config>
 PT_HD inline std::uint32_t connect_to_environment(const SceneView<typename Config::Real>& scene,
                                                   const SceneView<typename Config::Real>& traced,
@@ -103,7 +103,7 @@ PT_HD inline std::uint32_t connect(const SceneView<typename Config::Real>& scene
     const Hit<Real> hit = closest_hit_of_connection<Config>(traced, ray);
     if (hit.side.exists() && hit.side.object() == object && hit.side.inside() == (light_cosine > Real(0)) &&
         is_of_primitive<Config>(hit, light.primitive)) {
-        // The square of the distance is divided out in two steps: 1 / distance^2 alone may overflow.
+        // The squared distance to the light sample is divided out in two steps: 1 / distance^2 alone may overflow.
         const Real geometry = (cosine / distance_squared) * (absolute(light_cosine) * light.inverse_density);
         if constexpr (has<Config>(Feature::absorption)) {
             if (path.medium != Path<Real>::no_medium) {

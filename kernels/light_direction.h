@@ -89,8 +89,8 @@ struct SeenAsBox {
     }
 };
 
-// Length of a shadow ray towards a body: the distance at which the ray enters the body, as by closest_hit, or 0 if
-// unknown. (Light samples on the faces of boxes come with their distance.)
+// Length of a shadow ray towards a body: the distance at which the ray enters the body, computed as by closest_hit, or
+// 0 if not known. (Light samples on the faces of boxes come with their distance.)
 template <class Config, class Shape, class Real>
 PT_HD inline Real distance_to_light(const Shape& shape, const Vec3<Real>& observer, const Vec3<Real>& direction) {
     constexpr bool looks = has_lines_of_sight<Config> && (Config::features & light_samplings) != 0;
@@ -117,7 +117,8 @@ PT_HD inline DirectionSample<typename Config::Real> sample_direction_to(
         }
     };
     if constexpr (has_many_box_likes<Config>()) {
-        // Shapes only tell their box here: threads of a warp whose lights differ in shape then sample points together.
+        // In this visit a box light only gives its box: the threads of a warp sample points together afterwards,
+        // whatever shapes their lights have.
         const LightSampling sampling = light_sampling_of<Config>(scene);
         SeenAsBox<Real> box;
         visit_shape<Config>(scene, object, [&](const auto& shape) {

@@ -30,9 +30,9 @@ concept IsBoxLike = requires(const Shape& shape, const Vec3<Real>& v) {
 template <class Real>
 struct SeenFaces {
     Vec3<Real> observer, half;
-    Vec3<Real> height;  // observer's height over the plane of the face across each axis; 0: face not seen, or no area
-    Vec3<Real> area;    // area of the faces across each axis, whether the observer sees them or not
-    Real scale;         // scaled units of length per scene unit
+    Vec3<Real> height;  // observer's height over the plane of the box face across each axis; 0: not seen, or no area
+    Vec3<Real> area;    // area of the box face across each axis, whether the observer sees it or not
+    Real scale;         // scaled units of length in one scene unit
 
     PT_HD explicit SeenFaces(const BoxFrame<Real>& frame)
         : scale(power_to_one(frame.half.x + frame.half.y + frame.half.z)) {
@@ -70,7 +70,7 @@ struct SeenFaces {
                           (!(of_height > Real(0)) || height.z * of_direction > of_height * absolute(direction.z));
         return by_z ? 2 : axis;
     }
-    // Axis of the face that the number `pick`, from 0 to the sum of the shares, selects; never a face of share 0.
+    // Axis of the face that `pick`, from 0 to the sum of the faces' shares of samples, selects; never one of share 0.
     PT_HD static int picked(const Vec3<Real>& share, Real pick) {
         if (share.z > Real(0) && pick >= share.x + share.y) {
             return 2;
@@ -110,8 +110,8 @@ struct FacesByArea {
         }
         total = share.x + share.y + share.z;
     }
-    // 1 / pdf of a point on the box face across `axis`; `inverse`: 1 / distance to the point. The factors are applied
-    // one by one, since neither the cube of `inverse` nor the product of `total` and a height need be in range.
+    // 1 / pdf of a point on the light's face across `axis`; `inverse`: 1 / distance to the point. Factors are applied
+    // one by one: the cube of `inverse`, or a height times `total` (sum of the faces' shares), may be out of range.
     PT_HD Real inverse_pdf(int axis, Real inverse) const {
         const Real of_direction = projected ? inverse : component_of(faces.height, axis) * inverse;
         return total * inverse * inverse * of_direction;

@@ -51,9 +51,9 @@ struct LitVertex {
 template <class Real>
 struct SeenNode {
     Vec3<Real> to_centre;
-    Real inverse;         // 1 / distance to the node's centre; the distance counts as at least half the diagonal
-    Real inverse_square;  // 1 / squared distance to the node's centre
-    Real shown;           // radiance times projected area of the node as seen from the position, times the distance
+    Real inverse;         // 1 / distance to the light-tree node's centre, taken as at least half the node's diagonal
+    Real inverse_square;  // 1 / squared distance to the light-tree node's centre, with the minimum of `inverse`
+    Real shown;           // radiance times projected area of the node's lights, seen from the position, times distance
 
     PT_HD SeenNode(const LightNode<Real>& node, const Vec3<Real>& position) : to_centre(node.centre - position) {
         const Real square = min(max(dot(to_centre, to_centre), node.least_square), Real(0x1p120));
@@ -63,11 +63,11 @@ struct SeenNode {
                 node.shown.y * (absolute(to_centre.y) + node.half.y) +
                 node.shown.z * (absolute(to_centre.z) + node.half.z);
     }
-    // What the light-tree node sends to the position: what it shows, over the squared distance. Multiplied in this
-    // order no product leaves the range, as powers of the distance would.
+    // What the light-tree node sends to the position: radiance times projected area, over the squared distance. In this
+    // order of factors no product leaves the range, as powers of the distance would.
     PT_HD Real sent() const { return shown * inverse_square * inverse; }
-    // An upper bound on what the node sends to a surface: sent() times the largest cosine to the normal within the
-    // node's box.
+    // An upper bound on what the light-tree node sends to a surface: sent() times the largest cosine between the
+    // surface's normal and a direction into the node's box.
     PT_HD Real sent_to(const LitVertex<Real>& vertex, const LightNode<Real>& node) const {
         const Real height = dot(to_centre, vertex.normal);
         const Real reach = absolute(vertex.normal.x) * node.half.x + absolute(vertex.normal.y) * node.half.y +
@@ -77,8 +77,8 @@ struct SeenNode {
     }
 };
 
-// Turns what a light-tree node's children send, `total` together, into probabilities in 2^-32nds: each at least 2^-12,
-// so that no light is without, whatever rounds to 0 or overflows. The last child has the rest.
+// Turns what a light-tree node's children send, `total` together, into probabilities in units of 2^-32: each at least
+// 2^-12, so that every light can be drawn, whatever rounds to 0 or overflows. The last child has the rest.
 template <class Real>
 struct Shares {
     static constexpr Real least = Real(0x1p20);

@@ -190,9 +190,9 @@ PT_HD inline bool passes_by(const Scene& scene, std::uint32_t object, const Ray<
 }
 
 // Whether a shadow ray reaches the light sample that it was drawn to, by its closest hit: the light itself is hit, or
-// the closest hit lies beyond the sample and the ray misses the light. A ray that misses leads to the light's very
-// edge, and line_of_sight, which does not test the light, calls it clear. All kernels have this rule for the edge, with
-// or without a room's walls, with occlusion tests or closest hits.
+// the closest hit lies beyond the sample and the ray misses the light. A ray that misses runs to the light's very edge,
+// and line_of_sight, which does not test the light, calls it clear. All kernels have this rule for the edge, with or
+// without an enclosure, with occlusion tests or closest hits.
 template <class Config, class Scene>
 PT_HD inline bool sees_point(const Scene& scene, std::uint32_t object, const Ray<typename Config::Real>& ray,
                              typename Config::Real distance, const Hit<typename Config::Real>& closest) {

@@ -1,6 +1,6 @@
 // Interface of a material's lobe for light connections and for continuing the path: all that it scatters from one
-// direction to another. A lobe is a class with `transmits` and `may_be_opaque` (whether it may let light through, and
-// whether one that may does not always: then it has lets_through()) and towards(direction, cosine).
+// direction to another. A lobe is a class with towards(direction, cosine), `transmits` (whether light may go through)
+// and `may_be_opaque` (whether some such lobes let none through, as the member lets_through() then tells).
 #pragma once
 
 #include "kernels/math.h"
@@ -21,7 +21,7 @@ struct LobeValue {
 template <class Real>
 struct LobeSample {
     Vec3<Real> direction;
-    Real cosine;  // cosine to the normal; 0: no light gets through, and the other members are not set
+    Real cosine;  // cosine of `direction` to the normal; 0: no light gets through, and no other member is set
     LobeValue<Real> value;
 };
 

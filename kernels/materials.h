@@ -33,11 +33,11 @@ static_assert(material_type_count <= 11,
 template <class Real>
 struct Material {
     MaterialType type;
-    std::uint32_t emits;    // 1 if emission is not black
+    std::uint32_t emits;    // 1 if the material's emission is not black
     Vec3<Real> emission;    // radiance that the material emits, linear RGB
     Vec3<Real> sigma_a;     // absorption coefficient of the medium behind the surface, 1 / scene unit
     std::uint32_t absorbs;  // 1 if the medium behind the surface lets rays run through and absorbs (sigma_a is not 0)
-    // Parameters of the material's type, by type.
+    // Parameters of the material: the member of the union for its type is in use.
 #define PT_PARAMETERS(name, Type, traits) Type<Real> name;
     union {
         PT_MATERIALS(PT_PARAMETERS)

@@ -151,7 +151,7 @@ PT_HD inline double exponential_series(double z) {
 template <class Real>
 PT_HD inline Real exponential(Real x) {
     constexpr Real log2_e = Real(1.44269504088896340736);
-    // Beyond the bounds of the clamp e^x rounds to 0 or to infinity. NaN counts as the lower bound until the last line.
+    // Beyond the clamp's bounds e^x rounds to 0 or to infinity. NaN becomes the lower bound, yet NaN is returned.
     const Real within = sizeof(Real) == 4 ? clamp(x, Real(-104), Real(89)) : clamp(x, Real(-746), Real(710));
     const int k = static_cast<int>(within * log2_e + (within < Real(0) ? Real(-0.5) : Real(0.5)));
     const Real high = within - Real(k) * ln2_high<Real>;
@@ -183,7 +183,7 @@ template <class Real>
 PT_HD inline Real logarithm(Real x) {
     const Real infinity = power_of_two<Real>(infinite_exponent<Real>);
     if (!(x > Real(0) && x < infinity)) {
-        const Real not_a_number = number_of(~bits_of(Real(0)));  // host and device make different NaNs
+        const Real not_a_number = number_of(~bits_of(Real(0)));  // fixed bits: host and device make different NaNs
         return x == Real(0) ? -infinity : x == infinity ? infinity : not_a_number;
     }
     const bool denormal = x < power_of_two<Real>(2 - infinite_exponent<Real>);
@@ -232,7 +232,7 @@ PT_HD inline Vec3<Real> renormalize(const Vec3<Real>& v) {
 template <class Real>
 PT_HD inline Vec3<Real> nearly_unit(const Vec3<Real>& v) {
     const Real excess = dot(v, v) - Real(1);
-    constexpr Real most = sizeof(Real) == 4 ? Real(1e-4) : Real(1e-8);  // a Newton step's error is below rounding here
+    constexpr Real most = sizeof(Real) == 4 ? Real(1e-4) : Real(1e-8);  // excess that one Newton step removes
     return absolute(excess) < most ? v * (Real(1) - Real(0.5) * excess) : normalize(v);
 }
 
@@ -272,8 +272,8 @@ PT_HD inline SinCos<double> sin_cos_octant(double x) {
 // Sine and cosine of 2 pi u for u in [0, 1]: the reduction to an octant is exact, only the octant is rounded.
 template <class Real>
 PT_HD inline SinCos<Real> sin_cos_turn(Real u) {
-    const int quarter = static_cast<int>(u * Real(4) + Real(0.5));  // nearest quarter turn to u, 0 to 4
-    const Real rest = u - Real(quarter) * Real(0.25);               // u less that quarter, exact (Sterbenz), within 1/8
+    const int quarter = static_cast<int>(u * Real(4) + Real(0.5));  // number of the quarter turn nearest to u, 0 to 4
+    const Real rest = u - Real(quarter) * Real(0.25);               // u - quarter / 4: exact (Sterbenz), within 1/8
     const SinCos<Real> octant = sin_cos_octant(rest * (Real(2) * pi<Real>));
     switch (quarter & 3) {
         case 0:

@@ -13,8 +13,8 @@ struct ScatteringMedium {
     std::uint32_t grey;            // 1 if sigma_t is the same in all three channels
     Real g;                        // Henyey-Greenstein mean cosine
     // Parameters of guided random walks (kernels/guided_walk.h).
-    Real guided_share;        // share of guided steps; 0: walks are not guided
-    Vec3<Real> guide_decay;   // kappa of each channel: decay with depth, per mean free path
+    Real guided_share;        // share of a walk's steps that are guided; 0: walks are not guided
+    Vec3<Real> guide_decay;   // kappa per channel: decay rate of light's importance with depth, per mean free path
     Vec3<Real> guide_albedo;  // albedo of each channel's guide, guide_decay / artanh(guide_decay)
 
     // Whether the guided walks of all three colour channels are drawn alike.

@@ -83,8 +83,8 @@ static_assert(sizeof(LeafTriangle) == 48);
 
 // A mesh as kernels see it. Coordinates are float in both precisions: it is the same mesh, hit more exactly in double.
 struct MeshView {
-    const LeafTriangle* leaves = nullptr;        // triangles by slot, in the order of the tree's leaves, with indices
-    const Triangle<float>* triangles = nullptr;  // triangles by primitive index
+    const LeafTriangle* leaves = nullptr;        // the mesh's triangles by slot, as in the tree's leaves, with indices
+    const Triangle<float>* triangles = nullptr;  // the mesh's triangles by primitive index
     const float* cumulative_area = nullptr;      // cumulative area of the mesh's triangles; emissive meshes only
     TreeView tree;
     const void* native = nullptr;  // what a host accelerator prepared from this mesh for itself

@@ -68,7 +68,7 @@ PT_HD inline Interval<Real> slabs(const Vec3<Real>& low, const Vec3<Real>& high,
     return crossing;
 }
 
-// Outward normal of the face that is nearest to a point of a box centred at the origin.
+// Outward normal of the box's face that is nearest to a point; the box is centred at the origin.
 template <class Real>
 PT_HD inline Vec3<Real> nearest_face(const Vec3<Real>& half, const Vec3<Real>& p) {
     const Real x = half.x - absolute(p.x);

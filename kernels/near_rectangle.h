@@ -12,8 +12,8 @@ namespace pt {
 template <class Real>
 struct NearRectangle {
     Real x0, x1, y0, y1, height;
-    Real length;  // extent along y, known more precisely than the difference y1 - y0
-    Real angle;   // angle that the strip subtends, up to pi; 0: the rectangle is not visible
+    Real length;  // extent of the rectangle along y, known more precisely than the difference y1 - y0
+    Real angle;   // angle that the rectangle, made endless along y, subtends, up to pi; 0: it is not visible
 
     // `at`: the observer's position over the rectangle, from its centre; `half`: the rectangle's half sides.
     PT_HD NearRectangle(Real half_x, Real half_y, Real at_x, Real at_y, Real z)
@@ -32,7 +32,7 @@ struct NearRectangle {
 
     struct Sample {
         Vec3<Real> point;
-        Real inverse_pdf;  // 1 / pdf of the direction by solid angle
+        Real inverse_pdf;  // 1 / pdf, by solid angle, of the direction to a point of the rectangle
     };
     PT_HD Sample sample(Real u, Real v) const {
         const Real x = x_at(u);
@@ -49,13 +49,13 @@ private:
     // Lower bound on squared lengths, so that their reciprocals are finite.
     static constexpr Real least_square = Real(0x1p-100);
 
-    // The rectangle's line at one x, by the sines of the angles from the plane y = 0, in which the observer lies, to
-    // the directions of the line's ends.
+    // The line across the rectangle at one x, from y0 to y1, by the sines of the angles from the plane y = 0, in which
+    // the observer lies, to the directions of the line's ends.
     struct Stretch {
-        Real square;  // squared distance from the observer to the line, extended endlessly
+        Real square;  // squared distance from the observer to the rectangle's line, extended endlessly
         Real low, high;
-        Real inverse_low, inverse_high;  // 1 / distances from the observer to the line's ends
-        bool on_one_side;                // both ends of the line are on one side of the plane y = 0
+        Real inverse_low, inverse_high;  // 1 / distances from the observer to the ends of the rectangle's line
+        bool on_one_side;                // both ends of the rectangle's line are on one side of the plane y = 0
 
         PT_HD Stretch(const NearRectangle& of, Real x) : square(x * x + of.height * of.height) {
             inverse_low = inverse_root(square + of.y0 * of.y0);
@@ -64,8 +64,8 @@ private:
             high = of.y1 * inverse_high;
             on_one_side = of.y0 * of.y1 > Real(0);
         }
-        // The y at which a share v of the line's solid angle lies on the side of y0. If both ends are on one side, it
-        // is found from 1 - |sine|, which may be below the last digit of the sine.
+        // The y at which a share v of the line's solid angle lies on the side of y0. If both ends of the line are on
+        // one side of y = 0, the y is found from 1 - |sine|, which may be below the last digit of the sine.
         PT_HD Real y_at(const NearRectangle& of, Real v) const {
             Real sine = low + v * (high - low);
             Real rest = (Real(1) - sine) * (Real(1) + sine);
@@ -81,7 +81,7 @@ private:
                                of.y0, of.y1)
                        : end;
         }
-        // high - low (a difference of sines), without cancellation where both ends are on one side of the plane y = 0.
+        // The sines' difference high - low, without cancellation where both ends of the line are on one side of y = 0.
         PT_HD Real share(const NearRectangle& of) const {
             if (!on_one_side) {
                 return high - low;
@@ -99,7 +99,7 @@ private:
 
     // Scale that brings the distances to the rectangle near 1, so that no squared length in an angle underflows.
     PT_HD Real unit() const { return power_to_one(max(max(absolute(x0), absolute(x1)), height)); }
-    // The x for which a share u of the angle of the rectangle's strip lies on the side of x0.
+    // The x up to which, from x0, a share u of the angle lies that the rectangle, made endless along y, subtends.
     PT_HD Real x_at(Real u) const {
         const Real scale = unit();
         const SinCos<Real> turn = sin_cos_turn(u * (angle * (Real(0.5) / pi<Real>)));

@@ -19,9 +19,9 @@ struct alignas(16) ObjectNode {
 static_assert(sizeof(ObjectNode) == 64);
 
 struct ObjectTree {
-    const ObjectNode* nodes = nullptr;  // nodes of the tree, root first
+    const ObjectNode* nodes = nullptr;  // nodes of the tree over mesh instances, root first
     std::uint32_t node_count = 0;
-    float margin = 0;  // growth of all boxes for rounding, in multiples of the ray origin's largest coordinate
+    float margin = 0;  // growth of the tree's boxes for rounding, in multiples of the ray origin's largest coordinate
 
     // Size of the traversal stack: each inner node on the way to the deepest leaf leaves one child on it.
     static constexpr std::uint32_t most_levels = 64;
@@ -29,7 +29,7 @@ struct ObjectTree {
 
 template <class Real>
 struct ObjectTreeRay {
-    Vec3<Real> near_origin, far_origin;  // ray origin shifted by the margin, for entry and exit planes
+    Vec3<Real> near_origin, far_origin;  // origins for entry and exit planes, shifted by the tree's margin for rounding
     Vec3<Real> inverse;                  // reciprocal ray direction; infinite along axes on which the ray does not move
 
     PT_HD static ObjectTreeRay of(const Vec3<Real>& origin, const Vec3<Real>& direction, float margin) {

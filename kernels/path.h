@@ -11,7 +11,7 @@ namespace pt {
 struct SurfaceId {
     static constexpr std::uint32_t nowhere = 0xffffffffu;
     static constexpr std::uint32_t most_objects = 1u << 27;
-    std::uint32_t code = nowhere;  // bit 0: inside; bits 1 to 27: object; bit 28: face looks up; bits 29, 30: axis + 1
+    std::uint32_t code = nowhere;  // bit 0: inside; bits 1-27: object; bit 28: face looks up; bits 29-30: face axis + 1
 
     PT_HD static constexpr SurfaceId of(std::uint32_t object, bool inside) {
         return {(object << 1) | (inside ? 1u : 0u)};
@@ -36,7 +36,7 @@ struct SurfaceId {
 
 template <class Real>
 struct Hit {
-    Real t = Real(0);             // distance along the unit direction, scene units
+    Real t = Real(0);             // distance of the hit along the ray's unit direction, scene units
     SurfaceId side;               // surface that was hit; nowhere: the ray left the scene
     std::uint32_t primitive = 0;  // triangle of the mesh that was hit; 0 for other shapes
 };
@@ -56,11 +56,11 @@ struct Path {
     Vec3<Real> throughput;  // throughput: product of BSDF * cosine / pdf so far
     Vec3<Real> radiance;    // light that the path has collected so far
     Real time;              // time of the path's rays in seconds
-    std::uint32_t pixel;    // row-major pixel index
+    std::uint32_t pixel;    // row-major index of the path's pixel
     std::uint32_t sample;
     std::uint32_t segment;     // number of ray segments traced so far (segments_of); `ended` once the path is over
     SurfaceId origin_surface;  // the surface that the ray starts on
-    std::uint32_t medium;      // material whose absorption the ray runs through, or no_medium
+    std::uint32_t medium;      // material whose absorbing medium the ray runs through, or no_medium
     // Pdf, by solid angle, of the ray's direction if its vertex was connected to a light too; 0 from the camera, a
     // specular surface or a body: lights that the ray hits then count in full. With one-sample MIS
     // (SceneView::one_sample) negative where the connection was chosen: lights that the ray hits then do not count.

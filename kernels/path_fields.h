@@ -8,12 +8,12 @@
 namespace pt {
 
 enum class FieldType {
-    vector,  // three numbers of type Real
+    vector,  // vector of three numbers of type Real
     real,
     word  // 32 bits
 };
 
-enum class FieldChange { by_bounce, never };  // when a field is written: at bounces, or only as the path begins
+enum class FieldChange { by_bounce, never };  // when a path's field is written: at bounces, or only as the path begins
 
 // The fields of struct Path in their order. ALWAYS(name, type, change): every path carries the field.
 // OPTIONAL(name, type, change, features, value): it is carried by kernels with one of these features; in others all
@@ -45,7 +45,7 @@ struct PathFieldInfo {
     FieldType type;
     FieldChange change;
     bool is_optional;
-    FeatureSet features;  // of an optional field: a kernel with one of these features carries it
+    FeatureSet features;  // features of kernels that carry the field; for an optional field
 
     PT_HD constexpr std::size_t bytes(std::size_t real_bytes) const {
         return type == FieldType::vector ? 3 * real_bytes
@@ -97,7 +97,7 @@ struct PathFields {
 };
 inline constexpr PathFields every_path_field{};
 
-// Whether a queue whose paths carry `carried` has columns for `field`, and stages with this kind of change write them.
+// Whether stages whose changes are of the kind `change` write `field` to a queue whose paths carry `carried`.
 PT_HD constexpr bool is_written(PathField field, FieldChange change, const PathFields& carried) {
     return info(field).change == change && carried.carries(field);
 }

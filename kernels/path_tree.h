@@ -84,14 +84,14 @@ private:
     Waiting waiting_[capacity];
     Hit<Real> hit_;
     std::uint32_t size_ = 0;
-    std::uint32_t branch_ = 0;    // number of the branch that began last
-    std::uint32_t promised_ = 0;  // number of branches that have begun or wait, not counting the first
+    std::uint32_t branch_ = 0;    // number of the branch of the path tree that began last
+    std::uint32_t promised_ = 0;  // number of branches of the path tree that have begun or wait, less the first
     std::uint32_t first_segment_ = 0;
     std::uint32_t rays_ = 0, longest_ = 0;
     bool resumes_ = false;
 };
 
-// The interface that shade() asks of a branch (see OneBranch), for a path of a tree.
+// The interface that shade() asks of a branch policy (see OneBranch), for a path that may split.
 template <class Tree>
 struct BranchOfTree {
     template <class Config>

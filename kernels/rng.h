@@ -28,7 +28,7 @@ static_assert(sampler_count <= 8, "kernels/rng.h includes, and kernels/config.h 
 // Seed of the random numbers: four whitening words from the user's seed, and the sampler of a kernel with several.
 struct RandomSeed {
     RandomWords words{0, 0, 0, 0};
-    FeatureSet sampler = no_features;  // sampler: one of `samplers`, or none for pcg4d
+    FeatureSet sampler = no_features;  // feature of the sampler: one of `samplers`, or none for pcg4d
 
     PT_HD static RandomSeed from(std::uint64_t seed) {
         return {

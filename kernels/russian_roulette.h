@@ -1,7 +1,7 @@
 // Russian roulette: a path goes on with a probability, and what it carries is divided by it, so that the mean stays.
-// The probability is the largest channel of its throughput, at most 1 (pbrt-v4, without its correction for refraction):
-// afterwards the throughput is at least 1 in that channel, or the path was not put to the choice.
-// Arvo and Kirk, "Particle Transport and Image Synthesis", SIGGRAPH 1990.
+// The probability is the largest channel of its throughput (pbrt-v4, without its correction for refraction), and a path
+// whose throughput has a channel of at least 1 always goes on. Arvo and Kirk, "Particle Transport and Image Synthesis",
+// SIGGRAPH 1990.
 #pragma once
 
 #include "kernels/path.h"

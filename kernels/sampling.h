@@ -12,10 +12,10 @@ PT_HD inline Vec2<Real> concentric_disc_of_square(Real x, Real y) {
     const bool x_is_radius = absolute(x) > absolute(y);
     const Real radius = x_is_radius ? x : y;
     const Real other = x_is_radius ? y : x;
-    // The quotient of coordinates, whole multiples of 2^-23 (in double 2^-31) that are at most 1, is in range.
+    // Coordinates are whole multiples of 2^-23 (in double 2^-31) and at most 1, so divide_in_range can divide them.
     Real ratio;
     if constexpr (draws_approximately<Real>) {
-        ratio = keep_smaller(Real(1), nearly_divide(other, radius));  // the NaN of 0 / 0 is ignored
+        ratio = keep_smaller(Real(1), nearly_divide(other, radius));  // keep_smaller ignores the NaN of 0 / 0
     } else {
         ratio = radius == Real(0) ? Real(0) : divide_in_range(other, radius);
     }

@@ -29,9 +29,9 @@ struct Light {
 // A light's places: its slot in the alias table of all lights, its way in the light tree (kernels/light_selection.h).
 template <class Real>
 struct LightSlot {
-    std::uint32_t threshold;   // share of the slot, in 2^-32, of its own light; the rest is the alias's
+    std::uint32_t threshold;   // share, in 2^-32, of the alias-table slot that is the light's own; the rest: `alias`
     std::uint32_t alias;       // light that has the rest of the alias-table slot
-    Real inverse_probability;  // 1 / probability of the light by power
+    Real inverse_probability;  // 1 / probability of drawing the light by power
     std::uint32_t way;         // way down the light tree: bits 4i to 4i + 3 are the child at level i
 };
 
@@ -41,10 +41,10 @@ template <class Real>
 struct alignas(16) LightNode {
     Vec3<Real> centre;
     std::uint32_t link;  // index of the node's first child (children are adjacent), or leaf_bit and a light
-    Vec3<Real> half;     // half extents of the bounding box
+    Vec3<Real> half;     // half extents of the node's bounding box
     std::uint32_t child_count;
     Vec3<Real> shown;
-    Real least_square;  // least squared distance to reckon with: that of half the box's diagonal, at least 2^-100
+    Real least_square;  // minimum of squared distances to the centre: half the box's diagonal squared, at least 2^-100
 
     static constexpr std::uint32_t leaf_bit = 0x80000000u;
     // Limits of the light tree, with which the way to a light fits 32 bits.
@@ -91,13 +91,13 @@ struct ShadingNormals {
 template <class Real>
 struct Ray;
 
-// Function that updates the closest hit by a mesh's triangles: of hit, mesh, object index, ray origin in the object's
-// frame, ray, and the distance below which a hit ends the search (NearerThan, kernels/intersect.h; 0: none does).
+// Function that updates the closest hit by a mesh's triangles. Parameters: hit, mesh, object index, ray origin in the
+// object's frame, ray, distance below which a hit ends the search (NearerThan, kernels/intersect.h; 0: none does).
 template <class Real>
 using MeetMesh = void (*)(Hit<Real>&, const MeshInstance<Real>&, std::uint32_t, const Vec3<Real>&, const Ray<Real>&,
                           Real);
-// Function that updates the closest hit by all mesh instances: of hit, scene, ray, and the distance below which a hit
-// ends the search (0: none does).
+// Function that updates the closest hit by all mesh instances. Parameters: hit, scene, ray, and the distance below
+// which a hit ends the search (0: none does).
 template <class Real>
 struct SceneView;
 template <class Real>
@@ -123,8 +123,8 @@ struct FlatTree {
 // Functions and trees with which rays search mesh instances.
 template <class Real>
 struct MeshSearch {
-    // Functions of the host's accelerator: for one mesh, and for all by a tree over instances or triangles (null: one
-    // instance after the other). Device kernels have theirs compiled in.
+    // Functions of the host's accelerator: meet_mesh for one mesh; meet_meshes for all, by a tree over instances or
+    // triangles (null: one instance after the other). Device kernels have theirs compiled in.
     MeetMesh<Real> meet_mesh = nullptr;
     MeetMeshes<Real> meet_meshes = nullptr;
     ObjectTree objects;
@@ -145,9 +145,9 @@ struct SceneView {
     View<Vec3<Real>> velocity;            // velocities by object index, scene units a second
     View<Material<Real>> materials;
     View<Light> lights;
-    View<std::uint32_t> object_light;   // light index by object index; this and the next two for light_selections
-    View<LightSlot<Real>> light_slots;  // alias table by light index
-    View<LightNode<Real>> light_nodes;  // nodes of the light tree, root first
+    View<std::uint32_t> object_light;           // light index by object index, for kernels with light_selections
+    View<LightSlot<Real>> light_slots;          // alias table by light index
+    View<LightNode<Real>> light_nodes;          // nodes of the light tree, root first
     View<ObjectTexture<Real>> object_textures;  // textures by object index; empty: there are none
     View<Vec3<float>> texels;
     View<CornerCoordinates> texture_coordinates;
@@ -156,11 +156,11 @@ struct SceneView {
     AxisAlignedEnclosure<Real> enclosure;  // the enclosure whose walls are axis boxes
     RandomSeed seed;
     std::uint32_t depth;           // most ray segments in a path, at least 1
-    std::uint32_t final_bounce;    // 1: connect the last vertex to a light
-    std::uint32_t next_event;      // 1: connect every diffuse vertex but the last to a light
+    std::uint32_t final_bounce;    // 1: connect a path's last vertex to a light (final bounce)
+    std::uint32_t next_event;      // 1: connect every diffuse vertex of a path but the last to a light
     std::uint32_t mis_exponent;    // MIS weights: 0 none (connections only), 1 balance heuristic, 2 power heuristic
     std::uint32_t roulette_start;  // first segment after which Russian roulette is played; 0: never
-    LightSampling light_sampling;  // light sampling of boxes and quads that emit
+    LightSampling light_sampling;  // how points on boxes and quads that emit are sampled
     std::uint16_t near_light;      // automatic light sampling: near limit, in hundredths of a light's half diagonal
     LightSelection light_selection;
     std::uint32_t one_sample;  // 1: one-sample MIS: either a connection counts or a light that is hit

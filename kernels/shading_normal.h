@@ -14,7 +14,7 @@
 
 namespace pt {
 
-// Outward shading normal of a mesh's triangle, interpolated from its corners' normals; `own` where corners have none.
+// Outward shading normal of a mesh's triangle, interpolated from its corners' normals; without these the normal `own`.
 template <class Config, class Scene>
 PT_HD inline Vec3<typename Config::Real> normal_of_corners(const Scene& scene,
                                                            const ObjectNormals<typename Config::Real>& normals,
@@ -98,8 +98,8 @@ PT_HD inline Tangents tangents_at(const Scene& scene, const ObjectTexture<typena
     return tangents_of_face(texture.place, axis, component_of(p, axis) < Real(0) ? -1.0 : 1.0);
 }
 
-// Normal turned by a normal map's texel in the frame of the tangents, which is made orthogonal from the normal on;
-// where there is no frame, and where the texel is (0, 0, 1), the very normal.
+// Normal turned by a normal map's texel, in a frame of the normal and the tangents made orthogonal to it. Where there
+// is no frame, or the texel is (0, 0, 1), the normal is returned bit for bit.
 template <class Real>
 PT_HD inline Vec3<Real> turned_by_map(const Vec3<Real>& normal, const Tangents& tangents, const Vec3<Real>& texel) {
     const Vec3<double> n(normal);

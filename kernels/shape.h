@@ -47,8 +47,8 @@ template <class Real>
 struct LightSample {
     Vec3<Real> position;
     Vec3<Real> normal;            // outward unit normal at the hit point or sampled point
-    Real inverse_density;         // 1 / density of the point by area, square scene units
-    std::uint32_t primitive = 0;  // primitive that the point lies on
+    Real inverse_density;         // 1 / density, by area, of the sampled point, in square scene units
+    std::uint32_t primitive = 0;  // primitive of the shape that the point lies on
 };
 
 // A direction towards a light. `inverse_pdf` is 1 / density by solid angle; 0: there is nothing to sample.
@@ -56,7 +56,7 @@ template <class Real>
 struct DirectionSample {
     Vec3<Real> direction;  // unit direction towards the light
     Real inverse_pdf;
-    std::uint32_t primitive = 0;  // primitive that the direction was drawn to
+    std::uint32_t primitive = 0;  // primitive of the light that the direction was drawn to
     Real distance = Real(0);      // distance to the sampled point of the light; 0: not known
 };
 
@@ -70,10 +70,10 @@ enum class UnitShape : std::uint32_t { box, sphere, quad, none };
 
 // An object as its scene's file places it: the shape of scale 1 about 0, scaled, rotated, and moved.
 struct Placement {
-    Vec3<double> centre;     // position relative to the camera's eye
-    Vec3<double> column[3];  // columns of the rotation, before which a flat shape faces +y
+    Vec3<double> centre;     // the object's position relative to the camera's eye
+    Vec3<double> column[3];  // columns of the object's rotation, before which a flat shape faces +y
     Vec3<double> scale;
-    bool is_quarter_turned;  // rotated by multiples of 90 degrees only
+    bool is_quarter_turned;  // the object's rotation is by multiples of 90 degrees only
 };
 
 template <class Real>
@@ -83,8 +83,8 @@ PT_HD inline Vec3<Real> rounded_to(const Vec3<double>& v) {
 
 PT_HD inline Vec3<double> widened(const Vec3<float>& v) { return Vec3<double>(v); }
 
-// The distance through a body for a ray that starts on it and runs inside: its own surface lies at t = 0 on the near
-// side.
+// The distance through a body for a ray that starts on it and runs inside: the surface that it starts on lies at t = 0,
+// on the near side.
 template <class Shape, class Real>
 PT_HD inline Real chord(const Shape& shape, const Vec3<Real>& origin, const Vec3<Real>& direction) {
     return max(interval(shape, origin, direction).far, Real(0));

@@ -82,7 +82,7 @@ private:
     }
 };
 
-// 1 / pdf of a light sample on a far box: `total` over the cube of the distance, in diagonals of the box.
+// 1 / pdf of a light sample on a far box: `total` (sum of the faces' shares) / (distance / the box's diagonal)^3.
 template <class Real>
 PT_HD inline Real far_inverse_pdf(Real total, Real distance, Real diagonal) {
     const Real t = distance / diagonal;
@@ -136,7 +136,7 @@ struct SeenBox {
             return {uniform_sphere(u, v), inverse_pdf(Real(1))};
         }
         const Real pick = w * total;
-        // Rounding may take `pick` to the very end of the shares; the last face with a share is then chosen.
+        // Rounding may take `pick` to the sum of all faces' shares; the last face with a share is then chosen.
         const int last = share[2] > Real(0) ? 2 : share[1] > Real(0) ? 1 : 0;
         const int axis = pick < share[0] ? 0 : min(pick < share[0] + share[1] ? 1 : 2, last);
         const int b = after(axis);

@@ -10,10 +10,10 @@ namespace pt {
 
 template <class Real>
 struct Transform {
-    Vec3<Real> row[3];     // rows of the 3x3 part of the inverse matrix
-    Vec3<Real> offset;     // last column of the inverse matrix (its translation)
-    Vec3<Real> column[3];  // columns of the matrix's 3x3 part
-    Vec3<Real> centre;     // last column of the matrix (its translation), relative to the camera's eye
+    Vec3<Real> row[3];     // rows of the 3x3 part of the inverse of the object's matrix
+    Vec3<Real> offset;     // last column of the inverse of the object's matrix (its translation)
+    Vec3<Real> column[3];  // columns of the 3x3 part of the object's matrix
+    Vec3<Real> centre;     // last column of the object's matrix (its translation), relative to the camera's eye
     UnitShape shape;
 
     PT_HD Vec3<Real> direction_to_local(const Vec3<Real>& v) const {
@@ -28,7 +28,7 @@ struct Transform {
     }
 };
 
-// Where a ray meets the unit quad, as in kernels/shapes/quad.h: the edges reach out by the rounding of the hit point.
+// Where a ray meets the unit quad, as in kernels/shapes/quad.h: its edges are widened by the hit point's rounding.
 template <class Real>
 PT_HD inline Interval<Real> unit_quad_interval(const Vec3<Real>& origin, const Vec3<Real>& direction) {
     const Real t = -origin.y / direction.y;

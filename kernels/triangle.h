@@ -18,8 +18,8 @@ struct Triangle {
 // against the ray. The direction need not be a unit vector; distances come in multiples of it.
 template <class Real>
 struct ShearedDirection {
-    std::uint32_t kx, ky, kz;  // kz: the axis of the direction's largest component
-    Vec3<Real> shear;          // shift in x and y per unit of z, and 1 / the largest component
+    std::uint32_t kx, ky, kz;  // kz: the axis of the largest component of the ray's direction
+    Vec3<Real> shear;          // shift in x and y per unit of z, and 1 / the direction's largest component
 
     PT_HD static ShearedDirection of(const Vec3<Real>& direction) {
         const Vec3<Real> size{absolute(direction.x), absolute(direction.y), absolute(direction.z)};
@@ -35,8 +35,8 @@ struct ShearedDirection {
 
 template <class Real>
 struct TriangleHit {
-    Real t;        // distance in multiples of the direction's length
-    Real det;      // determinant u + v + w
+    Real t;        // distance to the triangle, in multiples of the ray direction's length
+    Real det;      // determinant u + v + w, the sum of the edge functions
     Real u, v, w;  // barycentric weights of the triangle's corners a, b, c, times det
     bool hits;
     bool from_behind;  // the side on which a, b, c go round clockwise was hit

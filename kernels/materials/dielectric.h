@@ -14,8 +14,8 @@ struct DielectricMaterial {
     PT_HD const Boundary<Real>& seen_from(bool inside) const { return inside ? leaving : entering; }
 
     // Picks reflection or transmission in proportion to their energy, so the weight of either is 1 (and the tint of the
-    // transmission). Radiance is not scaled by n^2: what enters must leave, and sources inside are not compared with
-    // outside.
+    // transmission). Radiance is not scaled by the relative index squared: light that enters must leave, and sources
+    // inside are not compared with outside.
     template <class At>
     PT_HD bool scatter(const At& at, const Material<Real>& material) const {
         using Config = typename At::Config;
@@ -28,7 +28,7 @@ struct DielectricMaterial {
         return true;
     }
 
-    // Reflects or refracts the path by a random number in [0, 1), without a medium; returns whether it is refracted.
+    // Reflects or refracts the path by u in [0, 1), and leaves path.medium alone; returns whether it is refracted.
     template <class Config>
     PT_HD bool scatter_by(Path<Real>& path, const Vertex<Real>& vertex, Real u) const {
         const Boundary<Real>& boundary = seen_from(vertex.inside);

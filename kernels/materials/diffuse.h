@@ -18,8 +18,8 @@ struct DiffuseLobe {
 };
 
 // Frame::to_world for a normal along a coordinate axis: the frame's entries are 0, 1 and -1, so coordinates are only
-// permuted and negated. Returns false where a coordinate is 0, whose sign takes the frame's sums, unless samples are
-// approximate.
+// permuted and negated. Returns false if a coordinate is 0, unless samples are approximate: only the sums in to_world
+// give that zero the right sign.
 template <class Real>
 PT_HD inline bool axis_to_world(const SurfaceId& face, const Vec3<Real>& local, Vec3<Real>& world) {
     const Real sign = face.face_looks_up() ? Real(1) : Real(-1);
@@ -44,7 +44,7 @@ PT_HD inline void scatter_diffuse(Path<typename Config::Real>& path, const Verte
     if (!has<Config>(Feature::enclosure) || !vertex.hit.has_face() || !axis_to_world(vertex.hit, local, direction)) {
         direction = Frame<Real>(vertex.normal()).to_world(local);
     }
-    // Only sums in Frame round the direction's length off 1, which is not worth nine more operations.
+    // The direction is not renormalised: that takes nine operations, and only sums in Frame round its length off 1.
     leave_on_same_side(path, vertex, direction);
 }
 
@@ -76,8 +76,8 @@ PT_HD inline bool shade_diffuse(const At& at, const Vec3<typename At::Real>& alb
             path.bsdf_pdf =
                 kept_pdf<Config>(path, max(at.vertex.dot_normal(path.direction), least) * (Real(1) / pi<Real>));
         } else {
-            // Where lights that are hit have no MIS weight, the stored pdf may be any number but 0, which means no
-            // connection.
+            // Where MIS does not weigh the lights that are hit, the stored pdf may be any number but 0, which would
+            // mean that the vertex was not connected.
             path.bsdf_pdf = Real(1);
         }
     }

@@ -18,7 +18,7 @@ namespace pt {
 
 template <class Real>
 struct PrincipledMaterial {
-    DielectricMaterial<Real> glass;  // dielectric part, whose tint is the base colour
+    DielectricMaterial<Real> glass;  // dielectric part of the principled material, tinted by the base colour
     Real metallic;
     Real transmission;
     Real alpha;  // width of the GGX distribution, roughness^2
@@ -34,12 +34,12 @@ struct Principled {
     using Real = typename Config::Real;
     static constexpr bool transmits = true, may_be_opaque = true;
 
-    RoughDielectric<Config> glass;  // glass lobe, whose facets are the metal's too
+    RoughDielectric<Config> glass;  // glass lobe, whose microfacets serve the metal lobe as well
     Vec3<Real> colour;
     Real metal_share, diffuse_share, glass_share;  // shares of the principled lobe's three parts, which sum to 1
     Real layer_reflectance;                        // reflectance of a smooth boundary in the viewing direction, F(n.v)
     Real diffuse_probability;
-    Vec3<Real> diffuse_colour;  // base colour * diffuse_share / diffuse_probability
+    Vec3<Real> diffuse_colour;  // in a diffuse sample's weight: base colour * diffuse_share / diffuse_probability
     bool are_facets_wide;
     std::uint32_t medium_beyond;
 
@@ -63,7 +63,7 @@ struct Principled {
         const Real both = layer_reflectance + beneath;
         diffuse_probability = diffuse_share * (both > Real(0) ? beneath / both : Real(1));
         const Vec3<Real> shown = colour * diffuse_share;
-        // Division comes last: diffuse_share / diffuse_probability could overflow for a colour near the least number.
+        // The division is last: diffuse_share / diffuse_probability could overflow for a colour near the least number.
         diffuse_colour = diffuse_probability > Real(0)
                              ? Vec3<Real>(shown.x / diffuse_probability, shown.y / diffuse_probability,
                                           shown.z / diffuse_probability)
@@ -204,7 +204,7 @@ private:
     }
 };
 
-// After narrow facets lights that are hit count in full, though the vertex's diffuse lobe was connected to one.
+// After a sample by narrow facets lights that are hit count in full, though the diffuse lobe was connected to one.
 template <class Real>
 template <class At>
 PT_HD inline bool PrincipledMaterial<Real>::scatter(const At& at, const Material<Real>& material) const {

@@ -24,7 +24,7 @@ struct RoughConductor {
     static constexpr bool transmits = false, may_be_opaque = false;
     GgxFacets<Real> facets;
     Vec3<Real> reflectance;
-    Vec3<Real> gain{Real(1)};  // factor on the lobe's weight, for energy compensation; 1: none
+    Vec3<Real> gain{Real(1)};  // factor on the lobe's weight that makes up for lost energy; 1: none
 
     PT_HD RoughConductor(const Vec3<Real>& reflectance_of, Real alpha, const Vec3<Real>& outgoing,
                          const Vec3<Real>& normal)

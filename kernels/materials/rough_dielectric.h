@@ -23,7 +23,7 @@ struct RoughDielectric {
     Vec3<Real> tint;
     std::uint32_t medium_beyond;
 
-    // `beyond`: the absorbing medium of a path that has crossed the surface.
+    // `beyond`: material whose medium absorbs along the path once it has crossed the surface, or `no_medium`.
     PT_HD RoughDielectric(const DielectricMaterial<Real>& glass, std::uint32_t beyond, Real alpha,
                           const Vec3<Real>& outgoing, const Vertex<Real>& vertex)
         : facets(alpha, outgoing, vertex.normal()),

@@ -61,7 +61,7 @@ PT_HD inline Vec3<Real> flight_weight(const ScatteringMedium<Real>& medium, cons
                                    exponential((least - medium.sigma_t.y) * t),
                                    exponential((least - medium.sigma_t.z) * t)};
     const Real carried = dot(throughput, scattered ? transmittance * medium.sigma_t : transmittance);
-    // The weight stays finite where hardly anything is transmitted: an opaque channel must not become 0 * infinity.
+    // The flight's weight stays finite where hardly anything is transmitted: no opaque channel may become 0 * infinity.
     const Real inverse_mean = carried > Real(0) ? min(std::numeric_limits<Real>::max(),
                                                       (throughput.x + throughput.y + throughput.z) / carried)
                                                 : Real(0);
@@ -71,8 +71,8 @@ PT_HD inline Vec3<Real> flight_weight(const ScatteringMedium<Real>& medium, cons
 // A subsurface random walk; path.origin and path.direction are the walk's, in the frame of the body at rest.
 struct Walk {
     static constexpr std::uint32_t none = 0xffffffffu;
-    std::uint32_t step = none;  // steps taken by the walk; none: the path is on no walk
-    std::uint32_t object = 0;   // object that the walk is inside of
+    std::uint32_t step = none;  // steps taken by the subsurface walk; `none`: the path is on no walk
+    std::uint32_t object = 0;   // object that the subsurface walk is inside of
     bool on_surface = true;
 
     PT_HD bool is_on() const { return step != none; }
@@ -82,8 +82,8 @@ struct Walk {
 template <class Real>
 struct GuidedWalk : Walk {
     Vec3<Real> normal;            // outward normal of the body's surface that is nearest as far as is known
-    StepChoice choice;            // density by which the walk's next step is drawn
-    bool drew_direction = false;  // the walk's direction was drawn together with `choice`
+    StepChoice choice;            // colour channel, guided or not, by whose density the walk's next step is drawn
+    bool drew_direction = false;  // the walk's direction was drawn by the density of `choice`
 
     PT_HD void meet_surface(const Vec3<Real>& outward, const StepChoice& next) {
         normal = outward;
@@ -171,8 +171,8 @@ PT_HD inline void scatter_in_medium(const SceneView<typename Config::Real>& scen
 template <class Real>
 struct SubsurfaceMaterial {
     Boundary<Real> entering, leaving;
-    std::uint32_t has_boundary;     // 1 if the index of refraction is not 1
-    std::uint32_t max_scatterings;  // cap on the scatterings of one walk
+    std::uint32_t has_boundary;     // 1 if the body's index of refraction is not 1
+    std::uint32_t max_scatterings;  // cap on the scatterings of one subsurface walk
     ScatteringMedium<Real> medium;
 
     // Reflects the path at the boundary of a subsurface body, or lets it in to begin a walk. A path whose walk cannot
@@ -233,7 +233,7 @@ PT_HD inline WalkStep walk_step(const SceneView<typename Config::Real>& scene, P
         random_words<Config>(scene.seed, {path.pixel, path.sample, path.segment, random_block::walk + walk.step});
     walk.step += 1;
     const Real to_exit = distance_to_exit<Config>(scene, walk.object, path.origin, direction, walk.on_surface);
-    // A distance beyond what Real holds means that the body is too thin or too far away for its coordinates.
+    // An infinite or NaN distance to the surface means that the body is too thin or too far away for its coordinates.
     if (!(to_exit <= std::numeric_limits<Real>::max())) {
         return WalkStep::lost;
     }

@@ -1,9 +1,9 @@
 // Halton points: coordinate d of sample i is the radical inverse of i in base p(d), the d-th prime. Each pixel maps
-// every digit to a digit + b, modulo p, with a and b of its own: the digits of two samples are then any two, where a
-// shift alone would leave the first samples side by side in large bases. Dimensions are not padded: every random number
-// of a path has its own, up to the 15th surface hit; beyond it, and within bodies, numbers are pcg4d's. Halton,
-// Numerische Mathematik 2, 1960; random linear digit scrambling: Matousek, "On the L2-discrepancy for anchored boxes",
-// J. Complexity 14(4), 1998.
+// every digit to a digit + b, modulo p, with a and b of its own: two different digits may become any two, where a shift
+// b alone would leave the first samples side by side in large bases. Dimensions are not padded: every random number of
+// a path has its own, up to the 15th surface hit; beyond it, and within bodies, numbers are pcg4d's. Halton, Numerische
+// Mathematik 2, 1960; random linear digit scrambling: Matousek, "On the L2-discrepancy for anchored boxes", J.
+// Complexity 14(4), 1998.
 #pragma once
 
 #include "kernels/random_words.h"

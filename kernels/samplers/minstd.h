@@ -9,7 +9,7 @@
 namespace pt {
 
 inline constexpr std::uint32_t minstd_multiplier = 48271u;
-inline constexpr std::uint32_t minstd_modulus = 2147483647u;  // the prime 2^31 - 1
+inline constexpr std::uint32_t minstd_modulus = 2147483647u;  // modulus: the prime 2^31 - 1
 
 PT_HD constexpr std::uint32_t minstd_product(std::uint32_t a, std::uint32_t b) {
     return static_cast<std::uint32_t>(static_cast<std::uint64_t>(a) * b % minstd_modulus);
@@ -34,8 +34,8 @@ PT_HD constexpr std::uint32_t wang_hash(std::uint32_t a) {
     return (a ^ 0xb55a4f09u) ^ (a >> 16);
 }
 
-// Draws 4 block to 4 block + 3 of the minstd generator, each a 31-bit number shifted up: never 1 in the unit interval,
-// to which Thrust's distribution rounds once in 3e7.
+// Numbers 4 b to 4 b + 3 of a minstd sequence, b the key's block, each of 31 bits and shifted up by one: never 1 in the
+// unit interval, while Thrust's distribution rounds to 1 once in 3e7.
 PT_HD inline RandomWords minstd_words(const RandomWords& seed, const RandomKey& key) {
     const std::uint32_t hash = wang_hash((1u << 31) | (key.bounce << 22) | key.sample) ^ wang_hash(key.pixel) ^ seed.x;
     std::uint32_t state = hash % minstd_modulus;

@@ -11,8 +11,8 @@ namespace pt {
 template <class Real>
 struct Ellipsoid {
     Vec3<Real> centre;
-    Vec3<Real> semi_axis[3];     // columns of the matrix from the unit sphere to the scene, the semi-axes
-    Vec3<Real> inverse_axis[3];  // rows of the matrix from the scene to the unit sphere
+    Vec3<Real> semi_axis[3];     // columns of the matrix from the unit sphere to the scene: the ellipsoid's semi-axes
+    Vec3<Real> inverse_axis[3];  // rows of the matrix from the scene to the ellipsoid's unit sphere
 
     PT_HD Vec3<Real> to_unit(const Vec3<Real>& v) const {
         return {dot(inverse_axis[0], v), dot(inverse_axis[1], v), dot(inverse_axis[2], v)};

@@ -18,7 +18,7 @@ struct Sphere {
 
     static constexpr const char* file_name = "sphere";
     static constexpr bool is_flat = false;
-    static constexpr bool misses_at_zero = true;  // interval() is 0 where a ray misses (kernels/intersect.h)
+    static constexpr bool misses_at_zero = true;  // interval() gives a ray that misses distance 0 (kernels/intersect.h)
     static constexpr UnitShape unit_shape = UnitShape::sphere;
     static bool is_kind_of(const Placement& object) {
         return object.scale.x == object.scale.y && object.scale.y == object.scale.z;
@@ -49,7 +49,7 @@ PT_HD inline Interval<Real> interval(const Sphere<Real>& sphere, const Vec3<Real
     if (!(discriminant > Real(0))) {
         return {Real(0), Real(0), false};
     }
-    // The discriminant is 1 - d with d >= 0: if it is not 0, it is at least the last bit of 1 or of d, so in range.
+    // The discriminant is 1 - d with d >= 0: if not 0, it is at least the last bit of 1 or of d, in range for the root.
     const Real root = nearly_square_root_in_range(discriminant);
     const Real q = b < Real(0) ? b - root : b + root;
     const Real other = nearly_divide(dot(f, f) - Real(1), q);
@@ -86,7 +86,6 @@ PT_HD inline Real chord(const Sphere<Real>& sphere, const Vec3<Real>& origin, co
     return max(Real(0), Real(-2) * dot((origin - sphere.centre) * sphere.inverse_radius, direction)) * sphere.radius;
 }
 
-// A ray that starts on a sphere near the eye has the chord of any other sphere.
 template <class Real>
 PT_HD inline Real chord(const NearSphere<Real>& sphere, const Vec3<Real>& origin, const Vec3<Real>& direction) {
     return chord(static_cast<const Sphere<Real>&>(sphere), origin, direction);

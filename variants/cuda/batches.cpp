@@ -20,7 +20,7 @@ void Batches::clear() {
 }
 
 void Batches::prepare(const Enqueue& enqueue) {
-    if (!launch_.is_captured || job_.stages != nullptr) {  // stage events cannot be captured in a graph
+    if (!launch_.is_captured || job_.stages != nullptr) {  // the CUDA events that time stages cannot be captured
         return;
     }
     PT_CUDA_CHECK(cudaMemcpyAsync(next_sample_, &job_.first_sample, sizeof job_.first_sample, cudaMemcpyHostToDevice,
@@ -40,7 +40,7 @@ void Batches::prepare(const Enqueue& enqueue) {
     work_per_graph_.graph_nodes = graph_->nodes();
 }
 
-// Launches a batch as a CUDA graph, which by itself goes on at the sample where its last launch ended.
+// Launches a batch as a CUDA graph, whose every launch goes on at the sample where the launch before ended.
 void Batches::launch_graph(std::uint32_t sample) {
     if (graph_sample_ != sample) {
         set_value(next_sample_, sample, job_.stream);
@@ -76,7 +76,7 @@ std::uint32_t Batches::enqueue_loop(const std::function<LiveCounts()>& enqueue_r
     });
     is_in_loop_ = false;
     work_per_round_ = std::exchange(job_.work, before);
-    work_per_round_.launches = 0;  // the device itself launches the loop's rounds
+    work_per_round_.launches = 0;  // the device, not the host, launches the rounds of the graph's loop
     return taken;
 }
 

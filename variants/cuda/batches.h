@@ -33,7 +33,7 @@ public:
     // differently.
     std::uint32_t enqueue_loop(const std::function<LiveCounts()>& enqueue_round);
     SegmentNumber segment(std::uint32_t number) const { return {number, is_in_loop_ ? offset_ : nullptr}; }
-    // The device address of a batch's first sample while the batch is being captured; null: a parameter has it.
+    // The device address of a batch's first sample while the batch is captured; null: kernels get the sample itself.
     const std::uint32_t* cursor() const { return is_capturing_ ? next_sample_ : nullptr; }
     bool is_capturing() const { return is_capturing_; }
     std::uint32_t samples_in_flight() const { return samples_in_flight_; }
@@ -48,12 +48,12 @@ private:
     LaunchTraits launch_;
     std::unique_ptr<Graph> graph_;
     WorkCounters work_per_graph_;  // work that the host counts for one captured batch
-    WorkCounters work_per_round_;  // work of one round of the graph's loop
+    WorkCounters work_per_round_;  // work of one round of a CUDA graph's loop
     bool is_capturing_ = false;
-    bool is_in_loop_ = false;               // the body of the graph's loop is now being captured
+    bool is_in_loop_ = false;               // the body of a CUDA graph's loop is now being captured
     std::uint32_t* next_sample_ = nullptr;  // device address of the first sample of the graph's next launch
-    std::uint32_t graph_sample_ = 0;        // value of *next_sample_ after all enqueued work has run
-    std::uint32_t* offset_ = nullptr;       // device: segments that earlier rounds of this batch took; 0 outside a loop
+    std::uint32_t graph_sample_ = 0;        // value of *next_sample_ once all enqueued work has run
+    std::uint32_t* offset_ = nullptr;       // device: segments that a batch's loop took in earlier rounds; 0 outside
     std::uint64_t* rounds_ = nullptr;       // in device memory: rounds that graph loops have run since the render began
 };
 

@@ -1,5 +1,5 @@
 // Parts shared by the CUB compactions. The count of paths stays on the device: CUB writes the new count beside the old,
-// which the selection reads, and no host waits. CUB's calls are over the queue's bound, which does not change.
+// which the selection reads, and no host waits. CUB's number of items is the queue's bound, which does not change.
 #pragma once
 
 #include "variants/cuda/cub_storage.h"
@@ -10,7 +10,7 @@
 
 namespace pt::cuda {
 
-// Loads the path in a slot; from the count on gives an ended path, since what lies in these slots is not in play.
+// Loads the path in a slot; for slots from the count on gives an ended path, since they hold nothing that is in play.
 template <class Paths>
 struct PathAt {
     Paths paths;
@@ -27,7 +27,7 @@ struct PathAt {
 };
 
 // CUB compaction of slot numbers. Algorithm::slots(memory, bytes, slot_at, is_alive, kept, count, items, stream) calls
-// CUB to bring the live of the slots at positions 0 to items - 1 to the front of `kept`. Counts as one launch.
+// CUB to bring the slots of live paths, among positions 0 to items - 1, to the front of `kept`. Counts as one launch.
 template <class Algorithm>
 class CubIndexCompaction final : public Compaction {
 public:

@@ -38,7 +38,7 @@ public:
     virtual PathBytes path_bytes() const { return {}; }
 };
 
-// What an integrator on CUDA is made from, with the job: the variant, its choices on the queue, facts of the scene.
+// What an integrator on CUDA is made from, besides the job: variant, choices on its queue, facts of the scene.
 struct IntegratorNeeds {
     Variant variant;
     VariantTraits traits;
@@ -46,20 +46,20 @@ struct IntegratorNeeds {
     KeyBounds key_bounds;               // bounds of the scene's positions, for sort keys
     // The queue's memory layout and the choices that work on the queue; only integrators with a queue use them.
     Layout layout = {};
-    std::vector<unsigned char> object_class = {};      // class of each object, as in Queue::object_class
+    std::vector<unsigned char> object_class = {};      // class of each object: 0 diffuse-like, 1 delta-like
     std::unique_ptr<Compaction> compaction = nullptr;  // compaction stage; null: the queue is not compacted
     std::unique_ptr<Sorting> sorting = nullptr;        // sorting stage; null: the queue is not sorted
 
     std::uint32_t tunable(std::string_view name) const { return pt::tunable(variant, name, Backend::cuda); }
 };
 
-// Describes to program compilation the kernel that has Parameters<Real> and whose text is in `source`.
+// Part of an integrator's program: the kernel that has Parameters<Real> and whose text is in `source`.
 template <template <class Real> class Parameters>
 constexpr KernelPart kernel_part(const char* source) {
     return {source, kernel_of<Parameters<float>>(), kernel_of<Parameters<double>>()};
 }
 
-// The hook of an integrator: Class<Real>(JobOf<Real>&, IntegratorNeeds&&), with Class<Real>::kernels().
+// Hook that makes an integrator: by Class<Real>(JobOf<Real>&, IntegratorNeeds&&), with kernels Class<Real>::kernels().
 template <template <class Real> class Class>
 IntegratorHook integrator_hook() {
     return {.make_single = [](JobOf<float>& job, IntegratorNeeds&& needs) -> std::unique_ptr<Integrator> {

@@ -15,8 +15,8 @@ namespace pt::cuda {
 struct Job {
     const Module* module = nullptr;
     FilmView film;                    // view of the film, in device memory
-    std::uint32_t pixels = 0;         // the pixels of the image that this device renders
-    std::uint32_t image_pixels = 0;   // pixels of the whole film and of the first-bounce cache
+    std::uint32_t pixels = 0;         // number of the image's pixels that this device renders
+    std::uint32_t image_pixels = 0;   // number of pixels of the whole film and of the first-bounce cache
     std::uint32_t longest_path = 1;   // most segments that a path may have
     std::uint32_t most_branches = 1;  // most branches into which one sample's path may split
     std::uint32_t materials = 0;
@@ -29,9 +29,9 @@ struct Job {
     cudaStream_t stream = nullptr;
 
     std::uint32_t kept_rays = 0;    // camera rays of a pixel that the first-bounce cache keeps; 0: there is none
-    std::uint32_t cached_rays = 0;  // how many of these rays earlier parts of the render have traced
+    std::uint32_t cached_rays = 0;  // how many of the kept_rays earlier parts of the render have traced
     Totals* totals = nullptr;
-    HealthRequest health;  // audit request of the integrator audited, with counters in device memory
+    HealthRequest health;  // audit that the integrator `audited` makes, with counters in device memory
     SegmentCounts segments;
     StageEvents* stages = nullptr;  // stage timers; null: the render is not instrumented
     WorkCounters work;

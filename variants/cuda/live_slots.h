@@ -14,7 +14,7 @@ inline constexpr std::uint32_t no_slot = 0xffffffffu;
 
 // The slot at a position of a queue; no_slot for positions from the count on, where the index order holds old slots.
 struct SlotAt {
-    const std::uint32_t* order = nullptr;  // slots by position in the queue; null: slot i is at position i
+    const std::uint32_t* order = nullptr;  // slots of paths by queue position; null: slot i is at position i
     const std::uint32_t* count = nullptr;  // number of paths in play, in device memory
 
     PT_HD std::uint32_t operator()(std::uint32_t position) const {

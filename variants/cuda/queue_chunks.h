@@ -19,9 +19,9 @@ constexpr std::uint32_t keys_of_chunks(std::uint32_t capacity, std::uint32_t mat
     return chunks_of(capacity, chunk) * (materials + 1);
 }
 
-// Slots of a chunk: as many as the tunable asks for, or the fewest with which a counting sort can count the keys of all
-// chunks and the last key. One chunk is always allowed: with more materials than a counting sort counts, it is no worse
-// off than a sort by material alone.
+// Number of slots in a chunk: as many as the tunable asks for, or the fewest with which a counting sort can count the
+// keys of all chunks and the last key. One chunk is always allowed: with more materials than a counting sort counts, it
+// is no worse off than a sort by material alone.
 constexpr std::uint32_t slots_of_chunk(std::uint32_t capacity, std::uint32_t materials, std::uint32_t asked) {
     const std::uint32_t most_chunks = std::max(1u, (most_bucket_keys - 1) / (materials + 1));
     return std::max(asked, chunks_of(capacity, most_chunks));

@@ -58,7 +58,7 @@ cudaError_t sort_bits(void* memory, std::size_t& bytes, Words& keys, Words& valu
 
 }  // namespace
 
-// Reserves CUB's storage for sorts by all bits of a key, which need most passes and storage, and by few bits.
+// Reserves CUB's storage for two sorts: by all bits of a key, with most passes and storage, and by few bits.
 void RadixSort::reserve(Arena& arena, const Queue& queue) {
     storage_.reserve(arena, [&](void* memory, std::size_t& bytes) {
         Words keys, slots;
@@ -82,7 +82,7 @@ void RadixSort::sort(Queue& queue, std::uint32_t key_count) {
         queue.indirect = true;
     }
     const int bits = key_bits_ == KeyBits::all ? all_bits : std::bit_width(key_count - 1);
-    if (bits == 0) {  // with one sort key alone the order stays
+    if (bits == 0) {  // all paths have one sort key, so the order stays
         return;
     }
     Words keys(queue.keys, queue.keys_spare), slots(queue.order, queue.order_spare);

@@ -32,7 +32,7 @@ public:
         needs_.sorting->sort(queue, last_key(queue) + 1);
         job_.work.sorts += 1;
     }
-    // Parts of the queue to shade by one launch each: the whole or, once sorted, the ranges that the sort has made.
+    // Parts of the queue, each shaded by one launch: the whole or, once sorted, the ranges that the sort has made.
     std::vector<ShadeRange> shade_ranges(const Queue& queue, bool is_sorted) const {
         std::vector<ShadeRange> ranges = is_sorted ? needs_.sorting->shade_ranges() : std::vector<ShadeRange>();
         if (ranges.empty()) {

@@ -15,9 +15,9 @@ namespace pt::cuda {
 // the device; the host knows a bound on it, which is the count itself after a choice that waits for the device.
 struct Queue {
     PathStore paths;
-    PathStore spare;                       // second store as large as `paths`, for choices that move whole paths
+    PathStore spare;                       // second path store of equal size, for compactions and sorts that move paths
     void* hits = nullptr;                  // StoredHit<Real> by slot of the path, valid between intersect and shade
-    std::uint32_t* order = nullptr;        // slots by position in the queue, with `capacity` entries
+    std::uint32_t* order = nullptr;        // slots of paths by queue position, with `capacity` entries
     std::uint32_t* order_spare = nullptr;  // second array of slots with `capacity` entries, for sorts and compactions
     std::uint32_t* keys = nullptr;         // sort keys by position in play, `capacity` entries; for sorts alone
     std::uint32_t* keys_spare = nullptr;   // second array of sort keys, with `capacity` entries
@@ -25,8 +25,8 @@ struct Queue {
     std::uint32_t* count_spare = nullptr;  // second counter of paths in play, in device memory
     std::uint32_t bound = 0;               // upper bound on the number of paths in play
     bool indirect = false;
-    std::uint32_t capacity = 0;                   // number of path slots
-    const unsigned char* object_class = nullptr;  // in device memory, by object: 0 if diffuse-like, 1 if delta-like
+    std::uint32_t capacity = 0;                   // number of path slots of the queue
+    const unsigned char* object_class = nullptr;  // class of each object, on the device: 0 diffuse-like, 1 delta-like
 
     void swap_order() { std::swap(order, order_spare); }
     void swap_paths() { std::swap(paths, spare); }
@@ -45,7 +45,6 @@ struct CellContext {
     std::uint32_t materials = 0;
     std::uint32_t multiprocessors = 1;
     cudaStream_t stream = nullptr;
-    // Returns the value of a tunable in the variant.
     std::function<std::uint32_t(std::string_view)> tunable;
     // Kernels of the choice (Hooks::kernels), from the source of its name (variants/compaction/NAME.cuh), compiled for
     // the cell's layout, precision and GPU.
@@ -62,7 +61,7 @@ public:
     // Takes device memory beyond the queue's; called with a measuring arena first, then with one that has the memory.
     // Every pointer of the queue but its counts is null in the first call.
     virtual void reserve(Arena&, const Queue&) {}
-    // Enqueues the compaction. Afterwards *queue.count paths are in play, and queue.bound is not less.
+    // Enqueues the compaction. Afterwards *queue.count paths are in play, and queue.bound is at least their number.
     virtual void compact(Queue& queue) = 0;
     virtual bool needs_spare_paths() const { return false; }
     // Whether the compaction copies whole paths, in which case a store must have room for every field of a path.

@@ -1,5 +1,5 @@
-// What the Thrust choices share: where a call's temporaries come from, how it waits for the device, and how it is
-// counted.
+// What the Thrust compactions and sorts share: where a call's temporaries come from, how it waits for the device, and
+// how it is counted.
 #pragma once
 
 #include <map>
@@ -111,7 +111,7 @@ public:
         *host_waits_ += 1;
         return with_policy(call);
     }
-    // Calls Thrust by call(policy), which returns nothing: what waits is par, or the cudaFree of a temporary.
+    // Calls Thrust by call(policy), which returns nothing: the host waits in thrust::par or in cudaFree of temporaries.
     template <class Call>
     void for_effect(Call&& call) {
         *launches_ += 1;

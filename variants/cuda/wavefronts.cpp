@@ -24,8 +24,8 @@ void check_round_trip(const Queue& before, const Queue& after) {
 }  // namespace
 
 // Asks whether all paths of a batch have ended, by the device's count of the paths that a segment finds alive. To be
-// made before the segment is enqueued. It has the pinned words of the read-back, which does not take place where this
-// class asks.
+// made before the segment is enqueued. The counts are copied to the pinned words of the compaction's read-back, which
+// does not take place where this class asks.
 class Wavefront::EndOfPaths {
 public:
     EndOfPaths(Wavefront& wavefront, std::uint32_t segment)
@@ -46,7 +46,7 @@ public:
         read(1);
         PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));
         job_.work.host_waits += 1;
-        return counts_[0] == counts_[1];  // counts of the batches before are included
+        return counts_[0] == counts_[1];  // read before and after the segment: the counter spans batches
     }
 
 private:

@@ -50,7 +50,7 @@ protected:
     // Constructs a wavefront. hit_bytes: size of a hit that is stored between two kernels; 0: none is.
     Wavefront(Job& job, IntegratorNeeds&& needs, std::size_t real_bytes, std::size_t hit_bytes);
 
-    // Enqueues the start of the first queue_.bound paths of queue_. These paths may have done their first segment.
+    // Enqueues the kernel that starts the first queue_.bound paths of queue_, and may trace their first segment, too.
     virtual void begin(std::uint32_t first_sample) = 0;
     // Enqueues a segment of the paths in queue_, without the compaction after it.
     virtual void trace(std::uint32_t segment) = 0;
@@ -60,8 +60,8 @@ protected:
     // (appends_).
     virtual std::uint32_t parts() const { return 1; }
     virtual void reserve_counts(Arena&) {}
-    // Ends the two segments of a loop's round and returns where the paths that live are counted. Leaves queue_.count as
-    // a round finds it.
+    // Ends a graph loop's round of two segments and returns where the paths that live are counted. Leaves queue_.count
+    // where the next round expects it.
     virtual LiveCounts end_round(const Queue& before);
 
     // Resets queue_ to the state in which a batch starts, with `paths` paths in play.
@@ -73,7 +73,7 @@ protected:
     const IntegratorNeeds& needs() const { return needs_; }
     const Batches& batches() const { return batches_; }
 
-    Queue queue_;  // queue with the batch that is being enqueued
+    Queue queue_;  // queue of the batch that is being enqueued
     const bool appends_;
 
 private:
@@ -90,14 +90,14 @@ private:
     IntegratorNeeds needs_;
     std::size_t real_bytes_, hit_bytes_;
     Batches batches_;
-    bool reads_back_;  // the host reads the count back after each compaction
+    bool reads_back_;  // the host reads the count of paths in play back after each compaction
     PinnedWords pinned_;
     Queue start_;  // the queue as it is when a batch starts
     PathBytes path_bytes_;
 };
 
-// Whether the host asks now and then if all paths of a batch have ended. It asks where no read-back tells it and paths
-// may be long enough that going on costs more than asking. A batch that is captured cannot ask.
+// Whether the host asks now and then if all paths of a batch have ended. It asks where no compaction reads the count
+// back, and paths may be long enough that going on costs more than asking. A batch that is captured cannot ask.
 inline bool asks_for_the_end(const Job& job, bool is_told, bool is_capturing, std::uint32_t segment) {
     constexpr std::uint32_t segments_between = 512;
     return !is_told && !is_capturing && job.longest_path > few_segments && segment % segments_between == 0;

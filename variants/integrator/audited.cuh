@@ -15,7 +15,7 @@ struct AuditedParameters {
     FilmView film;
     std::uint32_t first_sample;
     std::uint32_t samples;
-    std::uint32_t stride;  // threads that share a pixel's samples
+    std::uint32_t stride;  // number of threads that share a pixel's samples
     HealthRequest health;
     Totals* totals;
 };

@@ -8,8 +8,8 @@ namespace pt {
 struct IntegratorTraits {
     bool has_queue = false;             // paths lie in memory between stages, where they can be compacted and sorted
     bool can_loop = false;              // the loop over bounces can be the loop of a CUDA graph
-    bool appends_in_kernel = false;     // its own kernel can append paths, as compactions with AppendInKernel do
-    bool seeds_by_position = false;     // the sampler is told where in the queue a path lies
+    bool appends_in_kernel = false;     // integrator's kernel can append paths, as compactions with AppendInKernel do
+    bool seeds_by_position = false;     // samplers may be seeded by where in the queue a path lies
     bool sums_in_order = false;         // a pixel's samples are added to the film in their order
     bool traces_in_own_kernel = false;  // rays are traced in a kernel of their own, whose warps may fetch rays
     bool keeps_branches = false;        // a path may split, and the branches that wait are kept beside it
@@ -18,9 +18,9 @@ struct IntegratorTraits {
 };
 
 // What an integrator on the CPU is compiled for beside the feature sets of every integrator. The build reads these
-// lines of NAME.h (cmake/variants.cmake): each member that is true is on a line of its own.
+// members from NAME.h (cmake/variants.cmake): each that is true is on a line of its own.
 struct KernelSets {
-    bool in_double = false;        // generic kernels in double precision too, and with the textbook's formulas
+    bool in_double = false;        // generic kernels also in double precision, and with the textbook's formulas
     bool with_path_trees = false;  // also kernels for paths that split
     bool generic_alone = false;    // no kernels for the feature sets of scenes: the integrator is not timed
 };

@@ -14,7 +14,7 @@ struct MegakernelParameters {
     FilmView film;
     std::uint32_t first_sample;
     std::uint32_t samples;
-    std::uint32_t stride;  // threads that share a pixel's samples
+    std::uint32_t stride;  // number of threads that share a pixel's samples
     HitCache<Real> cache;
     Totals* totals;
     std::uint64_t* ended;  // counts of paths by their number of segments; null: not counted

@@ -16,7 +16,7 @@ struct MegakernelRegenParameters {
     FilmView film;
     std::uint32_t first_sample;
     std::uint32_t samples;
-    std::uint32_t stride;  // warps that share the samples of a strip of pixels
+    std::uint32_t stride;  // number of warps that share the samples of a strip of pixels
     HitCache<Real> cache;
     Totals* totals;
     std::uint64_t* ended;  // counts of paths by their number of segments; null: not counted

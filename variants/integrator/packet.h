@@ -165,7 +165,7 @@ private:
         }
     }
 
-    // Ends the paths of the lanes that were live in `before` and are no more; these lanes take the next paths.
+    // Ends the paths of the lanes that were live in `before` and no longer are; these lanes take the next paths.
     void end_paths(const lanes::Flags& before, PathCounters& counters) {
         lanes::Flags ended;
         for (std::uint32_t l = 0; l < lanes::width; ++l) {

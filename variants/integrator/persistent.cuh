@@ -33,8 +33,8 @@ struct Pieces {
     std::uint32_t strips, count, width, first_sample, samples, samples_per_piece;
     Totals* totals;
     std::uint64_t* next;
-    Round round = {};        // the round that the warp begins next: a strip of pixels and a sample
-    std::uint32_t left = 0;  // rounds left in the piece that the warp works on
+    Round round = {};        // what the warp begins next: a sample of a strip of pixels
+    std::uint32_t left = 0;  // rounds left in the piece of the image that the warp works on
     bool are_done = false;
 
     __device__ bool take(Round& taken, ThreadCounters& counters) {

@@ -91,9 +91,9 @@ PT_KERNEL(regroup, pt::cuda::RegroupParameters<Real>,
     Path path;
     Hit hit;
     pt::Walk walk;
-    std::uint32_t kind = Kinds::nothing;  // kind of stage that the lane's path needs next
+    std::uint32_t kind = Kinds::nothing;  // kind of the next stage of the lane's path
     Taken taken = pool.exchange(0, kind);
-    bool is_taken = true;  // the paths just taken have yet to be loaded
+    bool is_taken = true;  // the warp has just taken paths from the pool, and is to load them
     while (!taken.finished) {
         if (is_taken) {
             kind = pt::cuda::lane() < taken.count ? taken.kind : Kinds::nothing;
@@ -126,7 +126,7 @@ PT_KERNEL(regroup, pt::cuda::RegroupParameters<Real>,
         if (alive && Kinds::has_walks && walk.is_on()) {
             kind = Kinds::walking;
         } else if (alive && Kinds::may_walk(taken.kind)) {
-            kind = Kinds::starting;  // ray to be traced with others' rays: few paths leave a body at a time
+            kind = Kinds::starting;  // the ray waits to be traced with others: few paths leave a body at a time
         } else if (alive) {
             const bool is_kept = kernel_config.keeps_first_hits && path.segment == 0;
             hit = is_kept ? first_hit(scene, path, cache) : trace(scene, path);

@@ -11,8 +11,8 @@
 
 namespace pt::cuda {
 
-// Parameters of the kernel that starts path i in slot i: pixel i mod pixels, sample first_sample + i / pixels; with a
-// cursor, the first sample is read from it.
+// Parameters of the kernel that starts path i in slot i: pixel i mod pixels, sample first_sample + i / pixels; if
+// `cursor` is not null, the first sample is read from it.
 template <class Real>
 struct GeneratePathsParameters {
     static constexpr const char* kernel = "generate_paths";
@@ -32,7 +32,7 @@ struct IntersectPathsParameters {
     static constexpr const char* kernel = "intersect_paths";
     SceneView<Real> scene;
     PathStore store;
-    const std::uint32_t* order;  // slots by position in the queue; null: slot i at position i
+    const std::uint32_t* order;  // slots of paths by queue position; null: slot i is at position i
     const std::uint32_t* count;
     std::uint32_t bound;
     StoredHit<Real>* hits;
@@ -41,7 +41,7 @@ struct IntersectPathsParameters {
     SegmentCounts segments;
     std::uint32_t* keys;
     std::uint32_t bits;
-    std::uint32_t chunk;  // slots in a chunk of the queue, for sort keys by chunk only
+    std::uint32_t chunk;  // number of slots in a chunk of the queue, for sort keys by chunk only
     std::uint32_t last_key;
     KeyBounds bounds;
     MeshQueue meshes;  // gets the paths whose rays traversal=persistent takes through meshes in a kernel of its own

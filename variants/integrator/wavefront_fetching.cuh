@@ -87,7 +87,7 @@ public:
     }
 
 private:
-    // Starts on the first mesh, from mesh number mesh_ on, that has a tree.
+    // Starts on the first mesh that has a tree, from mesh number mesh_ on.
     __device__ void start_meshes() {
         const ::Scene& scene = stage_.scene.trace;
         while (mesh_ < scene.meshes.size && scene.meshes[mesh_].geometry.tree.node_count == 0) {

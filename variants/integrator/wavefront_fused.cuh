@@ -11,7 +11,7 @@
 namespace pt::cuda {
 
 // Parameters of the kernel that starts path i (pixel i mod pixels, sample first_sample + i / pixels) and traces its
-// first bounce; with a cursor, the first sample is read from it.
+// first bounce; if `cursor` is not null, the first sample is read from it.
 template <class Real>
 struct FirstBounceParameters {
     static constexpr const char* kernel = "first_bounce";
@@ -297,7 +297,7 @@ private:
 
     void trace(std::uint32_t segment) override {
         if (appends_) {
-            queue_.count = counts_after(segment - 1);  // counts that segment - 1 left, also in a graph's loop
+            queue_.count = counts_after(segment - 1);  // live paths after the segment before, also in a graph's loop
         }
         const PathStore out = appends_ ? queue_.spare : queue_.paths;
         std::uint32_t* const out_count = appends_ ? counts_after(segment) : queue_.count;

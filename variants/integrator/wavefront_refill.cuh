@@ -37,7 +37,7 @@ struct FillQueueParameters {
     std::uint32_t* count;
     std::uint32_t slots;
     PathSupply supply;
-    HitCache<Real> cache;  // for first_path(), and empty: the integrator has no first-bounce cache
+    HitCache<Real> cache;  // argument of first_path(); empty: the integrator has no first-bounce cache
     StoredHit<Real>* hits;
 };
 
@@ -48,12 +48,12 @@ struct IntersectQueueParameters {
     static constexpr const char* kernel = "intersect_queue";
     SceneView<Real> scene;
     PathStore store;
-    const std::uint32_t* order;  // slots by position in the queue; null: slot i at position i
+    const std::uint32_t* order;  // slots of paths by queue position; null: slot i is at position i
     std::uint32_t slots;
     StoredHit<Real>* hits;
     std::uint32_t* keys;
     std::uint32_t bits;
-    std::uint32_t chunk;  // slots in a chunk of the queue, for sort keys by chunk only
+    std::uint32_t chunk;  // number of slots in a chunk of the queue, for sort keys by chunk only
     std::uint32_t last_key;
     KeyBounds bounds;
     PathSupply supply;
@@ -88,7 +88,7 @@ struct WalkOnParameters {
     FilmView film;
     PathStore store;
     StoredHit<Real>* hits;
-    WalkerList list;   // walks to take some steps on
+    WalkerList list;   // list of walks that the kernel takes some steps on
     WalkerList again;  // list that gets the walks which are not over
     PathSupply supply;
     HitCache<Real> cache;
@@ -118,7 +118,7 @@ struct RefillQueueParameters {
 
 namespace pt::cuda {
 
-// Distance in the hit of a slot whose path is on a subsurface walk; no other hit has it.
+// Mark of a slot whose path is on a subsurface walk: this distance in its hit, which no other hit has.
 inline constexpr ::Real on_a_walk = -1;
 
 // Whether the path in a slot is on a subsurface walk, so that it is neither traced nor shaded.
@@ -359,17 +359,18 @@ public:
 private:
     static constexpr std::uint32_t most_paths = 1u << 30;
     static constexpr std::uint32_t most_rounds = 1u << 31;
-    // Rounds that are enqueued ahead of the one that the device has begun, so that the device never waits for the host.
+    // Rounds enqueued ahead of the one that the device has begun, so that the device never waits for the host.
     static constexpr std::uint32_t rounds_ahead = 4;
     // Rounds between two checks of how many paths have ended, once all have begun. A check waits for the device.
     static constexpr std::uint32_t rounds_between_looks = 64;
     // Rounds between two checks where walks take rounds of their own: how many rounds are left is not known then.
     static constexpr std::uint32_t rounds_between_looks_at_walks = 8;
-    // Bound on rounds that a subsurface walk takes between two segments of a path, exceeded by hardly any walk.
+    // Bound on the rounds that a subsurface walk takes between two segments of a path; hardly any walk takes more.
     static constexpr std::uint32_t rounds_of_long_walks = 1024;
 
-    // Samples that a go may have for its rounds to be numbered. A path has its slot for at most longest_path rounds,
-    // walks aside, and leaves it empty for fewer than refill_every_. Half of the numbers is left for the last paths.
+    // Samples of a pixel in one go (part of a render), few enough for its rounds to be numbered. A path has its slot
+    // for at most longest_path rounds, walks aside, and leaves it empty for fewer than refill_every_. Half of the
+    // numbers is left for the last paths.
     std::uint32_t samples_within(std::uint32_t rounds) const {
         const std::uint64_t longest =
             std::uint64_t{job_.longest_path} * (walkers_.are_apart() ? rounds_of_long_walks : 1);
@@ -466,7 +467,7 @@ private:
             std::this_thread::yield();
             const cudaError_t state = cudaStreamQuery(job_.stream);
             if (state != cudaErrorNotReady) {
-                PT_CUDA_CHECK(state);  // after a failed kernel no progress is reported
+                PT_CUDA_CHECK(state);  // a failed kernel reports no progress
                 return;
             }
         }
@@ -496,7 +497,7 @@ private:
     std::uint32_t refill_every_;
     WalkerLists<Real, 2> walkers_;   // walks of the current round, and walks that go on in the next round
     PinnedWords ended_;              // host's copy of the device's Totals
-    std::uint32_t* next_ = nullptr;  // in device memory: the word of PathSupply::next
+    std::uint32_t* next_ = nullptr;  // in device memory: number of the next path to hand out
     PathSupply supply_ = {};
     std::uint64_t paths_before_ = 0;  // paths that this cell has begun in all goes, the current one included
 };

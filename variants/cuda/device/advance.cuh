@@ -1,4 +1,4 @@
-// The kernel that ends a captured batch of samples: part of the programs of all integrators with a queue.
+// The kernel that advances a CUDA graph's first sample at a batch's end: in all programs of integrators with a queue.
 #pragma once
 
 #include "variants/cuda/device/device.cuh"

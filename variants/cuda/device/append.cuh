@@ -49,11 +49,11 @@ __device__ inline std::uint32_t append_by_block(std::uint32_t* count, bool keep)
     }
     __syncthreads();
     const std::uint32_t position = before[warp] + static_cast<std::uint32_t>(__popc(kept & ((1u << lane()) - 1u)));
-    __syncthreads();  // from here on `before` may be written again
+    __syncthreads();  // all warps have read `before`: the next call overwrites it
     return position;
 }
 
-// Resets a list's counts once all thread blocks have called it. Every thread of a block must call it, and last of all.
+// Resets a list's counts once all thread blocks have called it, each thread of a block after all else that it does.
 __device__ inline void finish_list(ListCounts* counts) {
     __syncthreads();
     if (threadIdx.x == 0) {
@@ -66,8 +66,8 @@ __device__ inline void finish_list(ListCounts* counts) {
 
 // Elements gathered by a block: element i below `count` gets position first + i among the elements of all blocks.
 struct Gathered {
-    std::uint32_t first, count;   // place of the first element; undefined if there is none
-    const std::uint32_t* values;  // gathered values in shared memory, until the block gathers again
+    std::uint32_t first, count;   // position of the block's first element among all blocks'; undefined if it has none
+    const std::uint32_t* values;  // the block's gathered values in shared memory, until it gathers again
 };
 
 // append_by_block, which here also puts the block's kept values side by side into shared memory, in thread order.

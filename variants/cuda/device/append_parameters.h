@@ -8,7 +8,7 @@ namespace pt::cuda {
 struct AppendSlotsParameters {
     static constexpr const char* kernel = "append_slots";
     PathStore store;
-    const std::uint32_t* order;  // slots by position in the queue; null: slot i at position i
+    const std::uint32_t* order;  // slots of paths by queue position; null: slot i is at position i
     const std::uint32_t* count;
     std::uint32_t* kept;
     std::uint32_t* kept_count;

@@ -28,8 +28,8 @@ using Scene = pt::SceneView<Real>;
 using Path = pt::Path<Real>;
 using Hit = pt::Hit<Real>;
 using StoredHit = pt::StoredHit<Real>;
-// Counters of one thread, in 32 bits: the host splits longer renders into several launches, or the kernel adds the
-// counters up in between.
+// Counters of one thread, in 32 bits: lest they overflow, the host splits longer renders into several launches, or the
+// kernel adds the counters up in between.
 using ThreadCounters = pt::PathCountersOf<std::uint32_t>;
 using HitCache = pt::cuda::HitCache<Real>;
 using pt::FilmView;
@@ -160,7 +160,7 @@ struct OwnSceneViews {
     }
 
 private:
-    // Lets shading read a kind of shape with a single object where tracing reads it, since all lanes read the same
+    // Lets shading read a kind of shape with a single object from where tracing reads it: all lanes read the same
     // numbers then.
     __device__ void share_single_shapes() {
 #define PT_SHARE(name, kind, word)                   \
@@ -189,8 +189,8 @@ private:
     }
 };
 
-// The scene of a kernel with all features, which is too large to be inlined: each thread would write its copies to
-// local memory for the functions that it calls. So the kernel reads the parameter in place, and each block keeps one
+// The scene of a kernel with all features. Its functions are too large to be inlined, and copies of the scene would be
+// handed to them in each thread's local memory. So the kernel reads the parameter in place, and each block keeps one
 // copy, for tracing, in shared memory: as bytes, since shared variables have no constructor.
 struct SharedSceneViews {
     const Scene &shade, &trace;

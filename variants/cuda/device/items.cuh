@@ -7,9 +7,9 @@
 // (i / 32) * sample_stride. A strip may reach beyond the last pixel; such items are passed over.
 struct Items {
     std::uint32_t count;
-    std::uint32_t pixels;  // number of the device's own pixels
+    std::uint32_t pixels;  // number of pixels that this device renders
     std::uint32_t width;   // width of the image
-    pt::PixelPlace first;  // first pixel of the strip, among the device's own
+    pt::PixelPlace first;  // first pixel of the strip, among the pixels of this device
     std::uint32_t first_sample, sample_stride;
 
     __device__ bool exists(std::uint32_t item) const { return item < count && first.index + item % warp_size < pixels; }

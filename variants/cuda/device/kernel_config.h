@@ -33,7 +33,7 @@ struct KernelConfig {
     FeatureSet features = no_features;
     std::uint32_t block = 256;                // threads of a thread block
     std::uint32_t min_blocks = 0;             // blocks that a multiprocessor must hold at once; 0: no launch bound
-    bool keeps_first_hits = false;            // there is a first-bounce cache
+    bool keeps_first_hits = false;            // whether there is a first-bounce cache
     std::uint32_t shading_fmas = 0;           // dependent multiply-adds injected as the cost of each material
     std::uint32_t constant_scene_bytes = 16;  // bytes of the scene's arrays in constant memory, if they are there
     bool has_fixed_counts = false;

@@ -101,7 +101,7 @@ struct ParameterList<void(Types...)> {
     using type = members::List<std::remove_const_t<Types>...>;
 };
 
-// Whether a kernel of this name and type has these parameters.
+// Whether a kernel of this name and type is the one whose parameters are the struct Parameters.
 template <class Parameters, class Kernel>
 constexpr bool is_kernel_of(const char* name) {
     const char* expected = Parameters::kernel;

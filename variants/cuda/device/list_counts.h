@@ -10,7 +10,7 @@ namespace pt::cuda {
 struct ListCounts {
     std::uint32_t waiting;   // number of entries that were put into the list
     std::uint32_t taken;     // number of list entries that were handed out
-    std::uint32_t finished;  // thread blocks that are done with the list
+    std::uint32_t finished;  // number of thread blocks that are done with the list
 };
 
 }  // namespace pt::cuda

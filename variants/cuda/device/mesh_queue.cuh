@@ -1,4 +1,4 @@
-// For kernels with one thread per path: listing the paths that the fetching kernel takes through meshes (mesh_queue.h).
+// Lists the paths that a kernel of their own takes through meshes (mesh_queue.h), in kernels with one thread per path.
 #pragma once
 
 #include "variants/cuda/device/append.cuh"
@@ -6,7 +6,7 @@
 
 namespace pt::cuda {
 
-// Whether a choice of the axis `traversal` fetches paths by a kernel of its own.
+// Whether a choice of the axis `traversal` takes rays through meshes in a kernel whose warps fetch paths.
 template <class Traversal>
 inline constexpr bool fetches_paths = requires {
     Traversal::fetches_paths;

@@ -20,7 +20,7 @@ PT_HD constexpr std::uint32_t fetching_blocks_at_once(std::uint32_t block, std::
     return static_cast<std::uint32_t>(7 * most_fetching_threads * sizeof(float) / real_bytes) / fetching_block(block);
 }
 
-// List of the queue positions that enter a mesh, with room for all. Null: the traversal has no kernel of its own.
+// List of the queue positions of rays that enter a mesh, with room for all. Null: no kernel takes rays through meshes.
 struct MeshQueue {
     std::uint32_t* positions = nullptr;
     ListCounts* counts = nullptr;
@@ -34,12 +34,12 @@ struct IntersectMeshesParameters {
     static constexpr std::uint32_t most_threads = most_fetching_threads;
     SceneView<Real> scene;
     PathStore store;
-    const std::uint32_t* order;  // slots by position in the queue; null: slot i at position i
+    const std::uint32_t* order;  // slots of paths by queue position; null: slot i is at position i
     MeshQueue queue;
     StoredHit<Real>* hits;
     std::uint32_t* keys;
     std::uint32_t bits;
-    std::uint32_t chunk;  // slots in a chunk of the queue, for sort keys by chunk only
+    std::uint32_t chunk;  // number of slots in a chunk of the queue, for sort keys by chunk only
     KeyBounds bounds;
 };
 

@@ -33,7 +33,7 @@ struct Kinds {
     static constexpr std::uint32_t walking = over + 1 + surfaces.count;       // kind of a path on a walk in a body
     static constexpr std::uint32_t starting = walking + (has_walks ? 1 : 0);  // kind of a path with a next ray to trace
     static constexpr std::uint32_t lists = starting + (has_walks ? 1 : 0);    // number of kinds with rings of paths
-    static constexpr std::uint32_t retired = lists;                           // kind of a slot without further paths
+    static constexpr std::uint32_t retired = lists;                           // kind of a slot that gets no more paths
     static constexpr std::uint32_t nothing = lists + 1;                       // kind of a lane without a slot
     static_assert(nothing < 16);
 

@@ -12,7 +12,7 @@
 // The paths that a warp takes from the pool: lanes below `count` have a slot each, all of one kind.
 struct Taken {
     std::uint32_t kind, count, slot;
-    bool finished;  // all slots of the block are retired: no path is left to work on
+    bool finished;  // every path slot of the block is retired: no path is left to work on
 };
 
 struct PoolSize {
@@ -61,8 +61,8 @@ public:
         __syncthreads();
     }
 
-    // Hands back the lane's slot, with the kind of its path's next stage, and takes slots of the kind that most paths
-    // wait for. Every lane of the warp must call it.
+    // Hands back the lane's slot to the pool, with the kind of its path's next stage, and takes slots of the kind that
+    // most paths wait for. Every lane of the warp must call it.
     __device__ Taken exchange(std::uint32_t slot, std::uint32_t kind) {
         put(slot, kind);
         return take();
@@ -95,7 +95,7 @@ private:
             first = atomicAdd(&tails_[kind], static_cast<std::uint32_t>(__popc(peers)));
         }
         first = __shfl_sync(pt::cuda::all_lanes, first, __ffs(static_cast<int>(peers)) - 1);
-        // Positions a ring's length apart share an entry, which the reader of the earlier one may not have emptied yet.
+        // Positions a ring's length apart share an entry, perhaps not emptied yet by the earlier position's reader.
         bool has_entry = kind < Kinds::lists;
         while (__any_sync(pt::cuda::all_lanes, has_entry)) {
             if (has_entry) {

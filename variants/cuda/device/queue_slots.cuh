@@ -1,4 +1,4 @@
-// The slot at a position of a queue, and the path that has a number in a batch of samples.
+// Functions that find the slot at a position of a queue, and the path of a given number in a batch of samples.
 #pragma once
 
 #include "variants/cuda/device/device.cuh"

@@ -28,12 +28,12 @@ inline constexpr std::uint32_t few_segments = 4096;
 // Counts by segment (0: the camera ray's), over all batches of a render; copy c of a segment's count is at
 // segment * copies + c.
 struct SegmentCounts {
-    std::uint64_t* live = nullptr;     // paths that were alive as the segment was traced
-    std::uint64_t* in_play = nullptr;  // paths in play as the segment was traced, alive or ended
+    std::uint64_t* live = nullptr;     // number of paths that were alive as the segment was traced
+    std::uint64_t* in_play = nullptr;  // number of paths in play as the segment was traced, alive or ended
     std::uint32_t copies = 1;
 };
 
-// Segment that a kernel traces: known at launch or, in the loop of a CUDA graph, `number` plus the loop's count.
+// Segment that a kernel traces: `number` or, in the loop of a CUDA graph, `number` plus the loop's count so far.
 struct SegmentNumber {
     std::uint32_t number = 0;
     const std::uint32_t* offset = nullptr;  // count of the graph loop's segments, in device memory; null: no loop

@@ -6,10 +6,10 @@
 #include "variants/cuda/device/device.cuh"
 #include "variants/cuda/device/walkers.cuh"
 
-// Lanes still walking at which a warp takes new walkers, or fewer: taking one walker costs as much as taking many.
+// A warp takes new walkers once at most so many of its lanes walk: taking one walker costs as much as taking many.
 inline constexpr int walking_at_fetch = 20;
 
-// Puts a path that has left its body where the next segment finds it, and ends a path that was lost on its walk.
+// Stores a path that has left its body where the next segment reads it, and ends a path that was lost on its walk.
 __device__ inline void put_after_walk(const FilmView& film, const Path& path, bool alive, const Walker& walker,
                                       const PathStore& in, const PathStore& out, std::uint32_t* out_count,
                                       std::uint32_t parts, ThreadCounters& counters) {
@@ -51,7 +51,7 @@ PT_KERNEL(walk_paths, pt::cuda::WalkPathsParameters<Real>,
                 path = load_path(Paths(in), walker.slot, scene.shade);
                 pixel = path.pixel;
                 if (contains(pt::sampler_of<Configuration>(scene.shade.seed), pt::Feature::minstd)) {
-                    path.pixel = walker.place;  // minstd is seeded by queue position, as when shading
+                    path.pixel = walker.place;  // minstd is seeded by queue position in shading, too
                 }
             }
         }

@@ -27,8 +27,8 @@ public:
 
     // Whether the list may have walkers left; all lanes of a warp get the same answer.
     __device__ bool some_left() const { return some_left_; }
-    // Takes a walker for every lane that `wants` one, while the list lasts; returns whether the lane has got one. Every
-    // lane of the warp must call it.
+    // Takes a walker for every lane that `wants` one, while the list lasts; returns whether the calling lane got one.
+    // Every lane of the warp must call it.
     __device__ bool take(bool wants, ::Walker& walker) {
         const std::uint32_t position = append_by_warp(&list_.counts->taken, wants);
         const bool has_one = wants && position < waiting_;

@@ -15,7 +15,7 @@ namespace pt::cuda {
 template <class Walk>
 struct Walker {
     std::uint32_t slot;
-    std::uint32_t place;  // queue position, if samplers are seeded by it; queue part, where kernels append
+    std::uint32_t place;  // queue position, if samplers are seeded by it; or part of the queue, where kernels append
     Walk walk;
 };
 
@@ -26,7 +26,7 @@ constexpr std::size_t walker_bytes(bool may_be_guided) {
 
 // A list of walkers with room for every path of the queue. Null: kernels take walks where they shade.
 struct WalkerList {
-    void* walkers = nullptr;  // the walkers, of type Walker<WalkOf<..>>
+    void* walkers = nullptr;  // the list's walkers, of type Walker<WalkOf<..>>
     ListCounts* counts = nullptr;
 };
 
@@ -38,7 +38,7 @@ struct WalkPathsParameters {
     FilmView film;
     WalkerList list;
     PathStore in;              // store of the walkers' paths
-    PathStore out;             // with out_count: store that gets paths that have left their body
+    PathStore out;             // store for paths that have left their body, unless out_count is null
     std::uint32_t* out_count;  // a counter for each part of the queue `out`; null: paths stay in their slots
     std::uint32_t parts;
     SegmentNumber segment;

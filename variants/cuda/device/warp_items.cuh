@@ -10,10 +10,10 @@
 // What a warp begins together: one sample of each of 32 pixels in a row. Pixels beyond the image's last one have no
 // path.
 struct Round {
-    pt::PixelPlace first;  // first pixel of the warp's strip, among the device's own
+    pt::PixelPlace first;  // first pixel of the warp's strip, among the pixels of this device
     std::uint32_t sample;
 
-    // The pixel of the calling lane. The division by the width is made once a strip instead of once a path.
+    // The pixel of the calling lane. The division by the image's width is made once a strip instead of once a path.
     __device__ pt::PixelPlace place(std::uint32_t width) const {
         const std::uint32_t step = pt::cuda::lane();
         if (width < warp_size) {
@@ -46,8 +46,8 @@ __device__ inline void trace_items(const SceneViews& scene, const FilmView& film
         !pt::has<Configuration>(pt::Feature::splitting) && warps * sizeof(WaitingPaths) <= most_waiting_bytes;
     __shared__ WaitingPaths waiting_of_warp[may_wait ? warps : 1];
     WaitingPaths& waiting = waiting_of_warp[may_wait ? threadIdx.x / warp_size : 0];
-    std::uint32_t waiting_count = 0;  // number of paths waiting in shared memory; the same in all lanes, as `held` is
-    unsigned held = 0;                // the lanes of the warp that hold a path, alive or ended
+    std::uint32_t waiting_count = 0;  // number of the warp's paths that wait in shared memory; the same in all lanes
+    unsigned held = 0;                // the lanes of the warp that hold a path, alive or ended; the same in all lanes
     bool alive = false;
     pt::WalkOf<Configuration> walk;
     Path path;

@@ -9,7 +9,7 @@
 
 namespace pt::cuda {
 
-// Segments of a path that one round of a loop takes: an even number, so that buffers that segments swap are back.
+// Segments of a path in one round of a graph's loop: an even number, so that buffers swapped by segments are back.
 inline constexpr std::uint32_t segments_per_round = 2;
 
 // Counters of live paths in device memory: `parts` of them, `stride` words apart; those of the next segment lie

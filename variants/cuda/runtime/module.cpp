@@ -93,7 +93,7 @@ bool write_whole(const fs::path& path, std::string_view text) {
 // trusted only if it has the right text: it may be incomplete, or edited. Throws std::runtime_error.
 fs::path unpacked_sources() {
     const fs::path folder = cache_folder() / fmt::format("include-{:016x}", sources_hash());
-    static fs::path unpacked;  // not the current folder where XDG_CACHE_HOME has changed
+    static fs::path unpacked;  // folder unpacked last; another once XDG_CACHE_HOME has changed
     if (unpacked == folder) {
         return folder;
     }
@@ -305,7 +305,7 @@ ModuleImage image_of(const ModuleRequest& request, Compilation compilation) {
 ModuleImage compile_module(const ModuleRequest& request) { return image_of(request, compiled(request, {})); }
 
 ModuleImage compile_quickly(const ModuleRequest& request) {
-    // NVRTC before version 13 may not know the option -Ofc.
+    // NVRTC before version 13 may not know the option -Ofc, for quick compilation.
     const bool knows = std::atoi(nvrtc_version().c_str()) >= 13;
     return image_of(request,
                     compiled(request, knows ? std::vector<std::string>{"-Ofc=max"} : std::vector<std::string>{}));

@@ -28,15 +28,15 @@ struct ModuleRequest {
     KernelConfig config = {};
     std::vector<KernelConstant> constants = {};  // constants of the integrator that its kernels read as tuned::NAME
     std::vector<KernelSignature> kernels = {};   // kernels that the host launches
-    std::vector<std::string> options = {};       // compiler options that the choice of arithmetic needs
-    std::string prelude = "";                    // source text in front of everything else
+    std::vector<std::string> options = {};       // compiler options that the variant's choice of arithmetic needs
+    std::string prelude = "";                    // source text with which the program begins
     std::string architecture;                    // "sm_90"
 };
 
 struct ModuleImage {
     std::string cubin;
     std::string key;                   // hash of sources, options and architecture, which names the cached module
-    std::vector<std::string> options;  // NVRTC's options, then the config and constants of the program's text
+    std::vector<std::string> options;  // options for NVRTC, then the config and constants in the program's text
     double compile_seconds = 0;
     bool from_cache = false;
 };

@@ -143,7 +143,7 @@ void add_to_first(const Addend& addend, std::int64_t* sum, std::size_t count) {
 void disconnect_devices() {
     for (const auto& [devices, all] : connections()) {
         for (NcclCommunicator* const one : all) {
-            (void)nccl().abort(one);  // errors of the abort are ignored: the call that failed has been reported
+            (void)nccl().abort(one);  // ignores errors: the call that failed has been reported
         }
     }
     connections().clear();

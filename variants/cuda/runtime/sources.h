@@ -12,7 +12,7 @@ struct EmbeddedSource {
     std::string_view text;
 };
 
-// Generated at build time by cmake/embed_sources.cmake.
+// The sources; cmake/embed_sources.cmake generates this function at build time.
 std::span<const EmbeddedSource> embedded_sources();
 
 }  // namespace pt::cuda
