@@ -172,7 +172,7 @@ RankedRender render_aloud(const Scene& scene, RenderRequest request, const Trial
         if (is_short) {
             watch.reached(static_cast<double>(checkpoint.samples) / request.samples);
         } else {
-            watch.end();  // the progress bar replaces the watch of the render's phases
+            watch.end();  // the progress bar replaces the display of phases ("rendering")
             progress.step(fmt::format("{} of {} spp", checkpoint.samples, request.samples));
         }
     };

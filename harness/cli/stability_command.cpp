@@ -173,7 +173,7 @@ public:
         for (const std::size_t task : missing_) {
             questions.push_back(fmt::format("{} {}", to_string(backend_), task));
         }
-        if (workers != nullptr) {  // workers ignore an interrupt; tasks in flight are lost
+        if (workers != nullptr) {  // workers do not see an interrupt: the tasks in flight are lost
             workers->ask(questions, [this](std::size_t i, const std::string& line) { answered(i, line); });
         }
         for (std::size_t i = 0; i < questions.size() && workers == nullptr; ++i) {
