@@ -76,7 +76,7 @@ std::string read_whole(const std::string& path, std::uint64_t largest, struct st
     if (::stat(path.c_str(), &status) != 0) {
         cannot_read(path, in_words(errno), largest);
     }
-    check_kind(status, path, largest);  // before opening, since opening may affect a device
+    check_kind(status, path, largest);  // before open(), which may act on a device
     const OpenFile file(path);
     if (file.descriptor() < 0 || ::fstat(file.descriptor(), &status) != 0) {
         cannot_read(path, in_words(errno), largest);
@@ -225,7 +225,7 @@ Json parse_loosely(const std::string& file) {
 
 const Json& array_in(const Json& value, const std::string& key) {
     static const Json none = Json::array();
-    const auto found = value.find(key);  // end() also for a value that is no object
+    const auto found = value.find(key);  // find() returns end() if the value is no object
     return found != value.end() && found->is_array() ? *found : none;
 }
 

@@ -19,7 +19,7 @@ inline constexpr const char* scene_in_constant = "in_constant";
 // the result is the part of the name after "scene_".
 template <class Real>
 std::string scene_place(const SceneView<Real>& scene, FeatureSet features, bool is_baked);
-// Makes object counts and the walls of a room compile-time constants, if the kernel has only the scene's features.
+// Compiles object counts and the planes of a room (an enclosing box of the scene) in, unless the kernel is generic.
 template <class Real>
 void fix_counts(const SceneView<Real>& scene, KernelConfig& config);
 // The source text of constant arrays with the scene's data for scene_baked.cuh, which the compiler can fold.

@@ -22,7 +22,7 @@ namespace {
 
 struct Limits {
     const char* architecture;
-    int warps, blocks, shared_kib;  // most warps and thread blocks, and KiB of shared memory
+    int warps, blocks, shared_kib;  // limits of a multiprocessor: warps, thread blocks, KiB of shared memory
     int reserved_shared;            // bytes of shared memory that the system reserves per thread block
     int shared_unit;                // granularity of shared memory per thread block, bytes
 };

@@ -106,7 +106,7 @@ ModuleRequest module_request(const Scene& scene, const Variant& variant, const s
         }
     }
     if (!traits.integrator.has_queue) {
-        request.layout = "aos";  // no queue, so no layout: one name saves compilations
+        request.layout = "aos";  // no queue to lay out: one layout's name saves compilations
     }
     if (!integrator.stores_hits) {
         request.sort_key = "material";

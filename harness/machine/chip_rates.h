@@ -1,5 +1,5 @@
-// Measures what this machine's processor can do at most, for a passport: rates that tell how machines differ beside the
-// renders that they are to explain.
+// Measures the peak rates of this machine's processor and memory for a passport (`ptbench passport`), to explain why
+// machines differ in render times.
 #pragma once
 
 #include <cstdint>
@@ -20,8 +20,8 @@ struct CopyRate {
 };
 
 struct ChipRates {
-    std::uint64_t threads = 0;     // OpenMP threads, all of which take part
-    std::vector<CopyRate> copies;  // by increasing size
+    std::uint64_t threads = 0;     // number of OpenMP threads, all of which are used
+    std::vector<CopyRate> copies;  // copy rates by increasing number of bytes
     double gflops = 0;             // 10^9 multiplications and additions per second in single precision, not fused
     double atomics_per_s = 0;      // atomic additions per second to one counter that all threads share
     double fork_join_us = 0;       // median time of a parallel loop with an empty body, in microseconds

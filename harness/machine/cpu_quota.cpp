@@ -94,9 +94,9 @@ Throttling throttling_of(const std::string& folder) {
     for (double value = 0; lines >> name >> value;) {
         if (name == "nr_throttled") {
             found.periods = static_cast<std::uint64_t>(value);
-        } else if (name == "throttled_usec") {  // key of cpu.stat in cgroup version 2, in microseconds
+        } else if (name == "throttled_usec") {  // throttled time in cgroup version 2, microseconds
             found.ms = 1e-3 * value;
-        } else if (name == "throttled_time") {  // key of cpu.stat in cgroup version 1, in nanoseconds
+        } else if (name == "throttled_time") {  // throttled time in cgroup version 1, nanoseconds
             found.ms = 1e-6 * value;
         }
     }
