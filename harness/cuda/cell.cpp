@@ -216,7 +216,7 @@ void RenderCell<Real>::upload() {
     integrator_->upload();
 }
 
-// Between the parts of a render film, counters, cache and graph stay on the device; the host waits for a part's end.
+// The film, counters, cache and CUDA graph stay on the device between a render's parts, whose ends the host awaits.
 template <class Real>
 void RenderCell<Real>::run(RenderResult& result) {
     add_learning(result);

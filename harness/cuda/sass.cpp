@@ -24,8 +24,8 @@ namespace {
 
 struct Instruction {
     std::string mnemonic;
-    std::string label;   // the label's name if this line is a label, not an instruction
-    std::string target;  // label to which this branch instruction leads; else empty
+    std::string label;   // the name if the disassembly has a label here, not an instruction
+    std::string target;  // label to which a branch instruction leads; else empty
 };
 
 bool starts_with_any(const std::string& text, std::initializer_list<const char*> starts) {

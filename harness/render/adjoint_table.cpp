@@ -28,7 +28,7 @@ constexpr double least_estimate = 0x1p-20, most_estimate = 0x1p20;
 
 float sum_of(const Vec3<float>& colour) { return sum_of_channels(colour); }
 
-// Records each vertex of a learning path. Until the path ends, `brought` is minus the radiance gathered so far.
+// Records each vertex of a learning path. Until the path ends, `brought` is minus the radiance gathered before it.
 struct Notes {
     template <class Config>
     static constexpr bool acts_in = true;
@@ -218,7 +218,7 @@ std::unique_ptr<const AdjointTable<Real>> adjoint_table(const AdjointRecords& re
         all.add(start.brought, 1);
     }
     const double mean = all.value(0, 0);
-    if (!(mean > 0)) {  // the learning paths gathered no radiance, or have no vertices
+    if (!(mean > 0)) {  // no learning path gathered radiance, or none has a first vertex
         return nullptr;
     }
     auto table = std::make_unique<AdjointTable<Real>>();
@@ -243,7 +243,7 @@ LearnedAdjoint<Real> learned_adjoint(const Scene& scene, const RenderSettings& s
     if (settings.adjoint.paths == 0) {
         return learned;
     }
-    const SceneBuffers<float> trees(scene, settings, quick_acceleration(scene));  // builds trees before timing starts
+    const SceneBuffers<float> trees(scene, settings, quick_acceleration(scene));  // builds the scene's trees, untimed
     const double cpu_start = process_cpu_ms();
     const auto start = std::chrono::steady_clock::now();
     learned.table = adjoint_table<Real>(learn_adjoint(scene, settings), settings);

@@ -54,7 +54,7 @@ struct CudaFacts {
     std::vector<Kernel> kernels;
     std::vector<std::string> options;  // options of the kernel compiler
 
-    // Adds the compilation for an earlier render of the same variant in this process.
+    // Adds the compile time of an earlier render of the same variant in this process to these facts.
     void add_compilation(const CudaFacts& earlier) {
         compile_seconds += earlier.compile_seconds;
         from_cache = from_cache && earlier.from_cache;

@@ -23,8 +23,8 @@ struct Step {
     bool is_alive = false;  // whether the path continues after this segment
 };
 
-// Replays a path in single or in double precision, with all features and samplers, and with one of the features
-// `formulas` if `formula` has one.
+// Replays a path in single or in double precision by kernels with all features and samplers; `formula` may select other
+// formulas, such as the naive ones.
 std::vector<Step> replay_single(const Scene& scene, const RenderSettings& settings, FeatureSet formula,
                                 std::uint32_t pixel, std::uint32_t sample);
 std::vector<Step> replay_double(const Scene& scene, const RenderSettings& settings, FeatureSet formula,

@@ -65,7 +65,7 @@ std::vector<Rendering> nearly_no_plate(const Values& v) {
     return {pile_of_plates({.excess = v["excess"], .cosine = v["cosine"]}, 1u << 16)};
 }
 
-// A scene with a single camera ray towards the unit ball, which misses the ball's centre by `impact`, in radiance 1.
+// An environment of radiance 1 and one camera ray that misses the centre of a unit ball, to be added, by `impact`.
 SceneText ball(double impact, std::uint32_t depth) {
     SceneText scene("ball");
     scene.camera({impact, 0, -4}, {impact, 0, 0}).depth(depth).environment(1);

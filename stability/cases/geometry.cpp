@@ -41,7 +41,7 @@ std::vector<Measurement> huge_sphere_in(const Values& v, const DirectSetting& se
     double off_tangent = 0, near_tangent = 0;
     for (int i = 0; i < (setting.is_quick ? 20000 : 1000000); ++i) {
         const bool is_near = i % 2 != 0;
-        // Far rays hit the ground at cosines above 0.1; rays near the tangent start just below the horizon.
+        // Rays off the tangent meet the ground at cosines above 0.1; rays near it are aimed just below the horizon.
         const double lowest = is_near ? 1.001 * std::atan(static_cast<double>(dip)) : std::asin(0.1);
         const double highest = is_near ? std::max(0.1, 1.1 * lowest) : 0.5 * pi<double>;
         const double angle = lowest * std::pow(highest / lowest, random.uniform(0, 1));
@@ -138,7 +138,7 @@ struct StartedRays {
     double worst_chord = 0;  // largest error of a chord's length, in radii of the body
 };
 
-// Traces rays in all directions from hit points on the only object, `body` in the precision of intersection.
+// Traces rays in random directions from points on the scene's only object; `body`: its form for exact chords.
 template <class Rays, class Body>
 StartedRays start_rays(const Rays& scene, const Body& body, const Vec3d& centre, double radius, int count) {
     using Real = typename Rays::Real;
@@ -169,9 +169,9 @@ StartedRays start_rays(const Rays& scene, const Body& body, const Vec3d& centre,
     return result;
 }
 
-// Bounds on the error of a chord, in radii and units of round-off: `roundings` on the way to the chord, and `place` per
-// radius of distance from the eye, from the rounding of the start: sqrt(3) u off the surface, divided by the smallest
-// half axis, times the longest chord. Chords of a box end on a plane, which the start does not affect.
+// Bounds on a chord's error, in radii of the body and units of round-off u: `roundings` from computing the chord, and
+// `place` per radius of distance from the eye, from its rounded start: sqrt(3) u off the surface, divided by the body's
+// smallest half axis, times its longest chord. Chords of a box end on a plane, which the start does not affect.
 struct ChordError {
     const char* shape;
     double roundings, place;

@@ -10,7 +10,7 @@ namespace {
 
 // ---- Case S21: boxes hit at their edges.
 
-// A ray whose line passes exactly through a point on an edge, since its numbers are multiples of 2^-11 below 16.
+// A ray that passes exactly through a point on an edge: all coordinates are multiples of 2^-11 below 16.
 template <class Real>
 struct EdgeRay {
     Vec3<Real> origin, direction;

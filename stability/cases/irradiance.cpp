@@ -21,7 +21,7 @@ std::vector<Rendering> disk(const Values& v) {
     const double r = v["r"], h = v["h"], offset = v["offset"], flatness = v["flatness"];
     SceneText scene = receiver("disk", 0.25 * h);
     scene.ellipsoid(scene.emitter(Vec3d(1.0)), {offset, h, 0}, {2 * r, 2 * h * flatness, 2 * r});
-    // Where the ellipsoid is a unit sphere, the receiver is h / (half thickness) away, which magnifies rounding errors.
+    // In units of the lamp's half axes, the receiver is h / (half thickness) away, which magnifies rounding errors.
     return lit(scene, flat_ellipsoid_irradiance(r, h * flatness, h, offset),
                {1e-5 + 0x1p-22 / flatness, 1e-12 + 0x1p-51 / flatness,
                 "numerics.md S7, and four roundings of the distance in half thicknesses"});

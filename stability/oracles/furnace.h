@@ -50,7 +50,7 @@ inline std::vector<Quantity> furnace_quantities(double emission, double albedo, 
 }
 
 inline Rendering furnace_rendering(const SceneText& scene, double emission, double albedo, std::uint32_t depth) {
-    // The image has 8 x 8 pixels, and each gets at least one sample.
+    // A furnace's image has 8 x 8 pixels, and each gets at least one sample.
     return {.scene = scene.json(),
             .quick_paths = std::max<std::uint64_t>(64, paths_for(1e6, depth)),
             .full_paths = std::max<std::uint64_t>(64, paths_for(3e7, depth)),
