@@ -184,7 +184,7 @@ struct Chosen {
     std::string by;  // who chose the variant (user or ptbench), for a message
 };
 
-// The variant that --axis options name; axes that they leave open get the fastest known choice that fits (fastest.h).
+// The variant that --axis options name. Other axes get the fastest known choice that suits the scene (fastest.h).
 Chosen choose_variant(const RenderArguments& arguments, const Scene& scene, Backend backend) {
     const AxisChoices asked = parse_axis_arguments(arguments.axes, arguments.devices, backend);
     const TunableValues tunables = parse_tunable_arguments(arguments.tunables);

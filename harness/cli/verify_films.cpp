@@ -113,7 +113,7 @@ private:
 // Variants that one process checks in sequence.
 struct Part {
     std::size_t scene;
-    std::vector<std::size_t> variants;  // indices into the scene's list of variants to verify
+    std::vector<std::size_t> variants;  // indices of variants among those to verify on the scene
 };
 
 // The number of variants in a part, so that each process gets several parts and a slow one delays few others.

@@ -5,7 +5,7 @@
 namespace pt::cuda {
 
 struct Ceilings {
-    // Rates of the whole GPU, in warp instructions per second.
+    // Peak rates of the whole GPU, in warp instructions per second.
     double issue = 0;   // issue rate: multiply-adds and logic in turn, on both pipes
     double fma = 0;     // execution rate of multiply-adds alone
     double alu = 0;     // execution rate of logic instructions alone

@@ -34,7 +34,7 @@ public:
     // neither awaited nor timed. Returns the device time in ms.
     double run_pieces(
         const std::function<std::optional<SampleRange>()>& next, const std::function<void()>& enqueue_more = [] {});
-    // Whether the device has rendered all pieces of a render; to be called once all are enqueued.
+    // Whether the device has rendered all pieces (ranges of samples); to be called once all are enqueued.
     bool has_rendered() const { return is_ready(cudaEventQuery(end_.get())); }
     // Downloads the film and the counters of the render from the device.
     void collect(RenderResult& result);

@@ -50,10 +50,10 @@ private:
     SceneView<Real> view_ = {};
     std::vector<std::shared_ptr<const DeviceMesh>> device_meshes_;
     std::shared_ptr<const DeviceTree> tree_;
-    MeshSearch<Real> search_;                    // search structures of meshes, with device pointers
-    EnvironmentMap<Real> environment_map_ = {};  // environment map with device pointers
-    AdjointCache<Real> adjoint_ = {};            // radiance estimates with device pointers
-    std::vector<MeshInstance<Real>> instances_;  // instances of meshes with device pointers
+    MeshSearch<Real> search_;                    // search trees of the meshes, by pointers to device memory
+    EnvironmentMap<Real> environment_map_ = {};  // the environment map, by pointers to device memory
+    AdjointCache<Real> adjoint_ = {};            // radiance estimates for roulette, by device pointers
+    std::vector<MeshInstance<Real>> instances_;  // objects that show a mesh, by pointers to device memory
 };
 
 }  // namespace pt::cuda

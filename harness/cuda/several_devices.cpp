@@ -161,7 +161,7 @@ public:
         film.set(std::move(summed), faults);
     }
 
-    // Collects counters and stage times, summed over all devices.
+    // Puts the render's counters and the times of its stages, summed over all devices, into `result`.
     void collect(RenderResult& result) {
         cells_[0]->collect_counts(result);
         for (std::size_t device = 1; device < cells_.size(); ++device) {

@@ -10,7 +10,7 @@ namespace pt {
 // A copy of `bytes` bytes, split among all threads, again and again: what stays in a cache is faster.
 struct CopyRate {
     std::uint64_t bytes = 0;
-    double gb_per_s = 0;  // 10^9 bytes read and written per second
+    double gb_per_s = 0;  // rate of the copy, in 10^9 bytes read and written per second
 
     template <class Self, class Visit>
     static void fields(Self& self, const Visit& visit) {

@@ -15,7 +15,7 @@ namespace pt {
 
 namespace {
 
-// A control group mount of proc/self/mountinfo: the folder `root` of the group tree is visible at `point`.
+// A line of proc/self/mountinfo on control groups: the folder `root` of their tree is mounted at `point`.
 struct GroupMount {
     std::string root, point;
     bool is_version_2 = false;

@@ -92,7 +92,7 @@ private:
 
 float bounded(double estimate) { return static_cast<float>(std::clamp(estimate, least_estimate, most_estimate)); }
 
-// Fits the grid of radiance estimates around path vertices: low corner and cells per scene unit along each axis.
+// Fits the grid of radiance estimates around the path vertices: sets its low corner and its cells per scene unit.
 template <class Real>
 void set_grid(AdjointCache<Real>& cache, const std::vector<AdjointRecord>& vertices) {
     const std::size_t stride = vertices.size() / 4096 + 1;
@@ -224,7 +224,7 @@ std::unique_ptr<const AdjointTable<Real>> adjoint_table(const AdjointRecords& re
     auto table = std::make_unique<AdjointTable<Real>>();
     AdjointCache<Real>& cache = table->cache;
     cache.cells = settings.adjoint.cells;
-    // The bounds of the weight window have the ratio `window` and the arithmetic mean 1.
+    // The bounds of the roulette's weight window have the ratio `window` and the arithmetic mean 1.
     cache.lowest = Real(2) / Real(1 + settings.adjoint.window);
     cache.highest = cache.lowest * Real(settings.adjoint.window);
     cache.most_branches = settings.adjoint.branches;

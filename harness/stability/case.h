@@ -171,13 +171,13 @@ double mean_radiance(const RenderResult& result);              // mean of a film
 double mean_channel(const RenderResult& result, int channel);  // mean of one channel of a film
 // A reader for Quantity::of: the channel value, among all pixels, that is farthest from `exact`.
 std::function<double(const RenderResult&)> farthest_from(double exact);
-// A reader for Quantity::of: by how many segments paths are shorter than `depth` on average. In a closed scene none is.
+// A reader for Quantity::of: the mean number of segments that paths fall short of `depth`, 0 in a closed scene.
 std::function<double(const RenderResult&)> missing_segments(std::uint32_t depth);
 
 // A quantity that is the estimated mean over all pixels and channels.
 Quantity mean_is(const std::string& name, double exact, const Tolerance& tolerance);
-// Quantities that every batch must have without sampling error: one value of the render (`exactly`), or all pixels and
-// channels, of which the one farthest from `exact` counts (`every_pixel_is`).
+// Quantities whose exact value every batch must give, without sampling error: a value read by `of` (`exactly`), or the
+// channel value of all pixels, of which the one farthest from `exact` counts (`every_pixel_is`).
 Quantity exactly(const std::string& name, std::function<double(const RenderResult&)> of, double exact,
                  const Tolerance& tolerance);
 Quantity every_pixel_is(const std::string& name, double exact, const Tolerance& tolerance);

@@ -46,7 +46,7 @@ Row without_measurement(Status status, std::string reason) {
     return row;
 }
 
-// Adds the paths, rays, faults and time of a render to the totals of a row.
+// Adds the paths, rays, film faults and time of a render to the totals of a result row.
 void count_work(Row& row, const RenderResult& result) {
     row.paths += result.work.paths;
     row.rays += result.work.rays;

@@ -33,8 +33,8 @@ struct Row {
     std::uint64_t rays = 0;
     std::uint64_t unfinished_walks = 0;
     FilmFaults faults;
-    HealthCounters health;  // counters of an inspecting integrator; else zero paths
-    std::string film_hash;  // hash of a single batch's film; else empty
+    HealthCounters health;  // health counters; zero paths if the integrator keeps none
+    std::string film_hash;  // film hash if there is a single batch; otherwise empty
     double seconds = 0;     // time spent rendering or in the direct check
 
     // The error as a share of the allowed error; infinite if nothing is allowed and there is an error.

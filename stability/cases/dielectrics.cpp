@@ -93,7 +93,7 @@ std::vector<Rendering> cut_off(const Values& v) {
     const long double r = reflectance(static_cast<long double>(v["ior"]) - 1, cosine_at(v["impact"]));
     const long double lost = (1 - r) * std::pow(r, static_cast<long double>(hits));
     const std::uint64_t paths = 1u << 16;
-    // Tolerance for the rounding of the ray's impact parameter, times the slope of the ball's reflectance in it.
+    // Tolerance: rounding of the ray's impact parameter, times the derivative of the ball's reflectance by it.
     const double slope = static_cast<double>(v["impact"] / cosine_at(v["impact"])) * 4 * 0x1p-22;
     return {{.scene = scene.json(),
              .quick_paths = paths,

@@ -139,7 +139,7 @@ double disc_share(double x) {
     return x <= -1 ? 0 : x >= 1 ? 1 : 1 - (std::acos(x) - x * std::sqrt(1 - x * x)) / pi<double>;
 }
 
-// An emitting wall at depth z whose edge lies x blur radii from the axis, seen through a lens.
+// An emitting wall at depth z, seen through a lens: the wall's edge lies x radii of the blur disc from the axis.
 std::vector<Rendering> lens_edge(const Values& v) {
     const double blur = v["aperture"] * std::abs(v["z"] - v["focus"]) / v["focus"];
     const double side = 8 * blur;

@@ -120,7 +120,7 @@ std::vector<Rendering> far_sphere(const Values& v) {
     text.sphere(text.emitter(Vec3d(1.0)), view * distance, 2);
     const double covered = pi<double> * radius * radius / (4 * half * half);
     const auto blur = [&](bool is_double) {
-        // If rounding blurs the rim of the sphere's disc evenly by e radii, its area grows by the share e^2.
+        // If rounding blurs the rim of the sphere's disc evenly by e radii, the disc's area grows by the share e^2.
         const double rim = 8 * round_off(is_double) * distance;
         return covered * (rim * rim + 4 * round_off(is_double)) + 0x1p-40;
     };

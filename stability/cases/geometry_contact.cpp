@@ -34,7 +34,7 @@ std::vector<Rendering> grazing(const Values& v) {
     SceneText text("grazing");
     text.camera({0, 0, 0}, turned(0, 1), turned(1, 0)).image(4, rows, 2 * std::atan(half) * 180 / pi<double>, false);
     text.quad(text.emitter(Vec3d(0.5)), turned(-height, 0.5), 4, 1, {v["tilt"], 0, 0});
-    // Counts the rows of pixels whose centres look at the quad, below its far edge.
+    // Counts the image rows whose pixel centres look at the quad: those below the image of the quad's far edge.
     double covered = 0;
     for (std::uint32_t row = 0; row < rows; ++row) {
         const double y = half * (1 - (2 * row + 1.0) / rows);

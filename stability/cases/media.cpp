@@ -188,13 +188,13 @@ std::vector<Rendering> opaque_ball(const Values& v) {
     const double w = albedo_of(v), sigma = v["sigma"];
     SceneText scene("opaque_ball");
     scene.camera({0, 0, -v["distance"]}, {0, 0, 0}).depth(2).environment(1);
-    // The cap on scatterings leaves a walk a weight of e^-64; without a cap, a walk stuck by rounding never ends.
+    // The cap on scatterings ends walks of weight e^-64; without a cap, a walk stuck by rounding would never end.
     const auto cap = static_cast<std::uint32_t>(64 / (1 - w));
     scene.sphere(scene.subsurface(Vec3d(w * sigma), Vec3d((1 - w) * sigma), 0, 1, cap), {0, 0, 0}, 2);
     const double exact = HFunction(w).plane_albedo(1);
     const double collisions = mean_collisions(w, 1);
     const std::uint64_t paths = paths_for(16 * collisions + 4);
-    // A surface that is curved lets out more light, in the order of the diffusion length over the radius.
+    // A curved surface lets out more light than a plane, by a share of about the diffusion length over the radius.
     const double curvature = 4 / (sigma * std::sqrt(3 * (1 - w))) * exact * (1 - exact);
     return {{.scene = scene.json(),
              .quick_paths = paths,

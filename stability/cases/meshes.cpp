@@ -46,7 +46,7 @@ std::vector<Rendering> triangle_mesh(const Values& v) {
     return stays_dark(scene);
 }
 
-// A view of a vertex that many triangles share, with pixels 2^-24 wide there, less than the spacing of floats at 1.
+// A view of a vertex that many triangles share. Pixels are 2^-24 wide there, less than the spacing of floats at 1.
 std::vector<Rendering> shared_vertex(const Values& v) {
     SceneText scene = dark("shared_vertex");
     scene.image(16, 16, view_of(0x1p-20), false);

@@ -141,8 +141,8 @@ std::vector<long double> solve(std::vector<std::vector<long double>> a, std::vec
     return b;
 }
 
-// The share of photons that travel an optical depth x without a collision, at cosine mu or (mu = 0) of diffuse light.
-// It gives the density of first collisions in a slab and the share of a cell's light that reaches a face unscattered.
+// The share of photons that cross an optical depth x without a collision: at cosine mu or, for mu = 0, of diffuse
+// light. It gives the density of first collisions in a slab, and the light that crosses the slab unscattered.
 long double uncollided(long double x, double mu) { return mu > 0 ? std::exp(-x / mu) : 2 * exponential_integral(3, x); }
 
 SlabShares galerkin(double optical_depth, double albedo, double mu, int cells) {
