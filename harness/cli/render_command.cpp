@@ -55,7 +55,7 @@ constexpr double most_samples_unmentioned = 1 << 23;
 struct Trial {
     std::optional<double> seconds = {};  // estimated time of the whole render; none if unknown
     std::optional<CudaFacts> cuda = {};  // facts of the trial renders on CUDA; none if none was made
-    bool is_long = false;                // whether the whole render certainly takes long
+    bool is_long = false;                // whether the whole render is sure to take long
 };
 
 double pixels_of(const RenderSettings& settings) { return static_cast<double>(settings.width) * settings.height; }

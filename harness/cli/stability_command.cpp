@@ -58,7 +58,7 @@ void list_cases(const std::vector<const Case*>& cases) {
 }
 
 void write_scenes(const std::vector<const Case*>& cases, const std::string& folder, bool overwrite) {
-    std::vector<std::pair<std::string, std::string>> files;  // names and contents of scene files
+    std::vector<std::pair<std::string, std::string>> files;  // names and contents of the scene files to write
     for (const Case* stiff_case : cases) {
         for (const auto& [name, text] : stability::scene_files(*stiff_case)) {
             files.emplace_back(folder + "/" + name + ".json", text);
@@ -227,7 +227,7 @@ private:
     stability::Report report_;
     std::vector<Task> tasks_;
     std::vector<std::size_t> missing_;
-    std::mutex mutex_;  // a lock held while the report changes
+    std::mutex mutex_;  // mutex held while the stability report changes
     Interrupt interrupt_;
 };
 

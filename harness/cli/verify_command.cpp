@@ -135,8 +135,8 @@ std::string plain_accelerator(const Scene& scene, Backend backend) {
     return name;
 }
 
-// Every choice of light sampling and every choice of light selection, each with all estimators that make connections
-// and with specialised and generic kernels; on a CPU also with every integrator. A covering set only has all pairs.
+// Every choice of light sampling and of light selection, each with all estimators that make connections and with
+// specialised and generic kernels; on a CPU also with every integrator. A covering set has only pairs of choices.
 std::vector<Variant> lit_variants(Backend backend, const Scene& scene) {
     const Registry& registry = Registry::instance();
     AxisChoices axes{{axes::accelerator, {plain_accelerator(scene, backend)}}};

@@ -33,7 +33,7 @@ public:
         }
     }
 
-    // The final verdict on a variant: `verdict`, found at normal size, or that on a larger film, if only it has faults.
+    // The final verdict on a variant: `verdict`, from its film of normal size, unless its larger film has faults.
     Verdict after(const Verdict& verdict, const Variant& variant) {
         if (!verdict.holds || !checked_.contains(variant)) {
             return verdict;

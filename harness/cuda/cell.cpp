@@ -203,7 +203,7 @@ void RenderCell<Real>::upload() {
         const std::uint32_t rows[] = {rows_.first, rows_.step, job_.pixels};
         PT_CUDA_CHECK(
             cudaMemcpyAsync(job_.module->global("pt_rows"), rows, sizeof rows, cudaMemcpyHostToDevice, job_.stream));
-        PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));  // `rows` must live until it is copied
+        PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));  // waits until the local array `rows` has been copied
     }
     clear(job_.film.sums, std::size_t{3} * job_.image_pixels * sizeof(std::int64_t), job_.stream);
     clear(job_.film.faults, sizeof(FilmFaults), job_.stream);

@@ -16,7 +16,7 @@ public:
 
     using Key = std::pair<const PlacedMesh*, const MeshTree*>;
     static Key key_of(const MeshGeometry& host) { return {host.placed.get(), host.tree.get()}; }
-    // The mesh with pointers to device memory.
+    // The mesh with its pointers leading to device memory, as kernels use it.
     const MeshView& view() const { return view_; }
     std::size_t bytes() const { return arrays_.bytes(); }
 

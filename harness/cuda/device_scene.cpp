@@ -226,7 +226,7 @@ void DeviceScene<Real>::upload(const Module& module, cudaStream_t stream) const 
         PT_CUDA_CHECK(cudaMemcpyAsync(module.global("pt_scene"), constant.data(), constant.size(),
                                       cudaMemcpyHostToDevice, stream));
     }
-    PT_CUDA_CHECK(cudaStreamSynchronize(stream));  // `constant` must live until it is copied
+    PT_CUDA_CHECK(cudaStreamSynchronize(stream));  // waits until the local array `constant` has been copied
 }
 
 template std::string scene_place(const SceneView<float>& scene, FeatureSet features, bool is_baked);

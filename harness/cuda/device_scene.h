@@ -36,7 +36,7 @@ public:
     void reserve(Arena& arena);
     // Copies the scene to the device and waits for the copy.
     void upload(const Module& module, cudaStream_t stream) const;
-    // The scene with pointers to device memory.
+    // The scene with its pointers leading to device memory, as kernels use it.
     const SceneView<Real>& view() const { return view_; }
     // Bytes of meshes and of the trees over them, which are outside the arena.
     std::size_t mesh_bytes() const;

@@ -24,7 +24,7 @@ namespace {
 
 struct Instruction {
     std::string mnemonic;
-    std::string label;   // the name if the disassembly has a label here, not an instruction
+    std::string label;   // name of a label, if this line of the disassembly is one
     std::string target;  // label to which a branch instruction leads; else empty
 };
 

@@ -44,7 +44,7 @@ public:
         std::vector<std::jthread> threads;
         for (std::uint32_t device = 1; device < devices; ++device) {
             threads.emplace_back([&, device] {
-                (void)cudaSetDevice(static_cast<int>(device));  // too slow for the timed part of the render
+                (void)cudaSetDevice(static_cast<int>(device));  // cudaSetDevice() is slow, so it precedes timing
                 ready += 1;
                 while (!is_started) {
                     std::this_thread::yield();
@@ -270,7 +270,7 @@ private:
         }
     }
 
-    RenderRequest request_;  // what each device renders; `cells_` refer to it
+    RenderRequest request_;  // what each device is asked to render; `cells_` keep a reference
     VariantTraits traits_;
     std::size_t film_words_;
     OnDevice first_;  // while alive, makes the first device the thread's current one

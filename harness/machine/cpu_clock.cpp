@@ -29,7 +29,7 @@ constexpr double least_over_time_stamps = 0.05;
 constexpr double most_over_cpufreq = 2.5;
 
 constexpr std::uint64_t steps_per_pass = 100000;
-constexpr std::uint64_t steps_per_turn = 8;  // the assembler code of a turn repeats (.rept) as many
+constexpr std::uint64_t steps_per_turn = 8;  // steps of a chain in one turn: the count of .rept in its assembler code
 
 // Calls `turn` until an instruction chain has made `steps` steps, steps_per_turn in each call. Every step depends on
 // the one before, by a register that carries over from call to call.

@@ -40,13 +40,13 @@ struct RenderRequest {
 struct CudaFacts {
     struct Kernel {
         std::string name;
-        int registers = 0;             // registers per thread
-        std::size_t local_bytes = 0;   // local memory per thread: spills and arrays
-        std::size_t shared_bytes = 0;  // shared memory per thread block
+        int registers = 0;             // the kernel's registers per thread
+        std::size_t local_bytes = 0;   // bytes of local memory per thread: spills and arrays
+        std::size_t shared_bytes = 0;  // bytes of shared memory per thread block
     };
     double compile_seconds = 0;        // time spent in NVRTC or on reading the kernel cache
     bool from_cache = false;           // whether all modules were in the kernel cache or loaded already
-    double prepare_ms = 0;             // time for allocation, upload and graph capture
+    double prepare_ms = 0;             // set-up time: allocation, upload and CUDA graph capture
     std::size_t device_bytes = 0;      // device memory that the render uses: arena, and meshes with their trees
     std::size_t path_bytes = 0;        // device memory per path in the queue, including compaction and sorting
     std::size_t path_state_bytes = 0;  // part of `path_bytes`: one copy of a path's state

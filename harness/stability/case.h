@@ -86,9 +86,9 @@ struct Rendering {
 struct Twins {
     std::string change;  // what differs between the two, e.g. "scene x 2^20"
     Json reference, changed;
-    std::vector<std::uint32_t> parts = {};  // samples of each run if several runs add up to `changed`; empty: one run
-    std::map<std::string, std::uint32_t> tuning = {};  // tunables for `changed`; variants without them are skipped
-    std::uint32_t samples = 8;                         // samples per pixel of either render
+    std::vector<std::uint32_t> parts = {};  // samples of each run if several runs render `changed`; empty: one run
+    std::map<std::string, std::uint32_t> tuning = {};  // tunables for rendering `changed`; variants without are skipped
+    std::uint32_t samples = 8;                         // samples per pixel of each of the two renders
 };
 
 // Parameter values at which a case is evaluated, each point as changes to the case's defaults.
@@ -167,8 +167,8 @@ struct CasesOf {
     explicit CasesOf(std::vector<Case> cases) { register_cases(family, std::move(cases)); }
 };
 
-double mean_radiance(const RenderResult& result);              // mean of a film over pixels and channels
-double mean_channel(const RenderResult& result, int channel);  // mean of one channel of a film
+double mean_radiance(const RenderResult& result);              // mean radiance of a film over pixels and channels
+double mean_channel(const RenderResult& result, int channel);  // mean radiance of a film in one colour channel
 // A reader for Quantity::of: the channel value, among all pixels, that is farthest from `exact`.
 std::function<double(const RenderResult&)> farthest_from(double exact);
 // A reader for Quantity::of: the mean number of segments that paths fall short of `depth`, 0 in a closed scene.

@@ -11,7 +11,7 @@ namespace {
 
 struct Pile {
     int plates = 1;
-    double excess = 0.5;  // refractive index of the plates - 1
+    double excess = 0.5;  // refractive index of the glass plates minus 1
     double thickness = 0.125, gap = 0.125, cosine = 1;
     double tau = 0;  // optical depth of absorption of a plate along its normal
 };

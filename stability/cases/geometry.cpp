@@ -36,7 +36,7 @@ GroundHit exact_ground_hit(const Values& v, const Vec3l& direction) {
 template <class Real, FeatureSet formula>
 std::vector<Measurement> huge_sphere_in(const Values& v, const DirectSetting& setting) {
     const RayScene<Real, formula> scene(ground_text(v));
-    const long double dip = sqrtl(v["height"] * (2 * v["radius"] + v["height"])) / v["radius"];  // tan of horizon's dip
+    const long double dip = sqrtl(v["height"] * (2 * v["radius"] + v["height"])) / v["radius"];  // tan(dip of horizon)
     RayRandom random(13);
     double off_tangent = 0, near_tangent = 0;
     for (int i = 0; i < (setting.is_quick ? 20000 : 1000000); ++i) {
@@ -180,7 +180,7 @@ constexpr ChordError sphere_error{"sphere", 2 * 8, 2 * 1.7321};
 constexpr ChordError ellipsoid_error{"ellipsoid", 3 * 16, 3 * 1.7321 / 0.75};
 constexpr ChordError axis_box_error{"axis box", 4 * 4, 0};
 constexpr ChordError oriented_box_error{"oriented box", 4 * 8, 0};
-constexpr ChordError quad_error{"quad", 0, 0};  // a quad has no chords
+constexpr ChordError quad_error{"quad", 0, 0};  // a quad has no inside, so no ray has a chord in it
 
 void add_rows(std::vector<Measurement>& rows, const ChordError& bound, const StartedRays& found, double distance) {
     const std::string shape = bound.shape;

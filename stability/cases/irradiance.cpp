@@ -78,7 +78,7 @@ std::vector<Measurement> cone(double sine_squared, bool is_naive) {
         widest = std::max(widest, std::sqrt((d.x * d.x + d.z * d.z) / dot(d, d) / static_cast<double>(s2)));
     }
     const auto ratio = [](long double a, long double b) { return static_cast<double>(a / b); };
-    const long double below = one_minus_cosine * (1 - 0.5L / steps);  // 1 - cosine of the widest direction of the grid
+    const long double below = one_minus_cosine * (1 - 0.5L / steps);  // 1 - cosine of the widest direction sampled
     const Tolerance digits{1e-6, 1e-14, "numerics.md S9: 1e-6 in single precision; 64 roundings in double"};
     return {{.quantity = "solid angle over its exact value",
              .measured = ratio(measure, solid_angle),

@@ -13,7 +13,7 @@ namespace pt::stability {
 inline long double reflectance(long double excess, long double cosine) {
     const long double k = excess * (2 + excess);
     if (k == 0) {
-        return 0;  // equal indices: the formulas below would give 0 / 0 at grazing incidence
+        return 0;  // equal refractive indices: the formulas below would give 0 / 0 at grazing incidence
     }
     const long double q_squared = cosine * cosine + k;
     if (q_squared <= 0) {

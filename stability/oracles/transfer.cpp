@@ -148,7 +148,7 @@ long double uncollided(long double x, double mu) { return mu > 0 ? std::exp(-x /
 SlabShares galerkin(double optical_depth, double albedo, double mu, int cells) {
     const std::vector<long double> x = cell_borders(optical_depth, cells);
     const auto n = static_cast<std::size_t>(cells);
-    std::vector<std::vector<long double>> third(n + 1, std::vector<long double>(n + 1));  // E3(|x_i-x_j|), cell borders
+    std::vector<std::vector<long double>> third(n + 1, std::vector<long double>(n + 1));  // E3 of cell border distances
     for (std::size_t i = 0; i <= n; ++i) {
         for (std::size_t j = 0; j <= i; ++j) {
             third[i][j] = third[j][i] = exponential_integral(3, x[i] - x[j]);
