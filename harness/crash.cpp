@@ -32,7 +32,7 @@ constexpr std::size_t most_levels = 4;
 std::array<Text<2048>, most_levels> levels;
 std::atomic<std::size_t> level_count = 0;
 
-// A cell's line of the journal may be longer; it is then left out, since half a line would corrupt the journal.
+// Limit in bytes on a journal line written at a crash; a longer one is left out, as half a line corrupts the journal.
 constexpr std::size_t longest_line = 256 * 1024;
 std::array<Text<longest_line>, crash_signals.size()> last_lines;
 std::atomic<int> last_descriptor = -1;
@@ -48,7 +48,7 @@ void leave_last_line(std::size_t signal) {
     const int descriptor = last_descriptor.load();
     const Text<longest_line>& line = last_lines[signal];
     const std::size_t length = line.length.load();
-    // A single write call leaves a whole line or, if it fails, an incomplete last line, which a reader can drop.
+    // One write call leaves a whole line in the journal or, if it fails, an incomplete last one, which readers drop.
     if (descriptor >= 0 && length > 0 && ::write(descriptor, line.characters, length) < 0) {
         write_to_stderr("ptbench: the crash could not be noted\n");
     }

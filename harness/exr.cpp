@@ -111,7 +111,7 @@ void check_windows(const Imf::Header& header, const std::string& name) {
     const Imath::Box2i &data = header.dataWindow(), &display = header.displayWindow();
     const bool covers = data.min.x <= display.min.x && data.min.y <= display.min.y && data.max.x >= display.max.x &&
                         data.max.y >= display.max.y;
-    // Environment maps must have equal windows, since OpenEXR takes the data window for all directions.
+    // An environment map's data window must equal its display window: OpenEXR spreads it over all directions.
     if (!covers || (Imf::hasEnvmap(header) && data != display)) {
         throw InputError(
             name, "windows",
@@ -223,7 +223,7 @@ std::string encode_exr(const std::vector<ExrLayer>& layers, std::uint32_t width,
         Imf::OutputFile file(stream, header, 0);
         file.setFrameBuffer(frame);
         file.writePixels(static_cast<int>(height));
-    }  // the file's destructor writes the table of line offsets
+    }  // the destructor of `file` writes the EXR table of line offsets
     return text;
 }
 

@@ -13,7 +13,7 @@ namespace pt {
 // A layer of an EXR file: channels "name.R", "name.G", .. or, if it has no name, "R", "G", ..
 struct ExrLayer {
     std::string name;
-    std::string channels;       // names of channels, one letter each
+    std::string channels;       // names of the layer's channels, one letter each
     std::vector<float> values;  // pixel values, row-major from the top, a pixel's channels adjacent
 };
 

@@ -23,7 +23,7 @@ bool holds(const fs::path& path, const std::string& content) {
     }
     try {
         return read_earlier_output(path.string(), content.size()) == content;
-    } catch (const InputError&) {  // unreadable, so not a file of this user's
+    } catch (const InputError&) {  // an unreadable file does not hold `content`
         return false;
     }
 }

@@ -18,7 +18,7 @@ void check_replacement(const std::string& file, const std::string& content, bool
 
 class FilesBeside {
 public:
-    FilesBeside() = default;  // a set that writes no file, so every name is free
+    FilesBeside() = default;  // without --out no file is written, so every name is free
     explicit FilesBeside(std::filesystem::path out) : out_(std::move(out)) {}
 
     // A function that gives the N-th name to try for a file, without its folder.

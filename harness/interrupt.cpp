@@ -18,7 +18,7 @@ namespace pt {
 namespace {
 
 std::atomic<bool> is_requested = false;
-sem_t wake;  // posted by the signal handler; wakes the watching thread
+sem_t wake;  // semaphore by which the signal handler wakes the watching thread
 
 constexpr std::array ending_signals{SIGINT, SIGTERM, SIGHUP};
 

@@ -36,8 +36,8 @@ private:
     std::function<int()> end_;
     std::mutex mutex_;
     std::condition_variable changed_;
-    bool is_ending_ = false;   // set by begin_end: the program ends by itself, in time
-    bool is_overdue_ = false;  // set after the grace period: `end_` is called
+    bool is_ending_ = false;   // set by begin_end: the interrupted program ends by itself, in time
+    bool is_overdue_ = false;  // set when the grace period after a signal is over: `end_` is called
     bool is_over_ = false;
     std::thread watcher_;
 };

@@ -76,7 +76,7 @@ std::string read_whole(const std::string& path, std::uint64_t largest, struct st
     if (::stat(path.c_str(), &status) != 0) {
         cannot_read(path, in_words(errno), largest);
     }
-    check_kind(status, path, largest);  // before opening, since opening may affect a device
+    check_kind(status, path, largest);  // checked before open(), since opening a device file may affect the device
     const OpenFile file(path);
     if (file.descriptor() < 0 || ::fstat(file.descriptor(), &status) != 0) {
         cannot_read(path, in_words(errno), largest);
@@ -163,9 +163,9 @@ public:
 private:
     struct Container {
         bool is_array = false;
-        std::size_t index = 0;            // index of the element being read, in an array
-        std::string key = {};             // key of the member being read, in an object
-        std::set<std::string> keys = {};  // keys met so far in an object
+        std::size_t index = 0;            // in a JSON array: index of the element being read
+        std::string key = {};             // in a JSON object: key of the member being read
+        std::set<std::string> keys = {};  // in a JSON object: keys met so far
     };
 
     // The JSON path of the innermost value, built only when an error needs it.
@@ -225,7 +225,7 @@ Json parse_loosely(const std::string& file) {
 
 const Json& array_in(const Json& value, const std::string& key) {
     static const Json none = Json::array();
-    const auto found = value.find(key);  // end() also for a value that is no object
+    const auto found = value.find(key);  // find() returns end() if the value is no object
     return found != value.end() && found->is_array() ? *found : none;
 }
 

@@ -25,7 +25,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }
 
 std::string did_you_mean(std::string_view name, const std::vector<std::string>& known) {
-    constexpr std::size_t longest = 64;  // letters in the longest known name; longer texts are no misspellings
+    constexpr std::size_t longest = 64;  // longest text, in letters, that counts as a misspelt name
     if (name.empty() || name.size() > longest) {
         return "";
     }

@@ -101,7 +101,7 @@ std::string ending(int status) {
 
 Workers::Workers(std::size_t count, const Answer& answer, const std::function<void()>& prepare) : workers_(count) {
     const pid_t parent = ::getpid();
-    const int threads = share_of_threads(count);  // before the fork: some OpenMP runtimes forget it in a child
+    const int threads = share_of_threads(count);  // OpenMP's thread count; some runtimes forget it in a forked child
     for (Worker& worker : workers_) {
         int ends[2];
         if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
@@ -143,11 +143,11 @@ Workers::~Workers() {
 void Workers::ask(const std::vector<std::string>& questions,
                   const std::function<void(std::size_t, const std::string&)>& answered) {
     std::size_t next = 0, handed_on = 0;
-    std::map<std::size_t, std::string> waiting;  // answers that came before those to earlier questions
+    std::map<std::size_t, std::string> waiting;  // answers that wait until those to earlier questions arrive
     const auto give = [&](Worker& worker) {
         worker.question = next < questions.size() ? next++ : none;
         if (worker.question != none) {
-            (void)send_line(worker.socket, questions[worker.question]);  // a dead worker shows when its answer is read
+            (void)send_line(worker.socket, questions[worker.question]);  // a dead worker is noticed on reading replies
         }
     };
     for (Worker& worker : workers_) {

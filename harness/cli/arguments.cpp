@@ -79,7 +79,7 @@ Backend parse_backend(const std::string& text) {
     for (const Backend backend : all_backends) {
         if (text == to_string(backend)) {
             if (Registry::instance().choices(axes::integrator, backend).empty()) {
-                require_backend(backend);  // throws, since the build lacks the backend
+                require_backend(backend);  // require_backend() throws: without integrators the build lacks the backend
             }
             return backend;
         }

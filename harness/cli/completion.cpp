@@ -22,7 +22,7 @@ Words split_words(const std::string& line) {
         words.push_back(word);
     }
     if (line.empty() || line.back() == ' ' || line.back() == '\t') {
-        words.emplace_back();  // after a space the word to complete is empty
+        words.emplace_back();  // a command line that ends in a space is completed by a new word
     }
     return words;
 }
@@ -63,7 +63,7 @@ Words complete_list(const std::string& begun, const Words& known) {
     return with_prefix(before, found);
 }
 
-// The backends that a completion considers: with "--backend cpu" among the words, only choices of the CPU.
+// The backends whose choices are offered as completions: only the CPU if the command line has "--backend cpu".
 BackendSet backends_named(const Words& words) {
     for (std::size_t i = 0; i + 1 < words.size(); ++i) {
         for (const Backend backend : all_backends) {

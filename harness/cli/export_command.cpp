@@ -42,7 +42,7 @@ void check_arguments(const ExportArguments& arguments) {
     }
 }
 
-// The XML file to write: `out` itself if it ends in .xml, otherwise a file in the folder `out` named after the scene.
+// The XML file to export to: `out` if its name ends in .xml, otherwise the scene's name with .xml in the folder `out`.
 fs::path xml_file(const ExportArguments& arguments, const Scene& scene) {
     const fs::path out(arguments.out);
     return out.extension() == ".xml" ? out : out / (scene.name + ".xml");

@@ -59,7 +59,7 @@ int import_file(const ImportArguments& arguments) {
         {.text = read_import(arguments.file), .file = arguments.file, .out = arguments.out, .name = arguments.name});
     print_findings(result.problems, arguments.file, "");
     const bool is_scene = result.problems.count() == 0;
-    if (is_scene || arguments.strict) {  // no warnings beside problems: the list would be incomplete
+    if (is_scene || arguments.strict) {  // warnings about a scene with problems would be incomplete
         print_findings(result.warnings, arguments.file, "warning");
     }
     if (!is_scene || (arguments.strict && result.warnings.count() > 0)) {

@@ -149,7 +149,7 @@ std::vector<Variant> asked_variants(const InspectArguments& arguments, const Sce
 
 std::vector<std::string> asked_architectures(const InspectArguments& arguments) {
     if (arguments.architectures.empty()) {
-        return {""};  // stands for the architecture of this machine's GPU
+        return {""};  // "" stands for the architecture of this machine's GPU
     }
     const std::vector<std::string> names = split_names(arguments.architectures, "--arch");
     for (const std::string& name : names) {
@@ -185,7 +185,7 @@ void check_arguments(const InspectArguments& arguments) {
         refuse_source(arguments.out);
         refuse_result(arguments.out);
     }
-    (void)parse_backend("cuda");  // throws if this build lacks the CUDA backend
+    (void)parse_backend("cuda");  // parse_backend() throws if this build lacks the CUDA backend
 }
 
 int run(const InspectArguments& arguments) {

@@ -26,7 +26,7 @@ struct ListArguments {
 
 OrderedJson scenes_of(const ListArguments& arguments) {
     if (!arguments.architecture.empty()) {
-        (void)parse_backend("cuda");  // throws if this build lacks the CUDA backend
+        (void)parse_backend("cuda");  // parse_backend() throws if this build lacks the CUDA backend
     }
     OrderedJson scenes = OrderedJson::array();
     for (const std::string& name : arguments.scene.empty() ? scene_names() : split_names(arguments.scene)) {

@@ -23,7 +23,7 @@ bool is_built(Backend backend) {
                        [&](std::string_view axis) { return !Registry::instance().choices(axis, backend).empty(); });
 }
 
-// A choice as `list --json` shows it, in one object for all backends, with the claim and summary of the first of them.
+// A choice as `list --json` shows it: one object for all backends; claim and summary are those of the first backend.
 OrderedJson choice_json(std::string_view axis, const std::string& name) {
     const Registry& registry = Registry::instance();
     OrderedJson backends = OrderedJson::array();

@@ -8,9 +8,9 @@
 
 namespace pt {
 
-// What axis.h says of each axis; analysis/ptbench/io/axes.json is a copy of this output, for Python and the schemas.
+// The facts of axis.h about each axis as JSON; analysis/ptbench/io/axes.json, for Python and the schemas, is a copy.
 nlohmann::ordered_json list_axis_facts();
-// The names of all kernel features; analysis/ptbench/io/features.json is a copy of this output, for the schemas.
+// The names of all kernel features as JSON; analysis/ptbench/io/features.json, for the schemas, is a copy.
 nlohmann::ordered_json list_features();
 nlohmann::ordered_json list_axis(std::string_view axis);
 nlohmann::ordered_json list_axes();

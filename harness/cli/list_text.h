@@ -9,7 +9,7 @@ namespace pt {
 
 // The overview of `ptbench list`: one line for each axis with its choices, names of scenes and suites, backends.
 std::string overview_text();
-// The list of all axes, one line for each.
+// The output of `ptbench list axes`: one line for each axis.
 std::string axes_text();
 // The list of kernel features, one name per line.
 std::string features_text();

@@ -85,7 +85,7 @@ void check_ranks(const std::string& command) {
 int run(int argc, char** argv) {
     CLI::App app("ptbench: does a path tracing optimisation pay? Measured, with the images compared first.", "ptbench");
     app.set_version_flag("--version", "ptbench " + pt::version_text());
-    app.require_subcommand(0, 1);  // a missing subcommand is reported below, after unknown arguments
+    app.require_subcommand(0, 1);  // a missing subcommand is found later, so unknown arguments are reported first
     const std::vector<std::pair<std::string, pt::Command>> commands{
         {"list", pt::add_list_command(app)},
         {"run", pt::add_run_command(app, join_arguments(argc, argv))},

@@ -54,9 +54,9 @@ constexpr TemplateFile material_files[] = {
 // A macro list in a source file with one line for each shape or material.
 struct ListOf {
     std::string_view file;
-    std::string_view end_of_lines;  // the end of the macro list, and the text that follows
-    std::string_view line;          // format of an entry; {0}: name, {1}: class, {2}: name in capitals
-    std::string_view example;       // an example of an entry, for messages
+    std::string_view end_of_lines;  // text in the file at which the macro list ends
+    std::string_view line;          // format of a list line; {0}: name, {1}: class, {2}: name in capitals
+    std::string_view example;       // an example of a list line, for error messages
 };
 constexpr ListOf shape_list{"kernels/shape_list.h", ", more)\n\n", "SHAPE({0}, {0}s, {1}, {2}S, more)",
                             "SHAPE(..., more)"};
@@ -67,7 +67,7 @@ constexpr ListOf material_list{"kernels/material_list.h", ")\n\n#define PT_MATER
 struct Kind {
     std::string_view name;  // name of the kind and of its folder of templates
     std::span<const TemplateFile> files;
-    std::string_view folder;  // target folder of the written files
+    std::string_view folder;  // folder in which `ptbench new` writes files of this kind
     std::string_view next;    // next steps to print for the user; {0}: the repository, {1}: the name
     const ListOf* list = nullptr;
 };
@@ -98,7 +98,7 @@ struct NewFile {
     fs::path path;
     std::string text;
     std::string_view what;
-    std::optional<std::string> before;  // content before ptbench new; none for a new file
+    std::optional<std::string> before;  // content of the file before `ptbench new`; none for a new file
 };
 
 std::string replaced(std::string text, std::string_view placeholder, std::string_view value) {
@@ -254,7 +254,7 @@ std::vector<NewFile> new_files(const fs::path& home, const Kind& kind, const std
     return files;
 }
 
-// Writes all files or none: if one cannot be written, the others are removed. An existing file is replaced last.
+// Writes all files of `ptbench new`: if one fails, those written are removed. An existing file is replaced last.
 void write_all(const std::vector<NewFile>& files) {
     std::size_t written = 0;
     try {

@@ -17,7 +17,7 @@ namespace pt {
 namespace {
 
 constexpr std::array<std::string_view, 6> aov_names{"albedo", "normal", "depth", "coverage", "samples", "variance"};
-constexpr std::uint64_t most_rays_unmentioned = 1 << 23;  // more camera rays take seconds on a CPU: announced
+constexpr std::uint64_t most_rays_unmentioned = 1 << 23;  // more camera rays take seconds, so a message announces them
 constexpr std::array<std::string_view, 4> aovs_of_first_hits{"albedo", "normal", "depth", "coverage"};
 
 // Whether the scatter of batches estimates the variance of the mean without bias: samples must be independent, so

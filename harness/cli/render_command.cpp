@@ -55,7 +55,7 @@ constexpr double most_samples_unmentioned = 1 << 23;
 struct Trial {
     std::optional<double> seconds = {};  // estimated time of the whole render; none if unknown
     std::optional<CudaFacts> cuda = {};  // facts of the trial renders on CUDA; none if none was made
-    bool is_long = false;                // whether the whole render certainly takes long
+    bool is_long = false;                // whether the whole render is sure to take long
 };
 
 double pixels_of(const RenderSettings& settings) { return static_cast<double>(settings.width) * settings.height; }
@@ -172,7 +172,7 @@ RankedRender render_aloud(const Scene& scene, RenderRequest request, const Trial
         if (is_short) {
             watch.reached(static_cast<double>(checkpoint.samples) / request.samples);
         } else {
-            watch.end();  // the progress bar replaces the watch of the render's phases
+            watch.end();  // the progress bar replaces the display of phases ("rendering")
             progress.step(fmt::format("{} of {} spp", checkpoint.samples, request.samples));
         }
     };
@@ -184,7 +184,7 @@ struct Chosen {
     std::string by;  // who chose the variant (user or ptbench), for a message
 };
 
-// The variant that --axis options name; axes that they leave open get the fastest known choice that fits (fastest.h).
+// The variant that --axis options name. Other axes get the fastest known choice that suits the scene (fastest.h).
 Chosen choose_variant(const RenderArguments& arguments, const Scene& scene, Backend backend) {
     const AxisChoices asked = parse_axis_arguments(arguments.axes, arguments.devices, backend);
     const TunableValues tunables = parse_tunable_arguments(arguments.tunables);

@@ -88,7 +88,7 @@ void check_error_against_time(const RunArguments& arguments, const RunOptions& o
     }
 }
 
-// Splits a list (not empty) into its first element and the others.
+// Splits the values of an option such as --spp (one or more) into the first value and the others.
 template <class T>
 std::pair<T, std::vector<T>> first_and_others(const std::vector<T>& list) {
     return {list.front(), {list.begin() + 1, list.end()}};

@@ -58,7 +58,7 @@ void list_cases(const std::vector<const Case*>& cases) {
 }
 
 void write_scenes(const std::vector<const Case*>& cases, const std::string& folder, bool overwrite) {
-    std::vector<std::pair<std::string, std::string>> files;  // names and contents of scene files
+    std::vector<std::pair<std::string, std::string>> files;  // names and contents of the scene files to write
     for (const Case* stiff_case : cases) {
         for (const auto& [name, text] : stability::scene_files(*stiff_case)) {
             files.emplace_back(folder + "/" + name + ".json", text);
@@ -173,7 +173,7 @@ public:
         for (const std::size_t task : missing_) {
             questions.push_back(fmt::format("{} {}", to_string(backend_), task));
         }
-        if (workers != nullptr) {  // workers ignore an interrupt; tasks in flight are lost
+        if (workers != nullptr) {  // workers do not see an interrupt: the tasks in flight are lost
             workers->ask(questions, [this](std::size_t i, const std::string& line) { answered(i, line); });
         }
         for (std::size_t i = 0; i < questions.size() && workers == nullptr; ++i) {
@@ -227,7 +227,7 @@ private:
     stability::Report report_;
     std::vector<Task> tasks_;
     std::vector<std::size_t> missing_;
-    std::mutex mutex_;  // a lock held while the report changes
+    std::mutex mutex_;  // mutex held while the stability report changes
     Interrupt interrupt_;
 };
 

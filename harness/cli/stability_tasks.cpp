@@ -82,7 +82,7 @@ bool is_named(const std::string& axis, const StabilityRequest& request) {
                        [&](const std::string& argument) { return argument.starts_with(axis + "="); });
 }
 
-// `plain` with every accelerator, and with every builder under trees that need one: all must find the same hits.
+// The variant `plain` with every other accelerator, and with every tree builder: all must find the same hits.
 std::vector<Variant> accelerated_variants(const Variant& plain, Backend backend) {
     const Registry& registry = Registry::instance();
     std::vector<Variant> variants;
@@ -106,7 +106,7 @@ std::vector<Variant> accelerated_variants(const Variant& plain, Backend backend)
     return variants;
 }
 
-// Adds each accelerator in two variants: with a timed kernel from the first half of `timed` and one from the second.
+// Adds two variants for each accelerator: one made from the first half of the variants `timed`, one from the second.
 void add_accelerators(std::vector<Variant>& all, const std::vector<Variant>& timed, std::size_t turn, Backend backend) {
     const std::vector<const Choice*> accelerators = Registry::instance().choices(axes::accelerator, backend);
     for (std::size_t i = 0; i < accelerators.size(); ++i) {
@@ -118,7 +118,7 @@ void add_accelerators(std::vector<Variant>& all, const std::vector<Variant>& tim
     }
 }
 
-// The estimators that a case asks for, as sets of choices, except those on axes that the call names.
+// The estimators that a case asks for, as sets of choices, except those on axes that the option --axis names.
 std::vector<std::map<std::string, std::string>> estimators_of(const Case& stiff_case, const StabilityRequest& request) {
     std::vector<std::map<std::string, std::string>> estimators;
     for (const auto& [axis, choices] : stiff_case.estimators) {
@@ -141,7 +141,7 @@ Variant with_choices(Variant variant, const std::map<std::string, std::string>& 
     return variant;
 }
 
-// Adds the timed kernels, and for each estimator and each accelerator of the case two of them with that choice.
+// Adds the timed variants, and for each estimator and each accelerator of the case two timed variants changed to it.
 void add_timed(std::vector<Variant>& all, const Case& stiff_case, const StabilityRequest& request, Backend backend) {
     const std::vector<Case>& catalogue = stability::catalogue();
     const auto turn = static_cast<std::size_t>(&stiff_case - catalogue.data());

@@ -29,7 +29,7 @@ std::vector<Variant> asked_variants(const StabilityRequest& request, Backend bac
 
 // The variants to run with a case, without duplicates: `variants`, each also with the case's estimators (unless --axis
 // names their axis), and the plainest one with accelerators and builders. Without --axis also the kernels that findings
-// time on a GPU (harness/stability/timed_variants.h), two of them with each estimator and accelerator.
+// time on a GPU (harness/stability/timed_variants.h), and two of these for each estimator and accelerator.
 std::vector<Variant> variants_of_case(const std::vector<Variant>& variants, const stability::Case& stiff_case,
                                       const StabilityRequest& request, Backend backend);
 

@@ -11,7 +11,7 @@ namespace pt {
 
 namespace {
 
-// Seconds after which `--quiet` shows progress.
+// Seconds after which `ptbench verify --quiet` shows progress all the same.
 constexpr double patience = 5;
 
 }  // namespace

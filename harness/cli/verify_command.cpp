@@ -46,7 +46,7 @@ AxisChoices parse_against(const std::vector<std::string>& arguments, Backend bac
     return against;
 }
 
-// One claim about the mean for each image that the variants have; `tally` counts variants without such a claim.
+// The claims on mean radiance to test, one for variants with the same image; `tally` counts variants without a claim.
 std::vector<MeanClaim> claims_of(const Scene& scene, const std::vector<Variant>& variants, Backend backend,
                                  const VerifyArguments& arguments, Tally& tally) {
     const AxisChoices against = parse_against(arguments.against, backend);
@@ -57,7 +57,7 @@ std::vector<MeanClaim> claims_of(const Scene& scene, const std::vector<Variant>&
     for (const Variant& variant : variants) {
         const Variant image = image_of(scene, variant, backend);
         if (!images.insert(image).second || (against.empty() && claim_of(image, backend) == Claim::bitwise)) {
-            continue;  // bitwise claims: films are compared, a stricter test
+            continue;  // a claim of equal bits is tested more strictly, by comparing films
         }
         std::string reason = why_not_applicable(image, features_of(scene), backend);
         if (reason.empty() && against.empty() && claim_of(image, backend) == Claim::biased) {
@@ -135,8 +135,8 @@ std::string plain_accelerator(const Scene& scene, Backend backend) {
     return name;
 }
 
-// Every choice of light sampling and every choice of light selection, each with all estimators that make connections
-// and with specialised and generic kernels; on a CPU also with every integrator. A covering set has only pairs of them.
+// Every choice of light sampling and of light selection, each with all estimators that make connections and with
+// specialised and generic kernels; on a CPU also with every integrator. A covering set has only pairs of choices.
 std::vector<Variant> lit_variants(Backend backend, const Scene& scene) {
     const Registry& registry = Registry::instance();
     AxisChoices axes{{axes::accelerator, {plain_accelerator(scene, backend)}}};
@@ -244,7 +244,7 @@ int run_statistical(const VerifyArguments& arguments, Backend backend, const std
 
 // The scenes and variants that a call of `ptbench verify` names. Throws InputError for unknown names.
 FilmsToVerify films_of(const VerifyArguments& arguments, Backend backend) {
-    (void)parse_resolution(arguments.size());  // fails before variants are listed, which takes seconds
+    (void)parse_resolution(arguments.size());  // reports a bad --size before listing variants, which takes seconds
     FilmsToVerify films{backend, find_scenes(scenes_asked_for(arguments.scenes)), {}};
     for (const Scene& scene : films.scenes) {
         films.variants.push_back(variants_to_verify(arguments, backend, scene));

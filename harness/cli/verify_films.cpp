@@ -33,7 +33,7 @@ public:
         }
     }
 
-    // The verdict on a variant, given that at normal size; a good one may be replaced by that at the larger size.
+    // The final verdict on a variant: `verdict`, from its film of normal size, unless its larger film has faults.
     Verdict after(const Verdict& verdict, const Variant& variant) {
         if (!verdict.holds || !checked_.contains(variant)) {
             return verdict;
@@ -45,7 +45,7 @@ public:
 
 private:
     static std::uint32_t samples_for(std::uint32_t depth) {
-        constexpr std::uint32_t compactions = 70;  // number of compactions: one per path segment but the last
+        constexpr std::uint32_t compactions = 70;  // compactions in a render: one per path segment but the last
         return std::max(4u, compactions / std::max(1u, depth - 1) + 1);
     }
     static RenderSettings large(const Scene& scene, const VerifyArguments& arguments) {
@@ -113,7 +113,7 @@ private:
 // Variants that one process checks in sequence.
 struct Part {
     std::size_t scene;
-    std::vector<std::size_t> variants;  // indices into the scene's list of variants to verify
+    std::vector<std::size_t> variants;  // indices of variants among those to verify on the scene
 };
 
 // The number of variants in a part, so that each process gets several parts and a slow one delays few others.
@@ -121,7 +121,7 @@ std::size_t part_size(std::size_t variants, std::size_t processes) {
     return processes <= 1 ? 1 : std::clamp<std::size_t>(variants / (4 * processes), 1, 16);
 }
 
-// The applicable variants of all scenes in parts, and the others by scene.
+// The variants to verify: those that apply, split into parts, and for each scene those that do not apply.
 struct PartedFilms {
     std::vector<Part> parts;
     std::vector<NotApplicableLines> not_applicable;
@@ -191,7 +191,7 @@ private:
     std::vector<std::optional<SceneChecks>> scenes_;
 };
 
-// The films that a worker checks, and the parts by question; made when a worker is first asked.
+// A worker process's scenes and variants, and its parts by the question that names them; made at the first question.
 struct WorkerFilms {
     WorkerFilms(FilmsToVerify prepared, const VerifyArguments& arguments)
         : films(std::move(prepared)), checker(films, arguments) {

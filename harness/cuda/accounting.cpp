@@ -50,7 +50,7 @@ std::vector<std::uint64_t> download_segments(const Job& job, const std::uint64_t
     return counts;
 }
 
-// Turns the number of paths of each length into the number of paths alive at each segment.
+// Turns counts of paths by length (in segments) into counts of paths that are alive at each segment.
 std::vector<std::uint64_t> alive_by_segment(std::vector<std::uint64_t> by_length) {
     std::uint64_t alive = 0;
     for (std::size_t segment = by_length.size(); segment-- > 0;) {
@@ -60,14 +60,14 @@ std::vector<std::uint64_t> alive_by_segment(std::vector<std::uint64_t> by_length
     return by_length;
 }
 
-// Adds the work of a queue whose paths are at different segments; the kernels of such a queue count rays themselves.
+// Adds rays and sorted paths of an integrator that refills its queue, whose kernels count the rays themselves.
 void add_refilled_work(const DeviceCounts& counts, WorkCounters& work) {
     const std::uint64_t segments = counts.totals.paths.rays;
     work.rays = segments + counts.totals.paths.connections;
     work.sorted = work.sorts > 0 ? segments : 0;
 }
 
-// Adds the work of kernels that trace one segment per thread: the number of rays follows from that of traced paths.
+// Adds the work of kernels that trace one segment per thread: the counts of paths at each segment give that of rays.
 void add_queue_work(const Job& job, const DeviceCounts& counts, WorkCounters& work) {
     const std::uint64_t segments = sum_of(counts.live);
     const std::uint64_t cache_uses = job.kept_rays > 0 ? counts.live.front() : 0;
@@ -102,7 +102,7 @@ DeviceCounts download_counts(const Job& job, const IntegratorTraits& integrator)
         counts.live = sum_of_copies(counts.live, job.segments.copies);
         counts.in_play = sum_of_copies(counts.in_play, job.segments.copies);
     } else {
-        // Integrators without a queue, or that refill it, count paths by length, in a single copy of the array `live`.
+        // Integrators that have no queue or refill it count paths by length, in one copy of the counters, not several.
         counts.live.resize(job.longest_path);
         counts.live = alive_by_segment(std::move(counts.live));
     }

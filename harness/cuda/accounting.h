@@ -6,15 +6,15 @@
 
 namespace pt::cuda {
 
-// The download functions wait until the device has finished the job.
+// Download functions: each waits until the device has finished the render `job`.
 void download_film(const Job& job, Film& film);
 FilmFaults download_faults(const Job& job);
 
 struct DeviceCounts {
     Totals totals;
     HealthCounters health;
-    std::vector<std::uint64_t> live;     // by path segment: number of paths that it was traced for
-    std::vector<std::uint64_t> in_play;  // by path segment: number of queued paths, ended or not
+    std::vector<std::uint64_t> live;     // [k]: number of paths whose segment k + 1 was traced
+    std::vector<std::uint64_t> in_play;  // [k]: number of paths queued at segment k + 1, ended or not
 };
 DeviceCounts download_counts(const Job& job, const IntegratorTraits& integrator);
 

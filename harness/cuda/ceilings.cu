@@ -10,12 +10,12 @@ namespace {
 
 constexpr unsigned threads = 256;
 constexpr int rounds = 256;
-constexpr int steps = 32;  // steps per round of the measured loop, unrolled
-constexpr int chains = 8;  // independent chains, so that no instruction waits for the previous one
+constexpr int steps = 32;  // unrolled steps in a round of the loop whose speed is measured
+constexpr int chains = 8;  // independent chains of instructions, so that none waits for the previous one
 
 enum class Mix { issue, fma, alu, xu };
 
-// One step of the measured loop is one instruction per chain, or two (multiply-add and logic) for Mix::issue.
+// Runs a loop of instructions whose speed is measured: a step is one in each chain, or two for Mix::issue (fma, alu).
 template <Mix mix>
 __global__ void __launch_bounds__(threads) execute(float* result, float seed) {
     float x[chains];
@@ -63,7 +63,7 @@ public:
     Timer(const Timer&) = delete;
     Timer& operator=(const Timer&) = delete;
 
-    // Returns the time in seconds of the fastest of five runs, after one warm-up run.
+    // Runs `work` six times and returns the seconds of the fastest run, without the first, which warms up.
     template <class Work>
     double fastest(const Work& work) const {
         float least = 1e30f;

@@ -5,11 +5,11 @@
 namespace pt::cuda {
 
 struct Ceilings {
-    // Rates of the whole GPU, in warp instructions per second.
-    double issue = 0;   // rate for multiply-adds and logic in turn, on both pipes
-    double fma = 0;     // rate for multiply-adds only
-    double alu = 0;     // rate for logic instructions only
-    double xu = 0;      // rate for powers of two (ex2) only
+    // Peak rates of the whole GPU, in warp instructions per second.
+    double issue = 0;   // issue rate: multiply-adds and logic in turn, on both pipes
+    double fma = 0;     // execution rate of multiply-adds alone
+    double alu = 0;     // execution rate of logic instructions alone
+    double xu = 0;      // execution rate of powers of two (ex2) alone
     double memory = 0;  // bytes read and written per second by a copy larger than the cache
 };
 

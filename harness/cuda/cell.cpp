@@ -23,8 +23,8 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-// A box around all objects, relative to the eye: a mesh's bounding box, or half the diagonal of a scale around a
-// centre.
+// A box around all objects, relative to the eye, for sorting keys: meshes have their bounding box, other objects a
+// cube around their centre that reaches half the diagonal of their size.
 KeyBounds key_bounds(const Scene& scene) {
     Vec3d low(1e300), high(-1e300);
     for (const SceneObject& object : scene.objects) {
@@ -96,14 +96,14 @@ RenderCell<Real>::RenderCell(const Scene& scene, const RenderRequest& request, c
     facts_.threads = job_.block;
     facts_.options = job_.module->image().options;
     integrator_->prepare();
-    choice_launches_ = 0;  // capturing a graph counted launches, but made none
+    choice_launches_ = 0;  // capturing the graph counted kernel launches that it did not make
     PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));
     facts_.prepare_ms = milliseconds_since(start);
 }
 
 template <class Real>
 RenderCell<Real>::~RenderCell() {
-    // A graph must not be destroyed while the stream still runs it.
+    // A CUDA graph must not be destroyed while the stream still runs it.
     (void)cudaStreamSynchronize(job_.stream);
 }
 
@@ -203,7 +203,7 @@ void RenderCell<Real>::upload() {
         const std::uint32_t rows[] = {rows_.first, rows_.step, job_.pixels};
         PT_CUDA_CHECK(
             cudaMemcpyAsync(job_.module->global("pt_rows"), rows, sizeof rows, cudaMemcpyHostToDevice, job_.stream));
-        PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));  // waits for the copy, since `rows` goes out of scope
+        PT_CUDA_CHECK(cudaStreamSynchronize(job_.stream));  // waits until the local array `rows` has been copied
     }
     clear(job_.film.sums, std::size_t{3} * job_.image_pixels * sizeof(std::int64_t), job_.stream);
     clear(job_.film.faults, sizeof(FilmFaults), job_.stream);
@@ -216,7 +216,7 @@ void RenderCell<Real>::upload() {
     integrator_->upload();
 }
 
-// Between the parts of a render film, counters, cache and graph stay on the device; the host waits for a part's end.
+// The film, counters, cache and CUDA graph stay on the device between a render's parts, whose ends the host awaits.
 template <class Real>
 void RenderCell<Real>::run(RenderResult& result) {
     add_learning(result);

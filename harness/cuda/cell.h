@@ -34,13 +34,13 @@ public:
     // neither awaited nor timed. Returns the device time in ms.
     double run_pieces(
         const std::function<std::optional<SampleRange>()>& next, const std::function<void()>& enqueue_more = [] {});
-    // Whether the device has rendered all pieces of a render; to be called once all are enqueued.
+    // Whether the device has rendered all pieces (ranges of samples); to be called once all are enqueued.
     bool has_rendered() const { return is_ready(cudaEventQuery(end_.get())); }
     // Downloads the film and the counters of the render from the device.
     void collect(RenderResult& result);
     // Downloads the counters of the render from the device, but not the film.
     void collect_counts(RenderResult& result);
-    // Adds the time spent on learning for roulette before the render, while the device was idle.
+    // Adds to the render's times the learning for roulette that preceded it, during which the device was idle.
     void add_learning(RenderResult& result) const;
     FilmFaults faults() const;
     const JobOf<Real>& job() const { return job_; }
@@ -58,7 +58,7 @@ private:
     const RenderRequest& request_;
     VariantTraits traits_;
     const IntegratorHook& integrator_hook_;
-    FeatureSet features_;  // features compiled into the kernels
+    FeatureSet features_;  // features compiled into the render's kernels
     Layout layout_;
     SceneBuffers<Real> buffers_;
     LearnedAdjoint<Real> learned_;
@@ -70,7 +70,7 @@ private:
     std::unique_ptr<Arena> arena_;
     Stream stream_;
     Event begin_, end_;
-    Event enqueued_[2];  // events behind the last two enqueued pieces
+    Event enqueued_[2];  // CUDA events behind the last two ranges of samples enqueued
     StageEvents stages_;
     JobOf<Real> job_;
     std::unique_ptr<Integrator> integrator_;

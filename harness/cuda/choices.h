@@ -9,7 +9,7 @@ inline const Hooks& hooks(std::string_view axis, const Variant& variant) {
     return Registry::instance().at(axis, variant, Backend::cuda).hook.cuda;
 }
 
-// The value of a tunable in the variant, or `otherwise` if none of its choices has the tunable.
+// The value of a tunable in the variant, or `otherwise` if no choice of the variant has the tunable.
 inline std::uint32_t tuned(const Variant& variant, std::string_view name, std::uint32_t otherwise) {
     for (const Tunable& known : tunables_of(variant, Backend::cuda)) {
         if (known.name == name) {

@@ -16,12 +16,12 @@ public:
 
     using Key = std::pair<const PlacedMesh*, const MeshTree*>;
     static Key key_of(const MeshGeometry& host) { return {host.placed.get(), host.tree.get()}; }
-    // The mesh with pointers to device memory.
+    // The mesh with its pointers leading to device memory, as kernels use it.
     const MeshView& view() const { return view_; }
     std::size_t bytes() const { return arrays_.bytes(); }
 
 private:
-    MeshGeometry host_;  // kept alive so that no other mesh gets the addresses in its cache key
+    MeshGeometry host_;  // the host's mesh, kept so that its addresses, the cache key, stay unique
     MeshView view_;
     DeviceArrays arrays_;
 };
@@ -43,7 +43,7 @@ public:
     std::size_t bytes() const { return arrays_.bytes(); }
 
 private:
-    std::shared_ptr<const SceneTree> host_;  // kept alive so that no other tree gets the address in its cache key
+    std::shared_ptr<const SceneTree> host_;  // host's tree, kept so that its address, the cache key, stays unique
     ObjectTree objects_;
     FlatTree flat_;
     DeviceArrays arrays_;

@@ -34,7 +34,7 @@ public:
         static_assert(std::is_trivially_copyable_v<T> && sizeof(T) % 4 == 0);
         std::vector<T> cleared(values, values + count);
         for (T& value : cleared) {
-            __builtin_clear_padding(&value);  // padding must not vary: the text is in the kernel's cache key
+            __builtin_clear_padding(&value);  // padding bytes would get into the kernel's cache key
         }
         std::vector<std::uint32_t> words(std::max<std::size_t>(1, count * sizeof(T) / 4));
         if (count != 0) {
@@ -118,7 +118,7 @@ std::string baked_text(const SceneView<Real>& scene) {
     });
     text.add("environment", &scene.environment, 1);
     text.add("enclosure", &scene.enclosure, 1);
-    Camera<Real> camera = scene.camera;  // the camera without image and pixel size, which may vary
+    Camera<Real> camera = scene.camera;  // camera without image size and pixel size, so that one kernel serves all
     camera.width = camera.height = 0;
     camera.pixel_size = 0;
     text.add("camera", &camera, 1);
@@ -226,7 +226,7 @@ void DeviceScene<Real>::upload(const Module& module, cudaStream_t stream) const 
         PT_CUDA_CHECK(cudaMemcpyAsync(module.global("pt_scene"), constant.data(), constant.size(),
                                       cudaMemcpyHostToDevice, stream));
     }
-    PT_CUDA_CHECK(cudaStreamSynchronize(stream));  // waits for the copy, since `constant` goes out of scope
+    PT_CUDA_CHECK(cudaStreamSynchronize(stream));  // waits until the local array `constant` has been copied
 }
 
 template std::string scene_place(const SceneView<float>& scene, FeatureSet features, bool is_baked);

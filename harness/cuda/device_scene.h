@@ -19,7 +19,7 @@ inline constexpr const char* scene_in_constant = "in_constant";
 // the result is the part of the name after "scene_".
 template <class Real>
 std::string scene_place(const SceneView<Real>& scene, FeatureSet features, bool is_baked);
-// Makes object counts and the walls of a room compile-time constants, if the kernel has only the scene's features.
+// Compiles object counts and the planes of a room (an enclosing box of the scene) in, unless the kernel is generic.
 template <class Real>
 void fix_counts(const SceneView<Real>& scene, KernelConfig& config);
 // The source text of constant arrays with the scene's data for scene_baked.cuh, which the compiler can fold.
@@ -36,7 +36,7 @@ public:
     void reserve(Arena& arena);
     // Copies the scene to the device and waits for the copy.
     void upload(const Module& module, cudaStream_t stream) const;
-    // The scene with pointers to device memory.
+    // The scene with its pointers leading to device memory, as kernels use it.
     const SceneView<Real>& view() const { return view_; }
     // Bytes of meshes and of the trees over them, which are outside the arena.
     std::size_t mesh_bytes() const;
@@ -50,10 +50,10 @@ private:
     SceneView<Real> view_ = {};
     std::vector<std::shared_ptr<const DeviceMesh>> device_meshes_;
     std::shared_ptr<const DeviceTree> tree_;
-    MeshSearch<Real> search_;                    // search structures of meshes, with device pointers
-    EnvironmentMap<Real> environment_map_ = {};  // environment map with device pointers
-    AdjointCache<Real> adjoint_ = {};            // radiance estimates with device pointers
-    std::vector<MeshInstance<Real>> instances_;  // instances of meshes with device pointers
+    MeshSearch<Real> search_;                    // search trees of the meshes, by pointers to device memory
+    EnvironmentMap<Real> environment_map_ = {};  // the environment map, by pointers to device memory
+    AdjointCache<Real> adjoint_ = {};            // radiance estimates for roulette, by device pointers
+    std::vector<MeshInstance<Real>> instances_;  // objects that show a mesh, by pointers to device memory
 };
 
 }  // namespace pt::cuda

@@ -22,7 +22,7 @@ namespace {
 
 struct Limits {
     const char* architecture;
-    int warps, blocks, shared_kib;  // most warps and thread blocks, and KiB of shared memory
+    int warps, blocks, shared_kib;  // limits of a multiprocessor: warps, thread blocks, KiB of shared memory
     int reserved_shared;            // bytes of shared memory that the system reserves per thread block
     int shared_unit;                // granularity of shared memory per thread block, bytes
 };
@@ -34,7 +34,7 @@ constexpr Limits all_limits[] = {
     {"sm_100", 64, 32, 228, 1024, 128}, {"sm_103", 64, 32, 228, 1024, 128}, {"sm_120", 48, 24, 100, 1024, 128},
 };
 constexpr int registers_per_multiprocessor = 65536;
-constexpr int register_unit = 256;  // granularity of registers allocated to a warp
+constexpr int register_unit = 256;  // unit in which registers are allocated to a warp
 
 const Limits& limits_of(const std::string& architecture) {
     for (const Limits& limits : all_limits) {

@@ -106,7 +106,7 @@ ModuleRequest module_request(const Scene& scene, const Variant& variant, const s
         }
     }
     if (!traits.integrator.has_queue) {
-        request.layout = "aos";  // no queue, so no layout: one name saves compilations
+        request.layout = "aos";  // no queue to lay out: one layout's name saves compilations
     }
     if (!integrator.stores_hits) {
         request.sort_key = "material";
@@ -114,7 +114,7 @@ ModuleRequest module_request(const Scene& scene, const Variant& variant, const s
     return request;
 }
 
-// Stages move and count paths without arithmetic on them, so a single compilation serves all features and arithmetics.
+// Compactions and sorts only move and count paths, so a single compilation serves all features and arithmetics.
 ModuleRequest stage_request(const Variant& variant, const Choice& stage, const std::string& architecture) {
     const std::string source = fmt::format("variants/{}/{}.cuh", stage.descriptor.axis, stage.descriptor.name);
     ModuleRequest request = request_for(variant, source, architecture);

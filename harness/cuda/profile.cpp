@@ -154,7 +154,7 @@ std::vector<KernelCounters> parse_ncu_launches(const std::string& csv) {
     std::vector<KernelCounters> launches;
     for (std::string line; std::getline(lines, line);) {
         if (line.rfind('"', 0) != 0) {
-            continue;  // a message of ncu, since its CSV lines begin with a quote
+            continue;  // this line is a message of ncu: its CSV lines begin with a quote
         }
         const std::vector<std::string> fields = csv_fields(line);
         if (names.empty() || units.empty()) {

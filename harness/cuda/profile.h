@@ -17,13 +17,13 @@ struct KernelCounters {
     std::string name;
     std::uint64_t launches = 0;
     double seconds = 0;
-    double instructions = 0;                             // number of executed warp instructions
-    double thread_instructions = 0;                      // warp instructions, each times its active lanes
-    double fma = 0, alu = 0, xu = 0, lsu = 0, fp64 = 0;  // warp instructions by pipe
-    double memory_bytes = 0;                             // bytes to and from device memory
-    // Means over launches, 0 to 1, weighted by time; a cache's throughput is its busiest part's, relative to the peak.
+    double instructions = 0;                             // warp instructions that the kernel executed
+    double thread_instructions = 0;                      // executed warp instructions, each times its active lanes
+    double fma = 0, alu = 0, xu = 0, lsu = 0, fp64 = 0;  // executed warp instructions by pipe
+    double memory_bytes = 0;                             // bytes moved to and from device memory
+    // Means over the kernel's launches, 0 to 1, weighted by time. A cache's throughput is that of its busiest part.
     double occupancy = 0;   // resident warps over the most that a multiprocessor holds
-    double l1 = 0, l2 = 0;  // throughput of the L1 and L2 caches
+    double l1 = 0, l2 = 0;  // throughput of the L1 and L2 caches relative to the peak
     double l1_hit_rate = 0, l2_hit_rate = 0;
     double memory_stalls = 0;  // share of resident warps' time spent waiting for memory loads
 };

@@ -24,8 +24,8 @@ namespace {
 
 struct Instruction {
     std::string mnemonic;
-    std::string label;   // name, if this entry is a label and no instruction
-    std::string target;  // label to which a branch instruction leads
+    std::string label;   // name of a label, if this line of the disassembly is one
+    std::string target;  // label to which a branch instruction leads; else empty
 };
 
 bool starts_with_any(const std::string& text, std::initializer_list<const char*> starts) {

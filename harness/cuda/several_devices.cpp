@@ -44,7 +44,7 @@ public:
         std::vector<std::jthread> threads;
         for (std::uint32_t device = 1; device < devices; ++device) {
             threads.emplace_back([&, device] {
-                (void)cudaSetDevice(static_cast<int>(device));  // slow, so called before the render's clock starts
+                (void)cudaSetDevice(static_cast<int>(device));  // cudaSetDevice() is slow, so it precedes timing
                 ready += 1;
                 while (!is_started) {
                     std::this_thread::yield();
@@ -125,7 +125,7 @@ public:
     DeviceGroup(const DeviceGroup&) = delete;
     DeviceGroup& operator=(const DeviceGroup&) = delete;
 
-    // Adds the learning time of the first device only, since that device learns for all of them.
+    // Adds the first device's time of learning for roulette to the render's times: one device learns for all.
     void add_learning(RenderResult& result) const { cells_[0]->add_learning(result); }
     // Renders the samples on all devices and adds the times to `result`.
     void run(const SampleRange& samples, RenderResult& result) {
@@ -161,7 +161,7 @@ public:
         film.set(std::move(summed), faults);
     }
 
-    // Collects counters and stage times, summed over all devices.
+    // Puts the render's counters and the times of its stages, summed over all devices, into `result`.
     void collect(RenderResult& result) {
         cells_[0]->collect_counts(result);
         for (std::size_t device = 1; device < cells_.size(); ++device) {
@@ -218,7 +218,7 @@ private:
             wait_for_sum();
             return start;
         } catch (...) {
-            disconnect_devices();  // else devices wait in the sum for the one that failed
+            disconnect_devices();  // else devices would wait for the failed one to join the sum of the films
             throw;
         }
     }
@@ -236,7 +236,7 @@ private:
 
     bool is_done(std::size_t device) const { return is_ready(cudaStreamQuery(stream_of(device))); }
 
-    // Prepares the sum of the films: connects the devices, allocates its memory, and sets it to zero.
+    // Prepares the sum of the films: connects the devices, and allocates and clears the sum's memory.
     void connect() {
         memory_ = std::make_unique<Arena>(film_words_ * sizeof(std::int64_t));
         sum_ = memory_->take<std::int64_t>(film_words_);
@@ -270,10 +270,10 @@ private:
         }
     }
 
-    RenderRequest request_;  // the request for each device's cell; cells keep a reference to it
+    RenderRequest request_;  // what each device is asked to render; `cells_` keep a reference
     VariantTraits traits_;
     std::size_t film_words_;
-    OnDevice first_;  // makes the first device current by default
+    OnDevice first_;  // while alive, makes the first device the thread's current one
     std::unique_ptr<Arena> memory_;
     std::int64_t* sum_ = nullptr;  // the sum of the films, on the first device
     std::vector<std::unique_ptr<RenderCell<Real>>> cells_;

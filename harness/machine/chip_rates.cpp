@@ -12,8 +12,8 @@ namespace pt {
 
 namespace {
 
-constexpr double least_seconds = 0.02;  // for which each measurement repeats its work, at least
-constexpr int measurements = 3;         // of which the best counts: the others were disturbed
+constexpr double least_seconds = 0.02;  // least duration of a measurement, which repeats its work
+constexpr int measurements = 3;         // measurements of each rate, of which the fastest counts
 constexpr std::uint64_t smallest_copy = std::uint64_t{1} << 14, largest_copy = std::uint64_t{1} << 28;
 
 double seconds_now() {
@@ -24,7 +24,7 @@ double seconds_now() {
 template <class Work>
 double best_rate(double units, const Work& work) {
     double best = 0;
-    work();  // warms up
+    work();  // an untimed call warms up
     for (int i = 0; i < measurements; ++i) {
         const double start = seconds_now();
         double done = 0, seconds = 0;
@@ -38,7 +38,7 @@ double best_rate(double units, const Work& work) {
     return best;
 }
 
-// Each thread copies its part in rounds of its own, so that small copies do not measure how threads start.
+// Measures a copy's rate: each thread copies its part many times, so that starting threads hardly counts.
 CopyRate copy_rate(std::uint64_t bytes, unsigned char* to, const unsigned char* from) {
     const auto threads = static_cast<std::uint64_t>(omp_get_max_threads());
     const std::uint64_t part = std::max<std::uint64_t>(64, bytes / threads / 64 * 64);
@@ -49,7 +49,7 @@ CopyRate copy_rate(std::uint64_t bytes, unsigned char* to, const unsigned char* 
             const auto thread = static_cast<std::uint64_t>(omp_get_thread_num());
             for (std::uint64_t round = 0; round < rounds; ++round) {
                 std::memcpy(to + thread * part, from + thread * part, part);
-                std::atomic_signal_fence(std::memory_order_seq_cst);  // no round may be left out
+                std::atomic_signal_fence(std::memory_order_seq_cst);  // keeps the compiler from leaving out copies
             }
         }
     });
@@ -71,7 +71,7 @@ std::vector<CopyRate> copy_rates() {
 
 using Lanes = float __attribute__((vector_size(32)));
 
-// Ten independent chains, more than a multiplication and an addition take cycles.
+// Ten independent chains of multiplications and additions hide the latency of both.
 double gflops() {
     constexpr int steps = 1 << 16, chains = 10, lanes = sizeof(Lanes) / sizeof(float);
     const int threads = omp_get_max_threads();
@@ -86,7 +86,7 @@ double gflops() {
                 i = i * factor + term, j = j * factor + term;
             }
             const Lanes sum = a + b + c + d + e + f + g + h + i + j;
-            volatile float kept = sum[0];  // the work has a use
+            volatile float kept = sum[0];  // keeps the compiler from removing the sums
             (void)kept;
         }
     });

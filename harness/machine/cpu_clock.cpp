@@ -21,15 +21,15 @@ constexpr double multiplication_latency = 3;
 // Relative difference allowed between the rates of two instruction chains: the clock may change from pass to pass,
 // while a chain folded by the processor is wrong by a factor of 2 or more.
 constexpr double chain_tolerance = 0.1;
-// Bounds for the core clock over the time stamp counter's rate: turbo reaches 4.3 times (1.1 GHz parts that boost to
-// 4.7), and idle cores run at a tenth.
+// Bounds on the ratio of the core clock to the time stamp counter's rate: turbo reaches 4.3 (1.1 GHz processors that
+// boost to 4.7 GHz), and idle cores run at a tenth.
 constexpr double most_over_time_stamps = 5;
 constexpr double least_over_time_stamps = 0.05;
 // acpi-cpufreq reports the clock without boost, which can be up to twice as high.
 constexpr double most_over_cpufreq = 2.5;
 
 constexpr std::uint64_t steps_per_pass = 100000;
-constexpr std::uint64_t steps_per_turn = 8;  // must match the count of .rept in the assembler code below
+constexpr std::uint64_t steps_per_turn = 8;  // steps of a chain in one turn: the count of .rept in its assembler code
 
 // Calls `turn` until an instruction chain has made `steps` steps, steps_per_turn in each call. Every step depends on
 // the one before, by a register that carries over from call to call.

@@ -16,7 +16,7 @@ namespace pt {
 struct ClockEvidence {
     double additions_per_us = 0;
     double multiplications_per_us = 0;
-    double time_stamps_per_us = 0;  // time stamp counter: a constant rate near the nominal clock (cores since 2008)
+    double time_stamps_per_us = 0;  // rate of the time stamp counter: constant, near the nominal clock (since 2008)
     double cpufreq_max_mhz = 0;     // highest clock that the kernel states for the core; boost may exceed it
 };
 

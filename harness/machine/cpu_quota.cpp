@@ -15,7 +15,7 @@ namespace pt {
 
 namespace {
 
-// A control group mount of proc/self/mountinfo: the folder `root` of the group tree is visible at `point`.
+// A line of proc/self/mountinfo on control groups: the folder `root` of their tree is mounted at `point`.
 struct GroupMount {
     std::string root, point;
     bool is_version_2 = false;
@@ -94,9 +94,9 @@ Throttling throttling_of(const std::string& folder) {
     for (double value = 0; lines >> name >> value;) {
         if (name == "nr_throttled") {
             found.periods = static_cast<std::uint64_t>(value);
-        } else if (name == "throttled_usec") {  // key of cpu.stat in cgroup version 2, in microseconds
+        } else if (name == "throttled_usec") {  // throttled time in cgroup version 2, microseconds
             found.ms = 1e-3 * value;
-        } else if (name == "throttled_time") {  // key of cpu.stat in cgroup version 1, in nanoseconds
+        } else if (name == "throttled_time") {  // throttled time in cgroup version 1, nanoseconds
             found.ms = 1e-6 * value;
         }
     }

@@ -14,7 +14,7 @@ struct GpuContext {
     std::string device = {}, compute_capability = {}, multiprocessors = {}, clock_mhz = {}, memory_clock_mhz = {};
     std::string memory_bus_bits = {}, memory_mib = {}, l2_bytes = {}, ecc = {}, mps = {}, driver = {}, runtime = {};
     std::string nvrtc = {}, cccl = {}, kernel_source_hash = {};
-    std::optional<std::string> devices = {}, nccl = {};  // keys that only hosts with several equal GPUs have
+    std::optional<std::string> devices = {}, nccl = {};  // context keys only of hosts with several equal GPUs
 
     template <class Self, class Visit>
     static void fields(Self& self, const Visit& visit) {

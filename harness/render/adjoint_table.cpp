@@ -28,7 +28,7 @@ constexpr double least_estimate = 0x1p-20, most_estimate = 0x1p20;
 
 float sum_of(const Vec3<float>& colour) { return sum_of_channels(colour); }
 
-// Records each vertex of a learning path. Until the path ends, `brought` is minus the radiance gathered so far.
+// Records each vertex of a learning path. Until the path ends, `brought` is minus the radiance gathered before it.
 struct Notes {
     template <class Config>
     static constexpr bool acts_in = true;
@@ -92,7 +92,7 @@ private:
 
 float bounded(double estimate) { return static_cast<float>(std::clamp(estimate, least_estimate, most_estimate)); }
 
-// Fits the grid of radiance estimates around path vertices: low corner and cells per scene unit along each axis.
+// Fits the grid of radiance estimates around the path vertices: sets its low corner and its cells per scene unit.
 template <class Real>
 void set_grid(AdjointCache<Real>& cache, const std::vector<AdjointRecord>& vertices) {
     const std::size_t stride = vertices.size() / 4096 + 1;
@@ -218,13 +218,13 @@ std::unique_ptr<const AdjointTable<Real>> adjoint_table(const AdjointRecords& re
         all.add(start.brought, 1);
     }
     const double mean = all.value(0, 0);
-    if (!(mean > 0)) {  // the learning paths gathered no radiance, or have no vertices
+    if (!(mean > 0)) {  // no learning path gathered radiance, or none has a first vertex
         return nullptr;
     }
     auto table = std::make_unique<AdjointTable<Real>>();
     AdjointCache<Real>& cache = table->cache;
     cache.cells = settings.adjoint.cells;
-    // The bounds of the weight window have the ratio `window` and the arithmetic mean 1.
+    // The bounds of the roulette's weight window have the ratio `window` and the arithmetic mean 1.
     cache.lowest = Real(2) / Real(1 + settings.adjoint.window);
     cache.highest = cache.lowest * Real(settings.adjoint.window);
     cache.most_branches = settings.adjoint.branches;
@@ -243,7 +243,7 @@ LearnedAdjoint<Real> learned_adjoint(const Scene& scene, const RenderSettings& s
     if (settings.adjoint.paths == 0) {
         return learned;
     }
-    const SceneBuffers<float> trees(scene, settings, quick_acceleration(scene));  // builds trees before timing starts
+    const SceneBuffers<float> trees(scene, settings, quick_acceleration(scene));  // builds the scene's trees, untimed
     const double cpu_start = process_cpu_ms();
     const auto start = std::chrono::steady_clock::now();
     learned.table = adjoint_table<Real>(learn_adjoint(scene, settings), settings);

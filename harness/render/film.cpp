@@ -22,7 +22,7 @@ double film_scale(double bound, std::uint64_t samples) {
     while (sample_exponent < 62 && (std::uint64_t{1} << sample_exponent) < samples) {
         ++sample_exponent;
     }
-    // The scale's exponent is limited, so that the scale stays finite for bounds below the range of float.
+    // The film scale's exponent is limited, so that the scale stays finite for bounds below the range of float.
     constexpr int largest_exponent = 960;
     return std::ldexp(1.0, std::min(62 - 6 - sample_exponent - bound_exponent, largest_exponent));
 }

@@ -18,12 +18,12 @@ public:
     FilmView view();
     std::uint32_t width() const { return width_; }
     std::uint32_t height() const { return height_; }
-    // Samples per pixel that the sums hold, by which pixel() and radiance() divide.
+    // Samples per pixel in the film's radiance sums; pixel() and radiance() divide the sums by this number.
     std::uint64_t samples() const { return samples_; }
-    // Sets the number of samples per pixel added so far, if more will follow; scale and limit stay unchanged.
+    // Sets the number of samples per pixel added so far, if more will follow; the film's scale and limit do not change.
     void set_samples(std::uint64_t samples) { samples_ = samples; }
     const std::vector<std::int64_t>& sums() const { return sums_; }
-    // Replaces the sums by sums of the same scale, such as a device's. Throws std::logic_error if the sizes differ.
+    // Replaces the radiance sums by those of a device's film of equal scale. Throws std::logic_error if sizes differ.
     void set(std::vector<std::int64_t> sums, const FilmFaults& faults);
     const FilmFaults& faults() const { return faults_; }
     double scale() const { return scale_; }

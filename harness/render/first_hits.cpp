@@ -45,8 +45,8 @@ void fill_first_hits(FirstHits& hits, const Scene& scene, const RenderRequest& r
     using Config = FirstHitConfig<Real>;
     const SceneBuffers<Real> buffers(scene, settings, quick_acceleration(scene));
     const SceneView<Real>& view = buffers.view();
-    std::vector<const SceneMaterial*> materials;  // material of each object, by object number
-    std::vector<Vec3d> albedo;                    // albedo of each object, by object number
+    std::vector<const SceneMaterial*> materials;  // materials of the scene's objects, by object number
+    std::vector<Vec3d> albedo;                    // albedos of the scene's objects, by object number
     for (const std::uint32_t index : buffers.file_index()) {
         materials.push_back(&scene.materials[scene.objects[index].material]);
         albedo.push_back(first_hit_albedo(*materials.back()));

@@ -30,7 +30,7 @@ public:
 private:
     std::uint32_t batches_ = 0;
     std::uint64_t samples_ = 0;
-    std::vector<std::int64_t> sums_;  // sums that the film had at the last stop
+    std::vector<std::int64_t> sums_;  // radiance sums that the film had at the last stop
     std::vector<double> means_;       // mean radiance by channel over the batches so far, weighted by samples
     std::vector<double> squares_;
 };

@@ -205,8 +205,8 @@ std::string KernelChoice::note() const {
 KernelChoice choose_kernel(const Scene& scene, const Variant& variant, Backend backend) {
     const Registry& registry = Registry::instance();
     const FeatureSet needed = features_of(scene) | features_asked(variant, backend);
-    // On CUDA a kernel is compiled for exactly the features needed. Shortcuts give the bits of the plain formulas, so
-    // they are left out of kernels with other formulas.
+    // On CUDA a kernel is compiled for exactly the features needed. Shortcut features are faster ways to the bits of
+    // the plain formulas, so kernels with other formulas do without them.
     const FeatureSet shortcuts_here = (needed & formulas) == 0 ? shortcuts_of(scene) : no_features;
     KernelOffer offer{needed,
                       shortcuts_here,
@@ -247,7 +247,7 @@ bool set_cuda_render(RenderRequested render) {
 }
 
 RenderResult render(const Scene& scene, const RenderRequest& request) {
-    (void)parts_of(request);  // throws if checkpoints are invalid, before anything is rendered
+    (void)parts_of(request);  // parts_of() throws if checkpoints are invalid, before anything is rendered
     if (request.backend == Backend::cuda) {
         return cuda_render()(scene, request);
     }

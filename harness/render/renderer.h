@@ -27,7 +27,7 @@ struct RenderRequest {
     std::uint32_t first_sample = 0;
     std::uint32_t samples = 1;  // samples per pixel to render
     bool instrument = false;    // measures stages and live paths, which falsifies the render's time
-    // Samples per pixel of the whole film, if this render adds only a part of them; 0: `samples`.
+    // Samples per pixel of the finished film, if this render adds only a part of them; 0: as many as `samples`.
     std::uint32_t film_samples = 0;
     // Samples after which the render stops to call `on_checkpoint`: increasing, the last one == samples; empty: no
     // stops. Stops change neither the film's bits (except where stops_change_film) nor the counters; a first-bounce
@@ -40,13 +40,13 @@ struct RenderRequest {
 struct CudaFacts {
     struct Kernel {
         std::string name;
-        int registers = 0;             // registers per thread
-        std::size_t local_bytes = 0;   // local memory per thread: spills and arrays
-        std::size_t shared_bytes = 0;  // shared memory per thread block
+        int registers = 0;             // the kernel's registers per thread
+        std::size_t local_bytes = 0;   // bytes of local memory per thread: spills and arrays
+        std::size_t shared_bytes = 0;  // bytes of shared memory per thread block
     };
     double compile_seconds = 0;        // time spent in NVRTC or on reading the kernel cache
     bool from_cache = false;           // whether all modules were in the kernel cache or loaded already
-    double prepare_ms = 0;             // time for allocation, upload and graph capture
+    double prepare_ms = 0;             // set-up time: allocation, upload and CUDA graph capture
     std::size_t device_bytes = 0;      // device memory that the render uses: arena, and meshes with their trees
     std::size_t path_bytes = 0;        // device memory per path in the queue, including compaction and sorting
     std::size_t path_state_bytes = 0;  // part of `path_bytes`: one copy of a path's state
@@ -54,7 +54,7 @@ struct CudaFacts {
     std::vector<Kernel> kernels;
     std::vector<std::string> options;  // options of the kernel compiler
 
-    // Adds the compilation for an earlier render of the same variant in this process.
+    // Adds the compile time of an earlier render of the same variant in this process to these facts.
     void add_compilation(const CudaFacts& earlier) {
         compile_seconds += earlier.compile_seconds;
         from_cache = from_cache && earlier.from_cache;
@@ -64,10 +64,10 @@ struct CudaFacts {
 // Facts of a render on several devices; for a single device `count` is 1 and all else empty.
 struct DeviceFacts {
     std::uint32_t count = 1;
-    // For each device the time from the common start to the end of its own work, without the reduction; 0 if idle.
+    // For each device the time from the common start until its share is rendered, without summing films; 0 if idle.
     std::vector<double> own_ms;
     double slowest_ms = 0;  // time from the common start until the last device has rendered its share
-    double reduce_ms = 0;   // time from the end of slowest_ms until the first device has the sum of all films
+    double reduce_ms = 0;   // time that summing all films on the first device takes after slowest_ms
 };
 
 struct RenderResult {
@@ -76,12 +76,12 @@ struct RenderResult {
     StageTimes stages;
     FeatureSet needed = no_features;    // features needed by scene and variant
     FeatureSet compiled = no_features;  // features compiled into the kernel that ran
-    double wall_ms = 0;          // time from the first stage's start to the last stage's end, without checkpoints
+    double wall_ms = 0;          // render time from the first stage to the last, without callbacks at checkpoints
     double device_ms = 0;        // time on the device; equal to wall_ms on the CPU backend
     double cpu_ms = 0;           // CPU time of all threads during wall_ms
     CudaFacts cuda = {};         // facts of a render on CUDA
     MeshFacts meshes = {};       // facts about meshes; zero triangles if the scene has none
-    HealthCounters health = {};  // counters of an inspecting integrator; else zero paths
+    HealthCounters health = {};  // health counters; zero paths if the integrator keeps none
     DeviceFacts devices = {};    // facts of several devices: wall_ms is slowest_ms + reduce_ms + learning for roulette
 };
 

@@ -115,7 +115,7 @@ std::function<double(const RenderResult&)> farthest_from(double exact) {
         for (std::uint32_t i = 0; i < result.film.width() * result.film.height(); ++i) {
             const Vec3d pixel = result.film.pixel(i);
             for (int k = 0; k < 3; ++k) {
-                // The test is <= instead of > so that a channel of NaN, for which both are false, counts as farthest.
+                // Comparisons with NaN are false: with <= a film of NaN has NaN as its farthest value.
                 farthest = std::abs(pixel[k] - exact) <= std::abs(farthest - exact) ? farthest : pixel[k];
             }
         }

@@ -86,14 +86,14 @@ struct Rendering {
 struct Twins {
     std::string change;  // what differs between the two, e.g. "scene x 2^20"
     Json reference, changed;
-    std::vector<std::uint32_t> parts = {};  // samples of the consecutive runs that render `changed`; empty: one run
-    std::map<std::string, std::uint32_t> tuning = {};  // tunables for rendering `changed`; n/a if the variant lacks one
-    std::uint32_t samples = 8;                         // samples per pixel of either render
+    std::vector<std::uint32_t> parts = {};  // samples of each run if several runs render `changed`; empty: one run
+    std::map<std::string, std::uint32_t> tuning = {};  // tunables for rendering `changed`; variants without are skipped
+    std::uint32_t samples = 8;                         // samples per pixel of each of the two renders
 };
 
 // Parameter values at which a case is evaluated, each point as changes to the case's defaults.
 using Points = std::vector<std::map<std::string, double>>;
-// Points for each value of one parameter (`along`), and for each row of values of several parameters (`table`).
+// Make parameter points: `along` one for each value of a parameter, `table` one for each row of values of several.
 Points along(const std::string& parameter, const std::vector<double>& values);
 Points table(const std::vector<std::string>& parameters, const std::vector<std::vector<double>>& rows);
 Points joined(const std::vector<Points>& lists);
@@ -113,9 +113,9 @@ struct Case {
     std::string stiff;    // one sentence on what makes the case stiff
     std::string formula;  // formula or source of the exact value, as text
     std::vector<Parameter> parameters = {};
-    // The points (changes to the defaults) of a full run. Empty: one point, the defaults.
+    // The parameter points of a full run, each as changes to the defaults. Empty: one point, the defaults.
     Points points = {};
-    Points quick_points = {};  // points of a quick run; empty: the first of `points`
+    Points quick_points = {};  // parameter points of a quick run; empty: the first of `points`
     std::string sweep = {};    // the parameter that `points` vary, as a figure's axis; empty if none
     // Choices of estimators with which the case is run besides the baseline's, e.g. {"direct_light", {"nee"}}.
     AxisChoices estimators = {};
@@ -127,7 +127,7 @@ struct Case {
     std::function<std::vector<Rendering>(const Values&)> renderings = {};
     std::function<std::vector<Twins>(const Values&)> twins = {};
     std::function<std::vector<Measurement>(const Values&, const DirectSetting&)> direct = {};
-    // Whether `direct` differs with naive formulas, and with double precision for intersection alone (mixed).
+    // Whether the direct check has a result of its own for naive formulas, and for intersection in double (mixed).
     bool direct_has_naive = false;
     bool direct_has_mixed = false;
     // The feature whose absence in ptbench makes the case impossible; empty if the case can be run.
@@ -167,17 +167,17 @@ struct CasesOf {
     explicit CasesOf(std::vector<Case> cases) { register_cases(family, std::move(cases)); }
 };
 
-double mean_radiance(const RenderResult& result);              // mean of a film over pixels and channels
-double mean_channel(const RenderResult& result, int channel);  // mean of one channel of a film
+double mean_radiance(const RenderResult& result);              // mean radiance of a film over pixels and channels
+double mean_channel(const RenderResult& result, int channel);  // mean radiance of a film in one colour channel
 // A reader for Quantity::of: the channel value, among all pixels, that is farthest from `exact`.
 std::function<double(const RenderResult&)> farthest_from(double exact);
-// A reader for Quantity::of: by how many segments paths are shorter than `depth` on average. In a closed scene none is.
+// A reader for Quantity::of: the mean number of segments that paths fall short of `depth`, 0 in a closed scene.
 std::function<double(const RenderResult&)> missing_segments(std::uint32_t depth);
 
 // A quantity that is the estimated mean over all pixels and channels.
 Quantity mean_is(const std::string& name, double exact, const Tolerance& tolerance);
-// Quantities that every batch must have without sampling error: one value of the render (`exactly`), or all pixels and
-// channels, of which the one farthest from `exact` counts (`every_pixel_is`).
+// Quantities whose exact value every batch must give, without sampling error: a value read by `of` (`exactly`), or the
+// channel value of all pixels, of which the one farthest from `exact` counts (`every_pixel_is`).
 Quantity exactly(const std::string& name, std::function<double(const RenderResult&)> of, double exact,
                  const Tolerance& tolerance);
 Quantity every_pixel_is(const std::string& name, double exact, const Tolerance& tolerance);

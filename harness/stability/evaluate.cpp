@@ -46,7 +46,7 @@ Row without_measurement(Status status, std::string reason) {
     return row;
 }
 
-// Adds the paths, rays, faults and time of a render to the totals of a row.
+// Adds the paths, rays, film faults and time of a render to the totals of a result row.
 void count_work(Row& row, const RenderResult& result) {
     row.paths += result.work.paths;
     row.rays += result.work.rays;
@@ -219,7 +219,7 @@ std::vector<Row> evaluate_renderings(const Task& task) {
         const bool again = std::any_of(first.begin(), first.end(),
                                        [](const Row& row) { return row.status == Status::failed && row.is_estimate; });
         if (again) {
-            // A failed estimate is measured once more with four times the samples and other seeds.
+            // An estimate that failed its check is measured once more, with four times the samples and other seeds.
             std::vector<Row> second =
                 look(task, rendering, scene, task.seed + 1000003, std::min<std::uint64_t>(4 * paths, 1u << 28));
             for (std::size_t i = 0; i < first.size(); ++i) {
@@ -351,7 +351,7 @@ std::vector<Row> evaluate_unguarded(const Task& task) {
     return rows;
 }
 
-// Says why a direct check does not apply. It calls kernel functions on the host, so one integrator and backend will do.
+// Says why a direct check does not apply to a task. It calls functions on the host, so one integrator will do.
 std::string direct_not_applicable(const Task& task) {
     const VariantTraits traits = traits_of(task.variant, task.backend);
     const bool is_plainest = task.variant[axes::integrator] == plainest_variant(task.backend)[axes::integrator];

@@ -23,19 +23,19 @@ std::string_view to_string(Status status);
 
 struct Row {
     Status status = Status::not_applicable;
-    std::string reason;  // why the status of the row is not `passed`
+    std::string reason;  // why the result row's status is not `passed`
     Measurement measurement;
     double error = 0;          // by how much `measured` violates the relation, or 0
     double allowed = 0;        // largest error allowed: tolerance plus four standard errors
-    bool is_estimate = false;  // whether the value is a mean over batches
+    bool is_estimate = false;  // whether `measured` is a mean over batches of samples
     int looks = 1;             // number of independent measurements until the verdict
     std::uint64_t paths = 0;
     std::uint64_t rays = 0;
     std::uint64_t unfinished_walks = 0;
     FilmFaults faults;
-    HealthCounters health;  // counters of an inspecting integrator; else zero paths
-    std::string film_hash;  // hash of a single batch's film; else empty
-    double seconds = 0;     // time spent rendering or in the direct check
+    HealthCounters health;  // health counters; zero paths if the integrator keeps none
+    std::string film_hash;  // film hash if there is a single batch; otherwise empty
+    double seconds = 0;     // time in seconds of the renders or the direct check
 
     // The error as a share of the allowed error; infinite if nothing is allowed and there is an error.
     double error_over_allowed() const { return error == 0 ? 0 : error / allowed; }

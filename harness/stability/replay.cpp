@@ -111,7 +111,7 @@ Divergence diverge(const Scene& scene, const RenderSettings& settings, std::uint
     total.paths = std::uint64_t{samples} * of_pixel.size();
     double sum = 0;
     double squares = 0;
-    for (const OfPixel& pixel : of_pixel) {  // in the order of the pixels, whichever thread was first
+    for (const OfPixel& pixel : of_pixel) {  // sums do not depend on threads: pixels are added in order
         sum += pixel.sum;
         squares += pixel.squares;
         total.parted_at.resize(std::max(total.parted_at.size(), pixel.parted_at.size()));

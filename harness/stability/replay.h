@@ -15,16 +15,16 @@ struct Step {
     std::uint32_t segment = 0;  // number of the path segment, counted from 1
     std::string object;         // "sphere 3 (glass), inside"; "nothing": the ray left the scene
     std::uint32_t object_code = 0;
-    double t = 0;  // distance along the ray, scene units
+    double t = 0;  // distance from the ray's origin to the hit point, scene units
     Vec3d position{0.0}, normal{0.0};
     Vec3d direction{0.0};   // direction in which the path leaves the hit point
     Vec3d throughput{0.0};  // path throughput after the hit
-    Vec3d radiance{0.0};    // radiance collected so far
+    Vec3d radiance{0.0};    // radiance that the path has gathered so far
     bool is_alive = false;  // whether the path continues after this segment
 };
 
-// Replays a path in single or in double precision, with all features and samplers, and with one of the features
-// `formulas` if `formula` has one.
+// Replays a path in single or in double precision by kernels with all features and samplers; `formula` may select other
+// formulas, such as the naive ones.
 std::vector<Step> replay_single(const Scene& scene, const RenderSettings& settings, FeatureSet formula,
                                 std::uint32_t pixel, std::uint32_t sample);
 std::vector<Step> replay_double(const Scene& scene, const RenderSettings& settings, FeatureSet formula,

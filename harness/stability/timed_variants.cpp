@@ -47,8 +47,8 @@ std::vector<Variant> timed_variants(Backend backend, std::size_t turn, bool quic
             Variant variant = of_scene;
             variant.set(axes::integrator, integrators[i]);
             variant.set(axes::arithmetic, arithmetics[a]);
-            // Whether a kernel has the room depends on `turn / 2`, not on `turn`: in a quick run i + a + turn is even
-            // for every kernel, so that none would be without.
+            // Every second variant is without the planes of a room (tunable room=0). The parity uses `turn / 2`: with
+            // `turn`, the sum would be even for every variant of a quick run, and none would be without.
             if ((i + a + turn / 2) % 2 != 0) {
                 variant.tuning["room"] = 0;
             }

@@ -10,8 +10,8 @@
 namespace pt::stability {
 
 // The timed variants with which one stability case runs: every arithmetic with every integrator that findings time (of
-// those with a queue only one, by `turn`), alternately with and without the planes of a room. A quick run takes every
-// second pair. `turn`: the case's number. Empty on a CPU, where other variants cover the same kernels.
+// integrators with a queue only one, chosen by `turn`), alternately with and without the planes of a room (an enclosing
+// box). In a quick run every second one. `turn`: the case's number. Empty on a CPU: other variants cover its kernels.
 std::vector<Variant> timed_variants(Backend backend, std::size_t turn, bool quick);
 
 }  // namespace pt::stability

@@ -44,7 +44,7 @@ std::vector<Rendering> mix_furnace(const Values& v) {
     return {furnace_rendering(scene, emission, albedo, v.whole("depth"))};
 }
 
-// A ball in a lit room, of a mix material with a single lobe or of the material of that lobe itself.
+// A lit room with a ball whose material is a mix with only one lobe or, without `as_mix`, that lobe's own material.
 Json room_with_ball(bool as_mix, bool mirror) {
     const Vec3d colour(0.875, 0.75, 0.5);
     SceneText scene("mix_pure");
@@ -67,8 +67,8 @@ std::vector<Twins> pure_mixes(const Values&) {
              .changed = room_with_ball(true, true)}};
 }
 
-// The sphere of pbrt's test scenes, with wall albedo 0.5 and radiance 1 everywhere: at its centre a lamp of radius a
-// with power pi times 4 pi replaces the point light, or for a = 0 the wall emits.
+// The sphere of pbrt's test scenes, with wall albedo 0.5 and radiance 1 everywhere. A lamp at the centre with radius a
+// replaces pbrt's point light of power pi times 4 pi; for a = 0 the wall emits instead.
 std::vector<Rendering> pbrt_sphere(const Values& v) {
     const double a = v["a"];
     SceneText scene("pbrt_sphere");

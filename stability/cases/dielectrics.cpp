@@ -11,7 +11,7 @@ namespace {
 
 struct Pile {
     int plates = 1;
-    double excess = 0.5;  // refractive index of the plates - 1
+    double excess = 0.5;  // refractive index of the glass plates minus 1
     double thickness = 0.125, gap = 0.125, cosine = 1;
     double tau = 0;  // optical depth of absorption of a plate along its normal
 };
@@ -65,7 +65,7 @@ std::vector<Rendering> nearly_no_plate(const Values& v) {
     return {pile_of_plates({.excess = v["excess"], .cosine = v["cosine"]}, 1u << 16)};
 }
 
-// A scene with a single camera ray towards the unit ball, which misses the ball's centre by `impact`, in radiance 1.
+// An environment of radiance 1 and one camera ray that misses the centre of a unit ball, to be added, by `impact`.
 SceneText ball(double impact, std::uint32_t depth) {
     SceneText scene("ball");
     scene.camera({impact, 0, -4}, {impact, 0, 0}).depth(depth).environment(1);
@@ -93,7 +93,7 @@ std::vector<Rendering> cut_off(const Values& v) {
     const long double r = reflectance(static_cast<long double>(v["ior"]) - 1, cosine_at(v["impact"]));
     const long double lost = (1 - r) * std::pow(r, static_cast<long double>(hits));
     const std::uint64_t paths = 1u << 16;
-    // Tolerance for the rounding of the ray's impact parameter, times the slope of the ball's reflectance in it.
+    // Tolerance: rounding of the ray's impact parameter, times the derivative of the ball's reflectance by it.
     const double slope = static_cast<double>(v["impact"] / cosine_at(v["impact"])) * 4 * 0x1p-22;
     return {{.scene = scene.json(),
              .quick_paths = paths,

@@ -73,7 +73,7 @@ double diffuse_average(double ior, bool leaving) {
     using Real = typename Kernel::Real;
     const Boundary<Real> boundary = boundary_of<Real>(ior, leaving);
     const long double n = ior;
-    // From within, light is fully reflected up to the critical angle, where the reflectance has a square root.
+    // From within the glass, cosines below `critical` are totally reflected; the reflectance has a square root there.
     const long double critical = leaving ? std::sqrt((n - 1) * (n + 1)) / n : 0;
     long double sum = critical * critical;
     for (const Node& node : graded_nodes(critical, 1, 40)) {

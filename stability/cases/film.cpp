@@ -20,7 +20,7 @@ double sample_value(std::uint32_t content, std::uint32_t i) {
         case 2:
             return u;
         case 3:
-            return pcg4d({i, 43, 1, 0}).x < 42950u ? 1e5 : 0.18 * u;  // one sample in 1e5 has the value 1e5
+            return pcg4d({i, 43, 1, 0}).x < 42950u ? 1e5 : 0.18 * u;  // a random one in 1e5 samples has the value 1e5
         default:
             return i == 0 ? 1e6 : 1e-3 * u;
     }
@@ -139,7 +139,7 @@ double disc_share(double x) {
     return x <= -1 ? 0 : x >= 1 ? 1 : 1 - (std::acos(x) - x * std::sqrt(1 - x * x)) / pi<double>;
 }
 
-// An emitting wall at depth z whose edge lies x blur radii from the axis, seen through a lens.
+// An emitting wall at depth z, seen through a lens: the wall's edge lies x radii of the blur disc from the axis.
 std::vector<Rendering> lens_edge(const Values& v) {
     const double blur = v["aperture"] * std::abs(v["z"] - v["focus"]) / v["focus"];
     const double side = 8 * blur;
@@ -165,7 +165,7 @@ double moving_box_coverage(const Values& v) {
     return v.is_set("late") ? (to - from) * (to + from) : to - from;
 }
 
-// Error of moving_box_coverage, in roundings, from the times at which both ends of the box pass.
+// Error of moving_box_coverage in roundings, which comes from the times at which the two ends of the box pass.
 double moving_box_rounding(const Values& v) {
     const double at = std::min(1.0, v["x"] / v["v"]);
     return 4 * at * (1 + at);
@@ -214,7 +214,7 @@ std::vector<Measurement> motion_grid(const Values& v, const DirectSetting& setti
                            "a moment at both ends, and the roundings of time and way"}}};
 }
 
-// A column of pixels that a quad's edge crosses all at the same place, and a single pixel with a horizontal edge.
+// A quad's edge runs along a column of pixels, at one place in all of them; another quad's edge crosses one pixel.
 std::vector<Rendering> pixel_edge(const Values& v) {
     constexpr std::uint32_t rows = 64;
     const double share = v["share"];

@@ -36,12 +36,12 @@ GroundHit exact_ground_hit(const Values& v, const Vec3l& direction) {
 template <class Real, FeatureSet formula>
 std::vector<Measurement> huge_sphere_in(const Values& v, const DirectSetting& setting) {
     const RayScene<Real, formula> scene(ground_text(v));
-    const long double dip = sqrtl(v["height"] * (2 * v["radius"] + v["height"])) / v["radius"];  // tan of horizon's dip
+    const long double dip = sqrtl(v["height"] * (2 * v["radius"] + v["height"])) / v["radius"];  // tan(dip of horizon)
     RayRandom random(13);
     double off_tangent = 0, near_tangent = 0;
     for (int i = 0; i < (setting.is_quick ? 20000 : 1000000); ++i) {
         const bool is_near = i % 2 != 0;
-        // Far rays hit the ground at cosines above 0.1; rays near the tangent start just below the horizon.
+        // Rays off the tangent meet the ground at cosines above 0.1; rays near it are aimed just below the horizon.
         const double lowest = is_near ? 1.001 * std::atan(static_cast<double>(dip)) : std::asin(0.1);
         const double highest = is_near ? std::max(0.1, 1.1 * lowest) : 0.5 * pi<double>;
         const double angle = lowest * std::pow(highest / lowest, random.uniform(0, 1));
@@ -120,7 +120,7 @@ std::vector<Rendering> far_sphere(const Values& v) {
     text.sphere(text.emitter(Vec3d(1.0)), view * distance, 2);
     const double covered = pi<double> * radius * radius / (4 * half * half);
     const auto blur = [&](bool is_double) {
-        // If rounding blurs the rim of the sphere's disc evenly by e radii, its area grows by the share e^2.
+        // If rounding blurs the rim of the sphere's disc evenly by e radii, the disc's area grows by the share e^2.
         const double rim = 8 * round_off(is_double) * distance;
         return covered * (rim * rim + 4 * round_off(is_double)) + 0x1p-40;
     };
@@ -138,7 +138,7 @@ struct StartedRays {
     double worst_chord = 0;  // largest error of a chord's length, in radii of the body
 };
 
-// Traces rays in all directions from hit points on the only object, `body` in the precision of intersection.
+// Traces rays in random directions from points on the scene's only object; `body`: its form for exact chords.
 template <class Rays, class Body>
 StartedRays start_rays(const Rays& scene, const Body& body, const Vec3d& centre, double radius, int count) {
     using Real = typename Rays::Real;
@@ -169,9 +169,9 @@ StartedRays start_rays(const Rays& scene, const Body& body, const Vec3d& centre,
     return result;
 }
 
-// Bounds on the error of a chord, in radii and units of round-off: `roundings` on the way to the chord, and `place` per
-// radius of distance from the eye, from the rounding of the start: sqrt(3) u off the surface, divided by the smallest
-// half axis, times the longest chord. Chords of a box end on a plane, which the start does not affect.
+// Bounds on a chord's error, in radii of the body and units of round-off u: `roundings` from computing the chord, and
+// `place` per radius of distance from the eye, from its rounded start: sqrt(3) u off the surface, divided by the body's
+// smallest half axis, times its longest chord. Chords of a box end on a plane, which the start does not affect.
 struct ChordError {
     const char* shape;
     double roundings, place;
@@ -180,7 +180,7 @@ constexpr ChordError sphere_error{"sphere", 2 * 8, 2 * 1.7321};
 constexpr ChordError ellipsoid_error{"ellipsoid", 3 * 16, 3 * 1.7321 / 0.75};
 constexpr ChordError axis_box_error{"axis box", 4 * 4, 0};
 constexpr ChordError oriented_box_error{"oriented box", 4 * 8, 0};
-constexpr ChordError quad_error{"quad", 0, 0};  // a quad has no chords
+constexpr ChordError quad_error{"quad", 0, 0};  // a quad has no inside, so no ray has a chord in it
 
 void add_rows(std::vector<Measurement>& rows, const ChordError& bound, const StartedRays& found, double distance) {
     const std::string shape = bound.shape;

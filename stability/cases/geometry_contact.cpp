@@ -34,7 +34,7 @@ std::vector<Rendering> grazing(const Values& v) {
     SceneText text("grazing");
     text.camera({0, 0, 0}, turned(0, 1), turned(1, 0)).image(4, rows, 2 * std::atan(half) * 180 / pi<double>, false);
     text.quad(text.emitter(Vec3d(0.5)), turned(-height, 0.5), 4, 1, {v["tilt"], 0, 0});
-    // Counts the rows of pixels whose centres look at the quad, below its far edge.
+    // Counts the image rows whose pixel centres look at the quad: those below the image of the quad's far edge.
     double covered = 0;
     for (std::uint32_t row = 0; row < rows; ++row) {
         const double y = half * (1 - (2 * row + 1.0) / rows);
@@ -102,7 +102,7 @@ std::vector<Rendering> eye_touches(const Values& v) {
             touched("an ellipsoid", text.ellipsoid(text.diffuse(Vec3d(0.0)), {0, -size, 0}, {4 * size, 2 * size, size}),
                     {0, 1, 0}));
     }
-    // Adds a rendering whose eye is inside a lamp.
+    // One more rendering has its eye inside a lamp.
     SceneText text("eye_touches");
     text.image(16, 16, 120, true).sphere(text.emitter(Vec3d(0.75)), {size / 4, size / 2, -size / 8}, 2 * size);
     renderings.push_back(
@@ -113,7 +113,7 @@ std::vector<Rendering> eye_touches(const Values& v) {
     return renderings;
 }
 
-// An eye on a sphere whose radius has no exact inverse, seen from the centre in the direction (2, 3, 6) / 7.
+// An eye on the surface of a sphere whose radius has no exact inverse, in direction (2, 3, 6) / 7 from the centre.
 std::vector<Rendering> eye_touches_at_slant(const Values& v) {
     const double size = v["size"];
     SceneText text("eye_at_slant");
@@ -145,7 +145,7 @@ Rendering sphere_on_plane(double x, double albedo) {
     narrow_view(text);
     text.quad(text.diffuse(Vec3d(albedo)), {0, 0, 0}, 64, 64);
     text.sphere(text.diffuse(Vec3d(0.0)), {0, 1, 0}, 2);
-    // The quad may stand for an endless plane, since no point of it sees what lies below the plane.
+    // The exact value is that of an endless plane. The quad has the same: it sees nothing below its own plane.
     const double exact = -albedo * std::expm1(-1.5 * std::log1p(x * x));
     return {.scene = text.json(),
             .quick_paths = 1u << 17,

@@ -10,7 +10,7 @@ namespace {
 
 // ---- Case S21: boxes hit at their edges.
 
-// A ray whose line passes exactly through a point on an edge, since its numbers are multiples of 2^-11 below 16.
+// A ray that passes exactly through a point on an edge: all coordinates are multiples of 2^-11 below 16.
 template <class Real>
 struct EdgeRay {
     Vec3<Real> origin, direction;
@@ -83,7 +83,7 @@ std::vector<Measurement> box_edges(const Values& v, const DirectSetting& setting
 
 // ---- Case S21 as a scene: an eye in the plane of a box's face.
 
-// An eye in the plane of a box's face, or of a box without thickness, so that one row of pixels lies in the plane.
+// An eye in the plane of a box's face, or of a flat box, such that one row of pixels looks along the plane.
 std::vector<Rendering> face_row(const Values& v) {
     constexpr std::uint32_t width = 32, height = 33;
     std::vector<Rendering> renderings;

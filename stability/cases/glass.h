@@ -14,8 +14,8 @@ namespace pt::stability {
 inline constexpr std::uint32_t without_end = 1000000;
 inline const Vec3d lamp_behind(1, 0, 1), lamp_before(0, 1, 1);
 
-// Four standard errors, by the binomial law, of a share that fewer than some dozens of paths of a quick run decide,
-// since batches of so few paths do not show their spread; 0 for other shares.
+// Tolerance for the share of paths that are reflected, or transmitted: four standard errors, by the binomial law, if
+// fewer than 40 paths decide the share, since batches of so few do not show their spread; otherwise 0.
 inline double few_events(long double share, std::uint64_t paths) {
     const long double odd = std::min(std::abs(share), std::abs(1 - share));
     const bool is_few = odd * static_cast<long double>(paths) < 40;

@@ -21,7 +21,7 @@ std::vector<Rendering> disk(const Values& v) {
     const double r = v["r"], h = v["h"], offset = v["offset"], flatness = v["flatness"];
     SceneText scene = receiver("disk", 0.25 * h);
     scene.ellipsoid(scene.emitter(Vec3d(1.0)), {offset, h, 0}, {2 * r, 2 * h * flatness, 2 * r});
-    // Where the ellipsoid is a unit sphere, the receiver is h / (half thickness) away, which magnifies rounding errors.
+    // In units of the lamp's half axes, the receiver is h / (half thickness) away, which magnifies rounding errors.
     return lit(scene, flat_ellipsoid_irradiance(r, h * flatness, h, offset),
                {1e-5 + 0x1p-22 / flatness, 1e-12 + 0x1p-51 / flatness,
                 "numerics.md S7, and four roundings of the distance in half thicknesses"});
@@ -78,7 +78,7 @@ std::vector<Measurement> cone(double sine_squared, bool is_naive) {
         widest = std::max(widest, std::sqrt((d.x * d.x + d.z * d.z) / dot(d, d) / static_cast<double>(s2)));
     }
     const auto ratio = [](long double a, long double b) { return static_cast<double>(a / b); };
-    const long double below = one_minus_cosine * (1 - 0.5L / steps);  // 1 - cosine of the widest direction of the grid
+    const long double below = one_minus_cosine * (1 - 0.5L / steps);  // 1 - cosine of the widest direction sampled
     const Tolerance digits{1e-6, 1e-14, "numerics.md S9: 1e-6 in single precision; 64 roundings in double"};
     return {{.quantity = "solid angle over its exact value",
              .measured = ratio(measure, solid_angle),

@@ -147,7 +147,7 @@ std::vector<Measurement> texture_edge(const Values& v, const DirectSetting& sett
             const std::uint32_t halves = (i * 2654435761u >> 8) % (2 * count + 4);
             const double beside = i % 2 == 0 ? 0 : static_cast<double>(i) / 4096;
             const auto at = static_cast<Real>((halves + beside) / (2.0 * count));
-            // The exact value is computed at the lookup's place as rounded for the kernel.
+            // The exact mix of two texels is computed at the place of the lookup as rounded for the kernel.
             const long double place = static_cast<long double>(at) * count - 0.5L;
             const long double below = std::floor(place), share = place - below;
             const auto parity = static_cast<std::int64_t>(below) & 1;

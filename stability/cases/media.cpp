@@ -19,7 +19,7 @@ std::vector<Rendering> absorbing_chord(const Values& v) {
     scene.camera({b, 0, -5}, {b, 0, 0}).depth(3).environment(1);
     scene.sphere(scene.dielectric(1, Vec3d(sigma)), {0, 0, 0}, 2);
     const double cosine = std::sqrt((1 - b) * (1 + b)), exact = std::exp(-v["t"] * cosine);
-    // The chord's error is some roundings of the eye's distance of 5 radii, magnified by 1 / cosine towards the limb.
+    // The error of a chord of the ball: some roundings of the eye's distance, 5 radii, magnified by 1 / cosine.
     const double roundings = 32 * (1 + 5 * sigma / cosine) * exact;
     return {{.scene = scene.json(),
              .quick_paths = 16,
@@ -46,7 +46,7 @@ SceneText slab_scene(double depth, double albedo, double g, double mu, double si
     return scene;
 }
 
-// Adds a wide quad just below the slab, so that no light passes by its edges.
+// Adds a wide quad just below the slab, which hides the environment from light that leaves the slab downwards.
 void add_below(SceneText& scene, const std::string& material, double depth, double sigma) {
     const double width = 4e5 * (1 + depth) / sigma;
     scene.quad(material, {0, -(depth * (1 + 0x1p-10) + 0.0625) / sigma, 0}, width, width);
@@ -69,7 +69,7 @@ std::vector<Rendering> half_space(const Values& v) {
     scene.environment(1);
     const HFunction h(w);
     const double exact = mu > 0 ? h.plane_albedo(mu) : h.diffuse_albedo();
-    // Error of the throughput in roundings: one for every collision.
+    // The error of the throughput, in roundings: one for every collision.
     const double roundings = mean_collisions(w, mu) * exact;
     const std::uint64_t paths = paths_for(2 * depth);
     return {{.scene = scene.json(),
@@ -188,13 +188,13 @@ std::vector<Rendering> opaque_ball(const Values& v) {
     const double w = albedo_of(v), sigma = v["sigma"];
     SceneText scene("opaque_ball");
     scene.camera({0, 0, -v["distance"]}, {0, 0, 0}).depth(2).environment(1);
-    // The cap on scatterings leaves a walk a weight of e^-64; without a cap, a walk stuck by rounding never ends.
+    // The cap on scatterings ends walks of weight e^-64; without a cap, a walk stuck by rounding would never end.
     const auto cap = static_cast<std::uint32_t>(64 / (1 - w));
     scene.sphere(scene.subsurface(Vec3d(w * sigma), Vec3d((1 - w) * sigma), 0, 1, cap), {0, 0, 0}, 2);
     const double exact = HFunction(w).plane_albedo(1);
     const double collisions = mean_collisions(w, 1);
     const std::uint64_t paths = paths_for(16 * collisions + 4);
-    // A surface that is curved lets out more light, in the order of the diffusion length over the radius.
+    // A curved surface lets out more light than a plane, by a share of about the diffusion length over the radius.
     const double curvature = 4 / (sigma * std::sqrt(3 * (1 - w))) * exact * (1 - exact);
     return {{.scene = scene.json(),
              .quick_paths = paths,

@@ -17,7 +17,7 @@ double disc_mean(double t) {
         const long double x = t;
         return static_cast<double>(2 * (1 - (1 + x) * std::exp(-x)) / (x * x));
     }
-    long double sum = 0, power = 1;  // the series is 2 times the sum over k of (-t)^k / (k! (k + 2))
+    long double sum = 0, power = 1;  // the power series: 2 times the sum over k of (-t)^k / (k! (k + 2))
     for (int k = 0; k < 30; ++k) {
         sum += 2 * power / (k + 2);
         power *= -static_cast<long double>(t) / (k + 1);
@@ -53,10 +53,10 @@ std::vector<Measurement> absorbing_disc(const Values& v, const DirectSetting& se
     });
 }
 
-// The share of the 2^32 random words with a free path longer than tau, found by bisection since the path is monotonic.
+// The share of the 2^32 random words that give a free path beyond tau, by bisection: the path falls with the word.
 template <class Real>
 double share_beyond(double tau) {
-    std::uint64_t low = 0, high = std::uint64_t{1} << 32;  // paths exceed tau for words below `low`, not from `high` on
+    std::uint64_t low = 0, high = std::uint64_t{1} << 32;  // words below `low` give paths beyond tau, from `high` none
     while (low < high) {
         const std::uint64_t word = (low + high) / 2;
         const Real path = -logarithm(positive_unit_interval<Real>(static_cast<std::uint32_t>(word)));
@@ -175,7 +175,7 @@ long double phase_cdf(long double g, long double mu) {
     if (g == 0) {
         return (1 + mu) / 2;
     }
-    // This is (1-g^2)/2g [1/sqrt(1+g^2-2 g mu) - 1/(1+g)], rearranged so that the roots do not cancel.
+    // The probability is (1-g^2)/2g [1/sqrt(1+g^2-2 g mu) - 1/(1+g)], here rearranged so that nothing cancels.
     const long double root = std::sqrt((1 - g) * (1 - g) + 2 * g * (1 - mu));
     return (1 - g) * (1 + mu) / (root * (1 + g + root));
 }

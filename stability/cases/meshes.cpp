@@ -35,7 +35,7 @@ double view_of(double half) { return std::atan(half) * 360 / pi<double>; }
 
 // ---- Meshes seen at edges and vertices.
 
-// Rays hit vertices of the front wall (n = 2 x 8 squares) or diagonals (n = 8), and so, when mirrored, the next wall.
+// The 8 x 8 camera rays hit vertices (n = 16) or diagonals (n = 8) of a wall's n x n squares, mirrored ones again.
 std::vector<Rendering> triangle_mesh(const Values& v) {
     SceneText scene = dark("triangle_mesh");
     const std::uint32_t n = v.whole("squares");
@@ -46,7 +46,7 @@ std::vector<Rendering> triangle_mesh(const Values& v) {
     return stays_dark(scene);
 }
 
-// A view of a vertex that many triangles share, with pixels 2^-24 wide there, less than the spacing of floats at 1.
+// A view of a vertex that many triangles share. Pixels are 2^-24 wide there, less than the spacing of floats at 1.
 std::vector<Rendering> shared_vertex(const Values& v) {
     SceneText scene = dark("shared_vertex");
     scene.image(16, 16, view_of(0x1p-20), false);
@@ -95,13 +95,13 @@ std::vector<Rendering> sizes(const Values& v) {
 // A mesh with coordinates far from 0 that its object moves back; all vertices are rounded by moving them.
 std::vector<Rendering> far_coordinates(const Values& v) {
     SceneText scene = dark("far_coordinates");
-    const double distance = 2 * std::exp2(v["k"]) - 1;  // odd, so that corners of the moved room are floats to k = 23
+    const double distance = 2 * std::exp2(v["k"]) - 1;  // odd: corners of the moved room are exact floats up to k = 23
     const Mesh mesh = moved_by(grid_room(4), distance, -distance, distance);
     scene.camera({0, 0, 0}, {0.25, 0.125, 1}).image(16, 16, 90, true);
     const std::string wall = wall_of(scene);
     const Vec3d back(-distance, distance, -distance);
     scene.mesh(wall, mesh, back);
-    if (v.is_set("instances")) {  // a second object with the mesh, so that it is not moved to scene space when loaded
+    if (v.is_set("instances")) {  // a second object keeps the loader from moving the mesh to scene space
         scene.mesh(wall, mesh, back + Vec3d(4, 0, 0));
     }
     return stays_dark(scene);
@@ -117,7 +117,7 @@ std::vector<Rendering> grazing(const Values& v) {
     return stays_dark(scene);
 }
 
-// A rotated room stretched along an axis (a shear), shared by two objects, so that rays are taken into its space.
+// A rotated room stretched along an axis (a shear), shared by two objects: rays are moved into the mesh's space.
 std::vector<Rendering> shear(const Values& v) {
     SceneText scene = dark("shear");
     const double s = std::exp2(v["k"]), c = std::sqrt(0.5);

@@ -46,7 +46,7 @@ Json corridor_scene(const Values& v) {
     const Rotation rotation = rotation_of(turn);
     SceneText scene("corridor");
     scene.camera({0, 0, 0}, rotation.column[0] + rotation.column[1] * slope, rotation.column[2])
-        .depth(v.whole("bounces") + v.whole("bounces") / 8 + 1);  // extra depth: a stray path reaches the light late
+        .depth(v.whole("bounces") + v.whole("bounces") / 8 + 1);  // extra depth: rounding errors delay some paths
     const std::string mirror = scene.mirror(Vec3d(1 - std::exp2(-v["k"])));
     const Vec3d middle = rotation.column[0] * (0.5 * length);
     scene.quad(mirror, middle + rotation.column[1] * 0.5, length + 2, 4, turn);
@@ -68,7 +68,7 @@ std::vector<Rendering> corridor(const Values& v) {
 }
 
 std::string limit_of_mirrors(const Values& v, const VariantTraits& variant) {
-    // How far, in reflections, the path strays from rounding errors of the mirrors' positions and the ray's direction.
+    // How far, in reflections, a path may go astray by rounding errors of the mirrors' positions and its direction.
     const double astray = 0x1p-23 * v["bounces"] * (0.5 * v["bounces"] / v["slope"] + v["slope"]);
     return !variant.precision.is_double() && astray > 0.25
                ? "the roundings of the mirrors' places and of the direction add up to half a bounce; cure: "

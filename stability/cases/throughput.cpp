@@ -71,8 +71,8 @@ std::vector<Rendering> caustic(const Values& v) {
     scene.sphere(scene.dielectric(v["ior"]), {0, 0, 0}, 2 * ball);
     scene.sphere(scene.emitter(Vec3d(1.0)), {0, 0, 0}, 2 * v["a"]);
     const double exact = albedo * share / (1 - albedo * (1 - share));
-    // Between two reflections at the wall a path has two segments, or three through the ball, plus one for every
-    // internal reflection; after a depth of 96 at most 2^-24 of the light is missing.
+    // Between two reflections at the wall a path has one to three segments (past, off or through the glass ball), plus
+    // one for every internal reflection; after a depth of 96 at most 2^-24 of the light is missing.
     return {
         wall_rendering(scene, exact, 40,
                        Tolerance::relative(exact, 1e-5 + 0x1p-24, 1e-12 + 0x1p-24,

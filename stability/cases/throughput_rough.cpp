@@ -14,7 +14,7 @@ namespace {
 // Light from straight above is reflected by a microfacet of slope m to the slope 2 m / (1 - m^2), where Smith's masking
 // keeps 1 / (1 + Lambda) of it.
 struct Exact {
-    long double sine;  // sine of the angle between reflected direction and normal
+    long double sine;  // sine of the angle between reflected direction and surface normal
     long double kept;
 };
 

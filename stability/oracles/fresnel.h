@@ -13,7 +13,7 @@ namespace pt::stability {
 inline long double reflectance(long double excess, long double cosine) {
     const long double k = excess * (2 + excess);
     if (k == 0) {
-        return 0;  // no boundary, where at grazing incidence the formulas below would give 0 / 0
+        return 0;  // equal refractive indices: the formulas below would give 0 / 0 at grazing incidence
     }
     const long double q_squared = cosine * cosine + k;
     if (q_squared <= 0) {
@@ -46,7 +46,7 @@ inline Shares boundary(long double reflected) { return {reflected, 1 - reflected
 
 // The shares of a plate: two boundaries and an absorber between them that transmits a share `a` of the light.
 inline Shares plate(long double reflected, long double a) {
-    // Total reflection is treated apart, since the formulas of a plate would give 0 / 0 there.
+    // A plate that reflects everything is treated apart, since the formulas below would give 0 / 0.
     if (reflected == 1) {
         return {1, 0};
     }

@@ -32,7 +32,7 @@ inline Tolerance furnace_tolerance(double emission, double albedo, double depth)
 // sees the lamp with the view factor s = a^2; the radiance is s rho + s rho^2 (1 - s) + ..., with `reflections` terms.
 inline double lamp_radiance(double a, double albedo, double reflections) {
     const double s = a * a;
-    const double ends = 1 - albedo * (1 - s);  // share of paths at the wall that do not return to it
+    const double ends = 1 - albedo * (1 - s);  // share of the paths at the wall that never come back to the wall
     return s * albedo * -std::expm1(reflections * std::log1p(-ends)) / ends;
 }
 
@@ -50,7 +50,7 @@ inline std::vector<Quantity> furnace_quantities(double emission, double albedo, 
 }
 
 inline Rendering furnace_rendering(const SceneText& scene, double emission, double albedo, std::uint32_t depth) {
-    // The image has 8 x 8 pixels, and each gets at least one sample.
+    // A furnace's image has 8 x 8 pixels, and each gets at least one sample.
     return {.scene = scene.json(),
             .quick_paths = std::max<std::uint64_t>(64, paths_for(1e6, depth)),
             .full_paths = std::max<std::uint64_t>(64, paths_for(3e7, depth)),

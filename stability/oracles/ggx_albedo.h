@@ -33,7 +33,7 @@ public:
                 sum += (high - low) * node.weight * ring(low + (high - low) * node.x);
             }
         }
-        // Substitution for the second part: share = first (last / first)^w with w = (1 - cos(pi s)) / 2.
+        // Substitution for the tilts of which an arc counts: share = first (last / first)^w, w = (1 - cos(pi s)) / 2.
         const long double ratio = std::log(last / first);
         for (const Node& node : nodes()) {
             const long double turn = std::numbers::pi_v<long double> * node.x;
@@ -60,7 +60,7 @@ private:
     long double ring(long double share) const {
         const long double slope = alpha_ * std::sqrt((1 - share) / share);
         const long double up = 1 / std::sqrt(1 + slope * slope), across = slope * up * x_;
-        const long double least = z_ / (2 * up) - z_ * up;  // across * cos(azimuth) above which light is from above
+        const long double least = z_ / (2 * up) - z_ * up;  // light is from above where across * cos(azimuth) > least
         if (least >= across) {
             return 0;
         }

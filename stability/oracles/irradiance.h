@@ -39,7 +39,7 @@ inline double sphere_irradiance(double distance, double angle) {
 // exponentially here, since the integrand is periodic.
 inline double flat_ellipsoid_irradiance(double r, double half_thickness, double h, double offset) {
     const Vec3<double> axes(r, half_thickness, r), centre(offset, h, 0);
-    const Vec3<double> observer = -centre / axes;  // the receiving point, where the ellipsoid is the unit sphere
+    const Vec3<double> observer = -centre / axes;  // receiving point, in the space where the ellipsoid is a unit sphere
     const double square = dot(observer, observer);
     const Frame<double> frame(observer / std::sqrt(square));
     const double radius = std::sqrt(1 - 1 / square);

@@ -11,7 +11,7 @@
 
 namespace pt::stability {
 
-// Fewest paths in quick runs of the cases that use these texts, and rare events that an error estimate needs.
+// For the limits below: fewest paths of a case's quick run, and number of rare events that an error estimate needs.
 inline constexpr double quick_paths_at_least = 5e5;
 inline constexpr double enough_events = 100;
 

@@ -191,7 +191,7 @@ Mesh with_flat_ones(const Mesh& mesh) {
         const auto& p = mesh.vertices[a];
         const auto first = static_cast<std::uint32_t>(more.vertices.size());
         more.vertices.push_back(p);
-        // The added points differ from p in z only, so that they are exactly collinear with p whatever its coordinates.
+        // The two added vertices differ from the corner p in z only, so all three are exactly collinear for any p.
         more.vertices.push_back({p[0], p[1], p[2] + 0.5f});
         more.vertices.push_back({p[0], p[1], p[2] - 0.25f});
         more.triangles.push_back({a, b, b});

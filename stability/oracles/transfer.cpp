@@ -141,20 +141,20 @@ std::vector<long double> solve(std::vector<std::vector<long double>> a, std::vec
     return b;
 }
 
-// The share of photons that travel an optical depth x without a collision, at cosine mu or (mu = 0) of diffuse light.
-// It gives the density of first collisions in a slab and the share of a cell's light that reaches a face unscattered.
+// The share of photons that cross an optical depth x without a collision: at cosine mu or, for mu = 0, of diffuse
+// light. It gives the density of first collisions in a slab, and the light that crosses the slab unscattered.
 long double uncollided(long double x, double mu) { return mu > 0 ? std::exp(-x / mu) : 2 * exponential_integral(3, x); }
 
 SlabShares galerkin(double optical_depth, double albedo, double mu, int cells) {
     const std::vector<long double> x = cell_borders(optical_depth, cells);
     const auto n = static_cast<std::size_t>(cells);
-    std::vector<std::vector<long double>> third(n + 1, std::vector<long double>(n + 1));  // E3(|x_i - x_j|) of borders
+    std::vector<std::vector<long double>> third(n + 1, std::vector<long double>(n + 1));  // E3 of cell border distances
     for (std::size_t i = 0; i <= n; ++i) {
         for (std::size_t j = 0; j <= i; ++j) {
             third[i][j] = third[j][i] = exponential_integral(3, x[i] - x[j]);
         }
     }
-    // Matrix entries, int over cell i, int over cell j of w/2 E1(|x-y|), are second differences of E3, as E3'' = E1.
+    // Galerkin's matrix has the integrals of w/2 E1(|x-y|) over cells i and j: second differences of E3, as E3'' = E1.
     std::vector<std::vector<long double>> matrix(n, std::vector<long double>(n));
     std::vector<long double> source(n);
     const long double w = albedo;

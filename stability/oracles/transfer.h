@@ -26,7 +26,7 @@ public:
 
 private:
     long double albedo_;
-    std::vector<Node> nodes_;  // quadrature nodes over mu
+    std::vector<Node> nodes_;  // quadrature nodes over the cosine mu
     std::vector<long double> values_;
 };
 
