@@ -115,8 +115,9 @@ std::function<double(const RenderResult&)> farthest_from(double exact) {
         for (std::uint32_t i = 0; i < result.film.width() * result.film.height(); ++i) {
             const Vec3d pixel = result.film.pixel(i);
             for (int k = 0; k < 3; ++k) {
-                // Comparisons with NaN are false: with <= a film of NaN has NaN as its farthest value.
-                farthest = std::abs(pixel[k] - exact) <= std::abs(farthest - exact) ? farthest : pixel[k];
+                // NaN is farther than every number, and comparisons with it are false.
+                const bool is_nearer = std::abs(pixel[k] - exact) <= std::abs(farthest - exact);
+                farthest = is_nearer || std::isnan(farthest) ? farthest : pixel[k];
             }
         }
         return farthest;
