@@ -1,6 +1,6 @@
 // The sampler minstd_by_position, the random numbers of cis565: a short generator seeded by sample, bounce and the
-// path's position in the queue (kernels/samplers/minstd.h). An exhibit: its streams overlap and are correlated, and a compaction
-// changes which path gets which numbers.
+// path's position in the queue (kernels/samplers/minstd.h). An exhibit: its streams overlap and are correlated, and a
+// compaction changes which path gets which numbers.
 #include "variants/registry.h"
 
 namespace pt::sampler::minstd_by_position {
