@@ -5,7 +5,7 @@
 
 The first compiles, scene by scene, what `ptbench verify --quick` would run (every choice of every axis once; with
 --pairs what `verify` would, every two choices together) into an empty cache, without a GPU. It writes the SHA-256 of
-each program's machine code, and that of each object which nvcc made in the program's folder. The second exits with 1
+each program's instructions, and that of each object which nvcc made in the program's folder. The second exits with 1
 and says how many programs of a scene are in one file alone, and which objects differ: their code changed. Objects of
 builds in folders of other names always differ, in the names of symbols with internal linkage.
 """
@@ -14,6 +14,7 @@ import argparse
 import hashlib
 import json
 import os
+import struct
 import subprocess
 import sys
 import tempfile
@@ -27,7 +28,24 @@ def programs_of(binary: Path, scene: str, architecture: str, *, pairs: bool) -> 
         call = [binary, "verify", *([] if pairs else ["--quick"]), "--compile", "--arch", architecture]
         call += ["--scene", scene, "--quiet"]
         subprocess.run(call, check=True, env={**os.environ, "XDG_CACHE_HOME": cache}, stdout=sys.stderr)
-        return sorted(hashlib.sha256(file.read_bytes()).hexdigest() for file in Path(cache).rglob("*.cubin"))
+        return sorted(hash_of_code(file.read_bytes()) for file in Path(cache).rglob("*.cubin"))
+
+
+def hash_of_code(cubin: bytes) -> str:
+    """SHA-256 of the kernels' instructions in a cubin, an ELF file: of its sections `.text.KERNEL` and their names.
+
+    Symbols and constants are left out, since a constant that no kernel reads is in them too.
+    """
+    (start,) = struct.unpack_from("<Q", cubin, 40)
+    size, count, names_index = struct.unpack_from("<3H", cubin, 58)
+    headers = [struct.unpack_from("<IIQQQQ", cubin, start + index * size) for index in range(count)]
+    names = headers[names_index][4]
+    code = {}
+    for name_at, _, _, _, offset, length in headers:
+        name = cubin[names + name_at : cubin.index(b"\0", names + name_at)]
+        if name.startswith(b".text."):
+            code[name] = cubin[offset : offset + length]
+    return hashlib.sha256(b"".join(name + text for name, text in sorted(code.items()))).hexdigest()
 
 
 def objects_of(build: Path) -> dict[str, str]:
