@@ -16,7 +16,7 @@ struct PassportOptions {
     nlohmann::ordered_json chip = {};  // what the machine's chip can do at most, to be stored in the passport
     std::string out = {};              // name of the passport's file
     std::string command_line = {};     // command line, for the results of both runs and for messages on how to continue
-    double sample_ms = 40;             // wanted time of a sample by the fastest integrator, in ms
+    double sample_ms = 25;             // wanted time of a sample by the fastest integrator, in ms
     bool resume = false;               // go on with an unfinished passport, whose runs are kept in the folder OUT.parts
     bool overwrite = false;            // allow an existing passport to be replaced once the new one is complete
     bool quiet = false;                // show no progress on stderr
