@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from ptbench.document.blocks import Section, section
-from ptbench.document.table import table_of
+from ptbench.document.table import Table, table_of
 from ptbench.extras.passport.answers import Answer, answers_of
 from ptbench.extras.passport.passport import Passport
 from ptbench.numbers import figures
@@ -25,28 +25,28 @@ def sections(passports: Sequence[Passport]) -> list[Section]:
     ]
 
 
-def _machines(passports: Sequence[Passport]) -> object:
-    return table_of(("Machine", "Fact", "Value"), [row for one in passports for row in _facts(one)], ("Value",))
+def _machines(passports: Sequence[Passport]) -> Table:
+    """A row a fact and a column a machine; a fact that a machine has not is left empty there."""
+    facts = [_facts(passport) for passport in passports]
+    names = dict.fromkeys(name for one in facts for name in one)
+    rows = [(name, *(one.get(name, "") for one in facts)) for name in names]
+    machines = [passport.name for passport in passports]
+    return table_of(("Fact", *machines), rows, machines)
 
 
-def _facts(passport: Passport) -> list[tuple[str, str, str]]:
+def _facts(passport: Passport) -> dict[str, str]:
     cpu = passport.chip["cpu"]
-    copies = cpu["copies"]
-    facts = [
-        ("threads of the CPU", str(cpu["threads"])),
-        (f"copy of {_size(copies[0]['bytes'])}, GB/s", figures(copies[0]["gb_per_s"], 3)),
-        (f"copy of {_size(copies[-1]['bytes'])}, GB/s", figures(copies[-1]["gb_per_s"], 3)),
-        ("multiplications and additions, 10^9/s", figures(cpu["gflops"], 3)),
-        ("atomic additions to one counter, 10^6/s", figures(1e-6 * cpu["atomics_per_s"], 3)),
-        ("start and end of a parallel loop, us", figures(cpu["fork_join_us"], 3)),
-    ]
+    facts = {"threads of the CPU": str(cpu["threads"])}
+    for copy in (cpu["copies"][0], cpu["copies"][-1]):
+        facts[f"copy of {_size(copy['bytes'])}, GB/s"] = figures(copy["gb_per_s"], 3)
+    facts["multiplications and additions, 10^9/s"] = figures(cpu["gflops"], 3)
+    facts["atomic additions to one counter, 10^6/s"] = figures(1e-6 * cpu["atomics_per_s"], 3)
+    facts["start and end of a parallel loop, us"] = figures(cpu["fork_join_us"], 3)
     if "gpu" in passport.chip:
         gpu = passport.chip["gpu"]
-        facts += [
-            ("copy in GPU memory, GB/s", figures(gpu["memory_gb_per_second"], 3)),
-            ("multiply-adds of warps, 10^9/s", figures(gpu["fma_g_warp_instructions_per_second"], 3)),
-        ]
-    return [(passport.name, fact, value) for fact, value in facts]
+        facts["copy in GPU memory, GB/s"] = figures(gpu["memory_gb_per_second"], 3)
+        facts["multiply-adds of warps, 10^9/s"] = figures(gpu["fma_g_warp_instructions_per_second"], 3)
+    return facts
 
 
 def _size(count: int) -> str:
@@ -54,7 +54,7 @@ def _size(count: int) -> str:
     return f"{kib} KiB" if kib < 1024 else f"{kib // 1024} MiB"
 
 
-def _answers(question: str, passports: Sequence[Passport], by_machine: Sequence[Sequence[Answer]]) -> object:
+def _answers(question: str, passports: Sequence[Passport], by_machine: Sequence[Sequence[Answer]]) -> Table:
     head = ("Scene", "Machine", "Answer", "Times as fast", "95 %", "Best", "Against")
     rows = [
         (answer.scene, passport.name, *_row(answer))
