@@ -38,7 +38,7 @@ std::uint32_t samples_for(const Scene& scene, RenderRequest request, double want
         samples *= 4;
         ms = render_ms(scene, request, samples);
     }
-    const double wanted = wanted_ms * samples / std::max(ms, 1e-3);
+    const double wanted = wanted_ms * samples / ms;
     return std::bit_floor(static_cast<std::uint32_t>(std::clamp(wanted, 1.0, static_cast<double>(most_spp))));
 }
 

@@ -89,7 +89,6 @@ int run(int argc, char** argv) {
     const std::vector<std::pair<std::string, pt::Command>> commands{
         {"list", pt::add_list_command(app)},
         {"run", pt::add_run_command(app, join_arguments(argc, argv))},
-        {"passport", pt::add_passport_command(app, join_arguments(argc, argv))},
         {"merge", pt::add_merge_command(app, join_arguments(argc, argv))},
         {"render", pt::add_render_command(app)},
         {"verify", pt::add_verify_command(app)},
@@ -104,6 +103,7 @@ int run(int argc, char** argv) {
         {"completion", pt::add_completion_command(app)},
         {"stability", pt::add_stability_command(app, join_arguments(argc, argv))},
         {"rays", pt::add_rays_command(app, join_arguments(argc, argv))},
+        {"passport", pt::add_passport_command(app, join_arguments(argc, argv))},
     };
     try {
         app.parse(argc, argv);

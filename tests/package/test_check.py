@@ -288,6 +288,18 @@ def test_a_toolkit_elsewhere(machine, variable):
     assert found["headers"][1] == f"13.0 {machine.root}/opt/cuda-13/include"
 
 
+def test_the_wheels_of_nvidia_are_a_toolkit(machine):
+    """They have libraries in lib, where a toolkit has lib64."""
+    machine.without("usr/local/cuda")
+    wheels = machine.toolkit("venv/nvidia/cu13", "13.5")
+    (wheels / "lib64").rename(wheels / "lib")
+    assert list(machine.missing()) == ["nvrtc", "headers"]
+    machine.environment["CUDA_HOME"] = str(wheels)
+    code, found, _ = machine.check()
+    assert code == 0
+    assert found["nvrtc"] == ("good", f"13.5 {wheels}/lib/libnvrtc.so.13")
+
+
 def test_an_nvrtc_that_the_loader_knows(machine):
     machine.without("usr/local/cuda/lib64")
     library = machine.toolkit("opt/libraries", "12.9") / "lib64"

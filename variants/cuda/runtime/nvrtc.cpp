@@ -41,9 +41,11 @@ void* open_library() {
             return handle;
         }
         for (const std::string& root : toolkit_roots()) {
-            const std::string path = root + "/lib64/" + name;
-            if (void* handle = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL); handle != nullptr) {
-                return handle;
+            for (const char* folder : {"/lib64/", "/lib/"}) {  // a toolkit has the first, NVIDIA's wheels the second
+                const std::string path = root + folder + name;
+                if (void* handle = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL); handle != nullptr) {
+                    return handle;
+                }
             }
         }
     }
