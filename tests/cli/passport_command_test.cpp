@@ -22,7 +22,7 @@ constexpr const char* tiny_scene = R"({
   "objects": [{"shape": "box", "material": "white", "translate": [0, 0, 3], "rotate_degrees": [10, 20, 30]}]
 })";
 constexpr const char* tiny_suite = R"({
-  "name": "passport", "description": "A test's.", "repetitions": 9,
+  "name": "passport", "description": "A test's.", "repetitions": 3,
   "studies": [{"name": "compaction", "compares": "compaction", "title": "Compacting a queue", "scenes": ["tiny"],
                "axes": {"integrator": ["wavefront"], "compaction": ["none", "thrust_remove_if"]}, "spp": 1}]
 })";
@@ -82,7 +82,7 @@ TEST_F(PassportTest, HoldsTwoRunsOfTheSuiteAtOneNumberOfSamples) {
         }
         seeds.merge(seeds_of(run));
     }
-    EXPECT_GE(seeds.size(), 18u);  // no sample of one run is a sample of the other
+    EXPECT_GE(seeds.size(), 6u);  // no sample of one run is a sample of the other
 }
 
 TEST_F(PassportTest, AnInterruptedOneGoesOnAsItBegan) {
