@@ -1,8 +1,9 @@
-// Makes the passport of a machine: what its chip can do at most, and the suite `passport` run twice, with seeds and
-// orders of their own. A verdict counts if both runs agree on it. One file holds everything
+// Makes the passport of a machine: what its chip can do at most, and the suite `passport` run twice, with its own seeds
+// and sample orders in each run. A verdict counts only if both runs agree on it. Everything goes into one file
 // (ptbench-passport.schema.json).
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -13,21 +14,25 @@ namespace pt {
 
 struct PassportOptions {
     Backend backend = Backend::cpu;
-    nlohmann::ordered_json chip = {};  // what the machine's chip can do at most, to be stored in the passport
-    std::string out = {};              // name of the passport's file
-    std::string command_line = {};     // command line, for the results of both runs and for messages on how to continue
-    double sample_ms = 25;             // wanted time of a sample by the fastest integrator, in ms
-    bool resume = false;               // go on with an unfinished passport, whose runs are kept in the folder OUT.parts
-    bool overwrite = false;            // allow an existing passport to be replaced once the new one is complete
-    bool quiet = false;                // show no progress on stderr
+    std::string machine = {};  // name of the machine or of its GPU, as used for folders in results/
+    // Measures the peak rates of the chip, for the file; called after everything else was checked.
+    std::function<nlohmann::ordered_json()> chip = {};
+    std::string out = {};           // file name of the passport
+    std::string command_line = {};  // command line, for the file and to continue the run
+    double sample_ms = 25;          // wanted time of a sample by the fastest integrator, in ms
+    bool resume = false;            // go on with an unfinished passport, whose runs are kept in the folder OUT.parts
+    bool overwrite = false;         // allow an existing passport to be replaced once the new one is complete
+    bool quiet = false;             // show no progress on stderr
 };
 
-// The suite with samples per pixel for this machine: powers of two, at which a render of a study's first scene by the
-// fastest integrator takes about `sample_ms`. Studies of error against run time stay as they are.
+// The suite with the numbers of samples per pixel for this machine: powers of two, with which a render of a study's
+// first scene by the fastest integrator takes about `sample_ms`; equal in studies of one scene and resolution. Studies
+// of error against run time are left as they are.
 Suite scaled_to_machine(const Suite& suite, Backend backend, double sample_ms);
 
-// Runs `suite` twice and writes the passport; returns the exit code of the worse run. Interrupted, it leaves OUT.parts
-// for `resume`. Throws InputError and MachineError.
+// Runs `suite` twice and writes the passport. Returns 0, or 1 if a cell of either run failed; any other exit code is
+// that of a run which did not end, and OUT.parts is then kept for `resume`. Throws InputError, also if `resume` finds a
+// passport that another program, machine or backend began, and MachineError.
 int make_passport(const Suite& suite, const PassportOptions& options);
 
 }  // namespace pt

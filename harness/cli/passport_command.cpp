@@ -18,25 +18,27 @@ struct PassportArguments {
 };
 
 int run(const PassportArguments& arguments) {
-    PassportOptions options{.backend = parse_backend(arguments.backend),
-                            .out = arguments.out,
-                            .command_line = arguments.command_line,
-                            .resume = arguments.resume,
-                            .overwrite = arguments.overwrite,
-                            .quiet = arguments.quiet};
-    require_backend(options.backend);
-    const bool is_gpu = options.backend == Backend::cuda;
-    if (options.out.empty()) {
-        options.out = fmt::format("results/passports/{}.json", is_gpu ? cuda::machine_name() : machine_name());
-    }
-    const Suite suite = load_suite(find_suite_file("passport"));
-    if (!arguments.resume) {
-        options.chip["cpu"] = measure_chip_rates();
-        if (is_gpu) {
-            options.chip["gpu"] = cuda::ceilings();
-        }
-    }
-    return make_passport(suite, options);
+    const Backend backend = parse_backend(arguments.backend);
+    require_backend(backend);
+    const bool is_gpu = backend == Backend::cuda;
+    const std::string machine = is_gpu ? cuda::machine_name() : machine_name();
+    return make_passport(
+        load_suite(find_suite_file("passport")),
+        {.backend = backend,
+         .machine = machine,
+         .chip =
+             [is_gpu] {
+                 nlohmann::ordered_json chip{{"cpu", measure_chip_rates()}};
+                 if (is_gpu) {
+                     chip["gpu"] = cuda::ceilings();
+                 }
+                 return chip;
+             },
+         .out = arguments.out.empty() ? fmt::format("results/passports/{}.json", machine) : arguments.out,
+         .command_line = arguments.command_line,
+         .resume = arguments.resume,
+         .overwrite = arguments.overwrite,
+         .quiet = arguments.quiet});
 }
 
 }  // namespace

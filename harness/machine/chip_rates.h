@@ -1,5 +1,4 @@
-// Measures the peak rates of this machine's processor and memory for a passport (`ptbench passport`), to explain why
-// machines differ in render times.
+// Measures what this machine's CPU can do at most, for a passport: rates that say how machines differ.
 #pragma once
 
 #include <cstdint>
@@ -7,24 +6,25 @@
 
 namespace pt {
 
-// A copy of `bytes` bytes, split among all threads, again and again: what stays in a cache is faster.
+// The rate at which all threads together copy, each a block of its own memory over and over. A block that a cache holds
+// is copied faster.
 struct CopyRate {
-    std::uint64_t bytes = 0;
-    double gb_per_s = 0;  // rate of the copy, in 10^9 bytes read and written per second
+    std::uint64_t bytes_per_thread = 0;  // size of a thread's block
+    double gb_per_s = 0;                 // 10^9 bytes read and written per second by all threads
 
     template <class Self, class Visit>
     static void fields(Self& self, const Visit& visit) {
-        visit("bytes", self.bytes);
+        visit("bytes_per_thread", self.bytes_per_thread);
         visit("gb_per_s", self.gb_per_s);
     }
 };
 
 struct ChipRates {
-    std::uint64_t threads = 0;     // number of OpenMP threads, all of which are used
-    std::vector<CopyRate> copies;  // copy rates by increasing number of bytes
+    std::uint64_t threads = 0;     // OpenMP threads, all of which take part
+    std::vector<CopyRate> copies;  // by increasing block size
     double gflops = 0;             // 10^9 multiplications and additions per second in single precision, not fused
     double atomics_per_s = 0;      // atomic additions per second to one counter that all threads share
-    double fork_join_us = 0;       // median time of a parallel loop with an empty body, in microseconds
+    double fork_join_us = 0;       // median time of a parallel region with an empty body, in microseconds
 
     template <class Self, class Visit>
     static void fields(Self& self, const Visit& visit) {
@@ -36,7 +36,7 @@ struct ChipRates {
     }
 };
 
-// Measures the rates in about a second, with half a GiB of memory.
+// Measures the rates in about a second, with at most half a GiB of memory.
 ChipRates measure_chip_rates();
 
 }  // namespace pt

@@ -8,13 +8,14 @@ import pytest
 from builder import Builder
 
 from ptbench.errors import InputError
-from ptbench.extras.passport.answers import answers_of
+from ptbench.extras.passport.answers import NO_PAIR, answers_of
 from ptbench.extras.passport.passport import load_passport
 from ptbench.io.validate import validate
+from ptbench.stats.estimates import interval_of_ratio
 
 CPU = {
     "threads": 2,
-    "copies": [{"bytes": 16384, "gb_per_s": 200.0}, {"bytes": 268435456, "gb_per_s": 20.0}],
+    "copies": [{"bytes_per_thread": 16384, "gb_per_s": 200.0}, {"bytes_per_thread": 67108864, "gb_per_s": 20.0}],
     "gflops": 100.0,
     "atomics_per_s": 5e7,
     "fork_join_us": 3.0,
@@ -24,7 +25,7 @@ CPU = {
 def run(times: dict[str, float], noise: float = 0.002, **context: str) -> dict:
     """A result of the suite `passport` in one scene: ms by "AXIS CHOICE"; a study is named as the axis it compares."""
     builder = Builder("passport")
-    builder.context |= context
+    builder.context |= {"ptbench.program_hash": 16 * "0"} | context
     for name in dict.fromkeys(name.split()[0] for name in times):
         builder.studies.append({"name": name, "compares": name, "title": ""})
     for name, ms in times.items():
@@ -33,7 +34,11 @@ def run(times: dict[str, float], noise: float = 0.002, **context: str) -> dict:
     return builder.document()
 
 
-def passport(folder, *runs: dict, **fields: object):
+def passport(folder, *runs: dict, apart: int = 100, **fields: object):
+    """A passport of two runs, the seeds of whose samples lie `apart`."""
+    for row in runs[1]["benchmarks"] if len(runs) == 2 else ():
+        if "pt_seed" in row:
+            row["pt_seed"] += apart
     file = folder / "passport.json"
     document = {"schema": "ptbench-passport-1", "chip": {"cpu": CPU}, "spp": {"compaction": 4}, "runs": list(runs)}
     file.write_text(json.dumps(document | fields), encoding="utf-8")
@@ -67,17 +72,34 @@ def test_runs_that_disagree_say_so(tmp_path):
     assert (answer.word, answer.reason) == ("UNSURE", "the runs disagree: FASTER, SLOWER")
 
 
-def test_a_run_that_is_unsure_says_why(tmp_path):
-    """The interval of the second run reaches both sides of a limit."""
+def test_a_run_that_is_unsure_says_why_in_times_as_fast(tmp_path):
     faster, near = ({"sorting none": 2.0, "sorting bucket": ms} for ms in (1.0, 1.96))
     (answer,) = answers_of(load_passport(passport(tmp_path, run(faster), run(near, noise=0.02))))
     assert answer.word == "UNSURE"
-    assert "reaches both sides of a 1 % limit" in answer.reason
+    ratio = answer.sides[1].ratio
+    assert ratio.low < 1 < ratio.high
+    assert answer.reason == f"the interval {interval_of_ratio(ratio)} reaches both sides of a limit"
 
 
-def test_what_one_run_lacks_has_no_answer(tmp_path):
+def test_a_side_that_one_run_lacks_is_told(tmp_path):
     whole = {"sorting none": 2.0, "sorting bucket": 1.0}
-    assert answers_of(load_passport(passport(tmp_path, run(whole), run({"sorting none": 2.0})))) == []
+    (answer,) = answers_of(load_passport(passport(tmp_path, run(whole), run({"sorting none": 2.0}))))
+    assert (answer.sides, answer.reason) == (None, NO_PAIR)
+
+
+def test_a_champion_that_failed_in_the_other_run_gives_way(tmp_path):
+    """`bucket` was the best sort of the first run, and the second run has no time for it."""
+    first = {"sorting none": 3.0, "sorting thrust_sort_by_key": 2.0, "sorting bucket": 1.0}
+    second = {"sorting none": 3.0, "sorting thrust_sort_by_key": 2.0}
+    (answer,) = answers_of(load_passport(passport(tmp_path, run(first), run(second))))
+    assert answer.word == "FASTER"
+    assert "thrust_sort_by_key" in answer.sides[1].choice
+
+
+def test_embree_is_no_tree_of_ptbench(tmp_path):
+    times = {"accelerator bvh2": 2.0, "accelerator bvh8": 1.5, "accelerator embree": 1.0}
+    (answer,) = answers_of(load_passport(passport(tmp_path, run(times), run(times))))
+    assert "bvh8" in answer.sides[1].choice
 
 
 def test_machines_stand_side_by_side(tmp_path, analysis):
@@ -87,7 +109,7 @@ def test_machines_stand_side_by_side(tmp_path, analysis):
     code, _, said = analysis("passport", file, file, "--out", page)
     assert code == 0, said
     text = page.read_text(encoding="utf-8")
-    assert text.count("| FASTER | 2.0 |") == 2
+    assert text.count("| FASTER | 2.00 |") == 2
     assert "Sort the queue by material?" in text
     assert "16 KiB" in text
 
@@ -114,9 +136,16 @@ def test_runs_of_other_suites_or_of_two_programs_are_refused(tmp_path):
     other_suite = run(times, **{"ptbench.suite": "quick"})
     with pytest.raises(InputError, match="found the suite quick, allowed: a complete run of the suite passport"):
         load_passport(passport(tmp_path, run(times), other_suite))
-    programs = [run(times, **{"ptbench.program_hash": 16 * digit}) for digit in "12"]
-    with pytest.raises(InputError, match="found two programs, allowed: two runs of one program"):
-        load_passport(passport(tmp_path, *programs))
+    for key in ("ptbench.program_hash", "ptbench.machine", "host_name", "ptbench.threads"):
+        runs = [run(times, **{key: digit}) for digit in "12"]
+        with pytest.raises(InputError, match=f'{key}: found "2", allowed: "1", as in run 0'):
+            load_passport(passport(tmp_path, *runs))
+    with pytest.raises(InputError, match="found seed 1 in both, allowed: two runs with seeds of their own"):
+        load_passport(passport(tmp_path, run(times), run(times), apart=0))
+    without = run(times)
+    del without["context"]["host_name"]
+    with pytest.raises(InputError, match="host_name: found nothing, allowed: this key is required"):
+        load_passport(passport(tmp_path, run(times), without))
 
 
 def test_validate_holds_each_run_to_its_own_samples(tmp_path, monkeypatch):

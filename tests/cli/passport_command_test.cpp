@@ -114,16 +114,48 @@ TEST_F(PassportTest, RefusesWhatItWouldLose) {
     EXPECT_EQ(nothing.exit_code, 2);
     EXPECT_NE(nothing.err.find("--resume: passport: found no unfinished one at " + parts), std::string::npos)
         << nothing.err;
-    write_text(out, "mine\n");
+    for (const Arguments& added : {Arguments{}, Arguments{"--overwrite"}}) {
+        write_text(out, "mine\n");
+        const CommandResult there = passport(added);
+        EXPECT_EQ(there.exit_code, 2);
+        EXPECT_EQ(content_of(out), "mine\n");
+        write_text(out, R"({"schema": "ptbench-passport-1"})");
+    }
     const CommandResult there = passport();
     EXPECT_EQ(there.exit_code, 2);
-    EXPECT_EQ(content_of(out), "mine\n");
+    EXPECT_NE(there.err.find("output file: found a passport, allowed: --overwrite, or another name"), std::string::npos)
+        << there.err;
     EXPECT_EQ(folder.content(), Arguments{"passport.json"});
 }
 
-TEST_F(PassportTest, SamplesOfAnUnfinishedOneAreChecked) {
+// A folder without about.json is what a full disk or a kill at the first write leaves.
+TEST_F(PassportTest, AnEmptyFolderOfPartsIsNoBegunPassport) {
     std::filesystem::create_directories(parts);
-    write_text(parts + "/about.json", R"({"chip": {}, "spp": {"compaction": 0}})");
+    EXPECT_EQ(passport({"--resume"}).exit_code, 2);
+    EXPECT_EQ(passport().exit_code, 0);
+    EXPECT_EQ(folder.content(), Arguments{"passport.json"});
+}
+
+TEST_F(PassportTest, AnotherMachinesOrProgramsIsNotGoneOnWith) {
+    RunningCommand interrupted(command(), here());
+    ASSERT_TRUE(
+        wait_until([&] { return std::filesystem::exists(parts + "/about.json") || !interrupted.is_running(); }));
+    interrupted.signal(SIGINT);
+    interrupted.wait();
+    const json about = json::parse(content_of(parts + "/about.json"));
+    for (const char* key : {"program", "machine", "host", "backend"}) {
+        json changed = about;
+        changed["begun_by"][key] = "another";
+        write_text(parts + "/about.json", changed.dump());
+        const CommandResult refused = passport({"--resume"});
+        EXPECT_EQ(refused.exit_code, 2);
+        EXPECT_NE(refused.err.find(std::string("about.json: $.begun_by.") + key + ": found \"another\", allowed: "),
+                  std::string::npos)
+            << refused.err;
+    }
+    json changed = about;
+    changed["spp"]["compaction"] = 0;
+    write_text(parts + "/about.json", changed.dump());
     const CommandResult refused = passport({"--resume"});
     EXPECT_EQ(refused.exit_code, 2);
     EXPECT_NE(refused.err.find("about.json: $.spp.compaction: found 0, allowed: 1 to 4096"), std::string::npos)

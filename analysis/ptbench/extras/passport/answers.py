@@ -5,7 +5,8 @@ that a side that was lucky in the run that chose it gains nothing. Both runs tak
 the two words agree.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+import math
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from ptbench.convergence.assessment import assess
@@ -21,7 +22,8 @@ from ptbench.io.axes import (
     SPECIALISATION,
 )
 from ptbench.io.cells import Cell, Result, Study
-from ptbench.stats.estimates import FASTER, SLOWER, UNSURE, Estimate
+from ptbench.io.limits import limit
+from ptbench.stats.estimates import FASTER, SLOWER, UNSURE, Estimate, Verdict, interval_of_ratio
 from ptbench.studies.questions import usual_baseline
 from ptbench.studies.rows import time_ratio
 
@@ -35,9 +37,10 @@ class Question:
 
     asked: str
     axis: str
-    # Whether a choice on the question's axis belongs to the variants "without", whose time is the numerator of the
-    # ratio; the second argument is the axis's baseline in the file.
+    # Whether a choice on the axis is on the side that the ratio is relative to; the second argument is the axis's
+    # baseline in the file.
     is_without: Callable[[str, str | None], bool] = lambda choice, baseline: choice == baseline
+    is_asked: Callable[[str], bool] = lambda choice: True  # whether the question is about a choice at all
 
 
 QUESTIONS = (
@@ -46,67 +49,75 @@ QUESTIONS = (
     Question("Sort the queue by material?", SORTING),
     Question("Cache the first bounce?", FIRST_BOUNCE),
     Question("Compile the kernel for its scene?", SPECIALISATION, lambda choice, _: choice == "generic"),
-    Question("A wide tree rather than a binary one?", ACCELERATOR, lambda choice, _: choice == "bvh2"),
+    Question(
+        "A wide tree of ptbench's rather than a binary one?",
+        ACCELERATOR,
+        lambda choice, _: choice == "bvh2",
+        lambda choice: not choice.startswith("embree"),
+    ),
 )
 LIGHTS = "Connect vertices to lights, at equal error?"
+NO_PAIR = "no variant of each side was measured in both runs"
 
 
 @dataclass(frozen=True)
 class Side:
-    """What one run says, of variants that the other one chose."""
+    """What one run says about the variants that the other one chose."""
 
-    without: str  # variant without the asked choice, whose time is the ratio's numerator
-    choice: str  # variant with the asked choice, whose time is the ratio's denominator
-    ratio: Estimate  # how many times as fast `choice` is as `without`: above 1 it pays
+    without: str  # variant on the side that the ratio is relative to
+    choice: str  # variant on the other side
+    ratio: Estimate  # times as fast: above 1 the choice pays
     word: str
-    reason: str = ""
+    reason: str = ""  # why the word is UNSURE, and notes that belong to the verdict
 
 
 @dataclass(frozen=True)
 class Answer:
-    """The answer to a question in a scene."""
+    """The answer to a question in a scene; without sides it has none."""
 
     asked: str
     scene: str
-    sides: tuple[Side, Side]
+    sides: tuple[Side, Side] | None
 
     @property
     def word(self) -> str:
         """The word on which both runs agree; UNSURE if they do not."""
+        if self.sides is None:
+            return "\N{EM DASH}"
         first, second = (side.word for side in self.sides)
         return first if first == second else UNSURE
 
     @property
     def reason(self) -> str:
-        """Why the word is UNSURE; empty for any other word."""
+        """Why there is no word, or no firmer one, and the notes on the verdicts."""
+        if self.sides is None:
+            return NO_PAIR
         first, second = self.sides
-        if self.word != UNSURE:
-            return ""
-        if UNSURE in (first.word, second.word):
-            return second.reason if second.word == UNSURE else first.reason
-        return f"the runs disagree: {first.word}, {second.word}"
+        if first.word != second.word and UNSURE not in (first.word, second.word):
+            return f"the runs disagree: {first.word}, {second.word}"
+        unsure = [side.reason for side in (second, first) if side.word == UNSURE]
+        return unsure[0] if unsure else second.reason
 
 
 def answers_of(passport: Passport) -> list[Answer]:
-    """Every answer of a passport, by question and scene; a question that no cell asks is left out."""
+    """Every answer of a passport, by question and scene; a question that no study asks is left out."""
     found = []
     for question in QUESTIONS:
-        for scene, pair in _scenes(passport, question.axis).items():
-            sides = (_side(question, pair, chosen_by=1), _side(question, pair, chosen_by=0))
-            if None not in sides:
-                found.append(Answer(question.asked, scene, sides))
+        for scene, runs in _scenes(passport, question).items():
+            sides = (_side(question, passport, runs, judge=0), _side(question, passport, runs, judge=1))
+            found.append(Answer(question.asked, scene, None if None in sides else sides))
     return found + list(_lights(passport))
 
 
-def _scenes(passport: Passport, axis: str) -> dict[str, list[tuple[Result, list[Cell]]]]:
-    """The measured cells of the studies that compare an axis, by scene; for each run in turn."""
-    scenes: dict[str, list[tuple[Result, list[Cell]]]] = {}
+def _scenes(passport: Passport, question: Question) -> dict[str, tuple[dict[str, Cell], ...]]:
+    """By scene the cells that bear on a question by name, for each run in turn; cells without times are left out."""
+    scenes: dict[str, tuple[dict[str, Cell], ...]] = {}
     for number, run in enumerate(passport.runs):
-        for study in _studies(run, axis):
+        for study in _studies(run, question.axis):
             for cell in run.cells_of(study):
-                runs = scenes.setdefault(cell.scene, [(one, []) for one in passport.runs])
-                if cell.measured:
-                    runs[number][1].append(cell)
+                runs = scenes.setdefault(cell.scene, tuple({} for _ in passport.runs))
+                if cell.measured and question.is_asked(cell.axes[question.axis]):
+                    runs[number][cell.name] = cell
     return scenes
 
 
@@ -114,19 +125,27 @@ def _studies(run: Result, axis: str) -> Iterable[Study]:
     return (study for study in run.studies if study.compares == axis and not study.is_convergence)
 
 
-def _side(question: Question, runs: Sequence[tuple[Result, list[Cell]]], chosen_by: int) -> Side | None:
-    chooser, cells = runs[chosen_by]
-    baseline = usual_baseline(chooser, question.axis)
-    sides = [[], []]
-    for cell in cells:
-        sides[question.is_without(cell.axes[question.axis], baseline)].append(cell)
-    names = [min(side, key=_median, default=None) for side in sides]
-    there = {cell.name: cell for cell in runs[1 - chosen_by][1]}
-    if any(one is None or one.name not in there for one in names):
+def _side(question: Question, passport: Passport, runs: tuple[dict[str, Cell], ...], judge: int) -> Side | None:
+    """What run `judge` says about the best variants of the other run, among those that both runs measured."""
+    chooser = runs[1 - judge]
+    baseline = usual_baseline(passport.runs[0], question.axis)
+    sides = {True: [], False: []}
+    for name, cell in chooser.items():
+        if name in runs[judge]:
+            sides[question.is_without(cell.axes[question.axis], baseline)].append(cell)
+    if not all(sides.values()):
         return None
-    choice, without = (there[one.name] for one in names)
+    without, choice = (runs[judge][min(sides[is_without], key=_median).name] for is_without in (True, False))
     ratio, verdict = time_ratio(choice, without)
-    return Side(without.variant, choice.variant, inverse(ratio), verdict.word, verdict.said)
+    return Side(without.variant, choice.variant, inverse(ratio), verdict.word, _said(inverse(ratio), verdict))
+
+
+def _said(ratio: Estimate, verdict: Verdict) -> str:
+    """The verdict's reason and note, with the interval of times as fast in place of that of times."""
+    reason = verdict.reason
+    if reason.startswith("interval "):
+        reason = f"the interval {interval_of_ratio(ratio)} reaches both sides of a limit"
+    return "; ".join(text for text in (reason, verdict.note) if text)
 
 
 def _median(cell: Cell) -> float:
@@ -140,11 +159,11 @@ def inverse(ratio: Estimate) -> Estimate:
 
 
 def _lights(passport: Passport) -> Iterable[Answer]:
-    """Efficiency, the inverse of variance times time, of connections over plain paths; one variant on each side."""
+    """The answers about connections: their efficiency, the inverse of variance times time, over that of plain paths."""
     by_run = [dict(_efficiencies(run)) for run in passport.runs]
-    for scene in by_run[0]:
-        if scene in by_run[1]:
-            yield Answer(LIGHTS, scene, (by_run[0][scene], by_run[1][scene]))
+    for scene in dict.fromkeys(scene for one in by_run for scene in one):
+        sides = tuple(one.get(scene) for one in by_run)
+        yield Answer(LIGHTS, scene, None if None in sides else sides)
 
 
 def _efficiencies(run: Result) -> Iterable[tuple[str, Side]]:
@@ -154,6 +173,16 @@ def _efficiencies(run: Result) -> Iterable[tuple[str, Side]]:
         for one in group:
             compared = None if plain is None or one is plain else compare(one, plain)
             if compared is not None and compared.efficiency is not None:
-                word = EFFICIENCY_WORDS.get(compared.word, UNSURE)
-                reason = compared.doubt or ("" if word != UNSURE else compared.word)
+                doubt = compared.doubt or _too_short((one.cell, plain.cell), run)
+                word = UNSURE if doubt else EFFICIENCY_WORDS.get(compared.word, UNSURE)
+                reason = doubt or (compared.word if word == UNSURE else "")
                 yield place.scene, Side(plain.cell.variant, one.cell.variant, compared.efficiency, word, reason)
+
+
+def _too_short(cells: Iterable[Cell], run: Result) -> str:
+    """Says that renders on a CPU are too short for the counter of other processes' time; empty if they are not."""
+    times = [sample.wall_ms for cell in cells if not cell.on_gpu for sample in cell.samples]
+    cpu_ms = min(times, default=math.inf) * int(run.context["ptbench.threads"])
+    if cpu_ms >= limit("most_foreign_ms"):
+        return ""
+    return f"renders of {cpu_ms:.0f} ms of CPU time are too short to tell whether other processes disturbed them"

@@ -22,20 +22,13 @@ class Passport:
     runs: tuple[Result, Result]
 
     @property
-    def backend(self) -> str:
-        """The backend that was measured: cpu or cuda."""
-        return self.runs[0].context["ptbench.backend"]
-
-    @property
     def name(self) -> str:
-        """The name of the GPU or of the CPU that rendered."""
-        context = self.runs[0].context
-        return context["ptbench.cuda_device" if self.backend == "cuda" else "ptbench.cpu_model"]
+        """The machine's name, of its GPU if that rendered, as in folders of results."""
+        return self.runs[0].context["ptbench.machine"]
 
-    @property
-    def is_of_one_program(self) -> bool:
-        """Whether one program took both runs; a passport that was resumed may have been rebuilt in between."""
-        return len({run.context.get("ptbench.program_hash") for run in self.runs}) == 1
+
+# Keys of a run's context that must be there, and that both runs of a passport share.
+_SHARED = ("ptbench.machine", "ptbench.backend", "ptbench.threads", "ptbench.program_hash", "host_name")
 
 
 def load_passport(path: Path) -> Passport:
@@ -59,5 +52,16 @@ def _check(passport: Passport, root: Node) -> None:
         if run.suite != "passport" or run.interrupted:
             found = f"the suite {run.suite}" + (", interrupted" if run.interrupted else "")
             raise bad_value(root.file, f"$.runs[{number}]", found, "a complete run of the suite passport")
-    if not passport.is_of_one_program:
-        raise bad_value(root.file, "$.runs", "two programs", "two runs of one program")
+    first, second = (run["context"] for run in root.value["runs"])
+    for key in _SHARED:
+        for number, context in enumerate((first, second)):
+            if key not in context:
+                raise bad_value(root.file, f"$.runs[{number}].context.{key}", "nothing", "this key is required")
+        if first[key] != second[key]:
+            raise bad_value(root.file, f"$.runs[1].context.{key}", f'"{second[key]}"', f'"{first[key]}", as in run 0')
+    if shared := set.intersection(*(_seeds(run) for run in passport.runs)):
+        raise bad_value(root.file, "$.runs", f"seed {min(shared)} in both", "two runs with seeds of their own")
+
+
+def _seeds(run: Result) -> set[int]:
+    return {sample.seed for cell in run.cells for sample in cell.samples if sample.seed is not None}

@@ -7,7 +7,7 @@ from ptbench.document.table import Table, table_of
 from ptbench.extras.passport.answers import Answer, answers_of
 from ptbench.extras.passport.passport import Passport
 from ptbench.numbers import figures
-from ptbench.stats.estimates import Estimate
+from ptbench.stats.estimates import interval_of_ratio
 
 RULE = (
     "Times as fast: above 1 the answer is yes. Each side is the best of its variants, chosen in one run and compared "
@@ -38,7 +38,7 @@ def _facts(passport: Passport) -> dict[str, str]:
     cpu = passport.chip["cpu"]
     facts = {"threads of the CPU": str(cpu["threads"])}
     for copy in (cpu["copies"][0], cpu["copies"][-1]):
-        facts[f"copy of {_size(copy['bytes'])}, GB/s"] = figures(copy["gb_per_s"], 3)
+        facts[f"copies of {_size(copy['bytes_per_thread'])} a thread, GB/s"] = figures(copy["gb_per_s"], 3)
     facts["multiplications and additions, 10^9/s"] = figures(cpu["gflops"], 3)
     facts["atomic additions to one counter, 10^6/s"] = figures(1e-6 * cpu["atomics_per_s"], 3)
     facts["start and end of a parallel loop, us"] = figures(cpu["fork_join_us"], 3)
@@ -67,12 +67,8 @@ def _answers(question: str, passports: Sequence[Passport], by_machine: Sequence[
 
 
 def _row(answer: Answer) -> tuple[str, ...]:
-    second = answer.sides[1]
     word = answer.word + (f" ({answer.reason})" if answer.reason else "")
-    return word, figures(second.ratio.value, 2), _interval(second.ratio), second.choice, second.without
-
-
-def _interval(ratio: Estimate) -> str:
-    if ratio.low is None or ratio.high is None:
-        return ""
-    return f"[{figures(ratio.low, 2)}, {figures(ratio.high, 2)}]"
+    if answer.sides is None:
+        return word, "", "", "", ""
+    second = answer.sides[1]
+    return word, figures(second.ratio.value, 3), interval_of_ratio(second.ratio), second.choice, second.without
