@@ -97,8 +97,8 @@ void check_identity(const Json& about, const PassportOptions& options, const std
 void take_samples_of(Suite& suite, const Json& about, const std::string& file) {
     for (Study& study : suite.studies) {
         if (!study.convergence) {
-            const JsonValue spp(about.value("spp", Json::object()).value(study.name, Json()), file,
-                                "$.spp." + study.name);
+            const Json asked = about.value("spp", Json::object()).value(study.name, Json());
+            const JsonValue spp(asked, file, "$.spp." + study.name);
             study.spp = static_cast<std::uint32_t>(spp.whole(1, most_spp, fmt::format("1 to {}", most_spp)));
             study.spp_on.clear();
         }

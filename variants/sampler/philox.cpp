@@ -1,4 +1,5 @@
-// The sampler philox: ten rounds of a block cipher without secrets. References are made with it (kernels/samplers/philox.h).
+// The sampler philox: ten rounds of a block cipher without secrets. References are made with it
+// (kernels/samplers/philox.h).
 #include "variants/registry.h"
 
 namespace pt::sampler::philox {
