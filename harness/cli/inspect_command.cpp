@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <span>
 #include <utility>
 
@@ -84,11 +85,14 @@ std::string table_of_reports(std::span<const nlohmann::ordered_json> reports) {
         fmt::format("{} on {}\n  {:<44} {:<7} {:>9} {:>11} {:>12} {:>7}  {:<14} {}\n",
                     first["variant"].get<std::string>(), first["scene"].get<std::string>(), "kernel", "arch",
                     "registers", "spill bytes", "shared bytes", "threads", "warps an SM", "limited by");
-    for (std::size_t k = 0; k < first["kernels"].size(); ++k) {
-        std::string name = fmt::format("{} ({})", first["kernels"][k]["name"].get<std::string>(),
-                                       first["kernels"][k]["of"].get<std::string>());
+    for (const auto& named : first["kernels"]) {
+        std::string name = fmt::format("{} ({}){}", named["name"].get<std::string>(), named["of"].get<std::string>(),
+                                       named.value("launched", true) ? "" : ", not launched");
         for (const nlohmann::ordered_json& report : reports) {
-            const auto& kernel = report["kernels"][k];
+            // The compiler may list the kernels of another architecture in another order.
+            const auto& kernel = *std::find_if(
+                report["kernels"].begin(), report["kernels"].end(),
+                [&](const auto& one) { return one["name"] == named["name"] && one["of"] == named["of"]; });
             const int warps = kernel["warps_per_multiprocessor"].get<int>();
             text +=
                 fmt::format("  {:<44} {:<7} {:>9} {:>11} {:>12} {:>7}  {:<14} {}\n", std::exchange(name, ""),

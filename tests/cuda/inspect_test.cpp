@@ -375,19 +375,37 @@ TEST_F(InspectTest, SeveralArchitecturesAreATable) {
     const std::string out = folder.file("report.json");
     CLI::App app;
     const Command command = add_inspect_command(app);
-    app.parse("inspect --scene cornell_open --axis integrator=megakernel --arch sm_75,sm_90 --out " + out);
+    app.parse(
+        "inspect --scene cornell_open --axis integrator=wavefront --axis compaction=gap_fill --arch sm_75,sm_90 "
+        "--out " +
+        out);
     testing::internal::CaptureStdout();
     EXPECT_EQ(command(), exit_good);
     const std::string told = testing::internal::GetCapturedStdout();
     const Json reports = Json::parse(test::content_of(out));
     ASSERT_EQ(reports.size(), 2u);
-    EXPECT_EQ(std::count(told.begin(), told.end(), '\n'), 4) << told;  // the variant, what columns mean, two lines
-    for (const Json& report : reports) {
-        const Json& kernel = report["kernels"][0];
-        const std::string name = report["architecture"] == "sm_75" ? "megakernel (integrator=megakernel)" : "";
-        const std::string line = fmt::format("\n  {:<44} {:<7} {:>9} ", name, report["architecture"].get<std::string>(),
-                                             kernel["registers"].get<int>());
-        EXPECT_NE(told.find(line), std::string::npos) << told;
+    const std::size_t kernels = reports[0]["kernels"].size();
+    EXPECT_GT(kernels, 4u);
+    // The variant, what the columns mean, and two lines a kernel.
+    EXPECT_EQ(std::count(told.begin(), told.end(), '\n'), static_cast<std::ptrdiff_t>(2 + 2 * kernels)) << told;
+    for (const Json& kernel : reports[0]["kernels"]) {
+        std::string block, name = kernel["name"].get<std::string>() + " (" + kernel["of"].get<std::string>() + ")";
+        for (const Json& report : reports) {
+            for (const Json& own : report["kernels"]) {
+                if (own["name"] == kernel["name"]) {
+                    block +=
+                        fmt::format("\n  {:<44} {:<7} {:>9} {:>11} {:>12} {:>7}  {} ({:.0f} %)", name,
+                                    report["architecture"].get<std::string>(), own["registers"].get<int>(),
+                                    own["spill_store_bytes"].get<int>() + own["spill_load_bytes"].get<int>(),
+                                    own["shared_bytes"].get<int>(), own["threads_per_block"].get<int>(),
+                                    own["warps_per_multiprocessor"].get<int>(), 100 * own["occupancy"].get<double>());
+                    const std::size_t at = told.find(block);
+                    ASSERT_NE(at, std::string::npos) << block << "\n" << told;
+                    block = told.substr(at, told.find('\n', at + block.size()) - at);  // to the line's end
+                    name = "";
+                }
+            }
+        }
     }
     EXPECT_EQ(reports[0]["architecture"], "sm_75");
     EXPECT_EQ(reports[1]["architecture"], "sm_90");
