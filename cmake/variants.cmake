@@ -33,6 +33,23 @@ function(ptbench_write_axis_list output) # further arguments: the headers
 endfunction()
 ptbench_write_axis_list(${generated}/axis_list.h ${axis_headers})
 
+# accelerator_list.h: every accelerator whose traversal kernels compile in, by the name of its file.
+file(GLOB accelerator_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/accelerator/*.h)
+set(accelerator_includes "")
+set(accelerators "")
+foreach(header ${accelerator_headers})
+  file(STRINGS ${header} traversal REGEX "^(struct|using) Traversal" LIMIT_COUNT 1)
+  if(traversal)
+    get_filename_component(name ${header} NAME_WE)
+    string(APPEND accelerator_includes "#include \"variants/accelerator/${name}.h\"\n")
+    string(APPEND accelerators " ACCELERATOR(${name})")
+    list(APPEND traversal_headers ${header})
+  endif()
+endforeach()
+ptbench_write_host_units(accelerator_units ${traversal_headers})
+file(CONFIGURE OUTPUT ${generated}/accelerator_list.h CONTENT
+"#pragma once\n${accelerator_includes}#define PT_ACCELERATORS(ACCELERATOR)${accelerators}\n")
+
 # Writes layouts.h and device_layouts.h, which list every path layout by the name of its file.
 set(layout_includes "")
 set(device_layout_includes "")
@@ -53,24 +70,6 @@ foreach(header ${choices_with_kernels})
     string(APPEND device_layouts " LAYOUT(${CMAKE_MATCH_1})")
   endif()
 endforeach()
-
-# accelerator_list.h: every accelerator whose traversal kernels compile in, by the name of its file.
-file(GLOB accelerator_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/variants/accelerator/*.h)
-set(accelerator_includes "")
-set(accelerators "")
-foreach(header ${accelerator_headers})
-  file(STRINGS ${header} traversal REGEX "^(struct|using) Traversal" LIMIT_COUNT 1)
-  if(traversal)
-    get_filename_component(name ${header} NAME_WE)
-    string(APPEND accelerator_includes "#include \"variants/accelerator/${name}.h\"\n")
-    string(APPEND accelerators " ACCELERATOR(${name})")
-    list(APPEND traversal_headers ${header})
-  endif()
-endforeach()
-ptbench_write_host_units(accelerator_units ${traversal_headers})
-file(CONFIGURE OUTPUT ${generated}/accelerator_list.h CONTENT
-"#pragma once\n${accelerator_includes}#define PT_ACCELERATORS(ACCELERATOR)${accelerators}\n")
-
 file(CONFIGURE OUTPUT ${generated}/layouts.h CONTENT
 "#pragma once\n#include <variant>\n${layout_includes}namespace pt {\nusing AnyPaths = std::variant<${layout_types}>;\n}\n")
 file(CONFIGURE OUTPUT ${generated}/device_layouts.h CONTENT

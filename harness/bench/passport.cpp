@@ -61,7 +61,7 @@ struct Parts {
     std::string run(std::size_t number) const { return folder / fmt::format("{}.json", run_names[number]); }
     // A run whose journal is left was interrupted, or its result is not to be trusted.
     bool has_run(std::size_t number) const {
-        return std::filesystem::exists(run(number)) && !std::filesystem::exists(run(number) + ".journal.jsonl");
+        return std::filesystem::exists(run(number)) && !std::filesystem::exists(journal_of(run(number)));
     }
 };
 
@@ -149,7 +149,7 @@ int run_once(const Suite& suite, const PassportOptions& options, const Parts& pa
     return run_suite(suite, {.backend = options.backend,
                              .out = file,
                              .command_line = options.command_line,
-                             .resume = std::filesystem::exists(file + ".journal.jsonl"),
+                             .resume = std::filesystem::exists(journal_of(file)),
                              .overwrite = true,
                              .quiet = options.quiet,
                              .reference_cache = default_reference_folder(),

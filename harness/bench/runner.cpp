@@ -32,9 +32,9 @@
 
 namespace pt {
 
-namespace {
+std::string journal_of(const std::string& out) { return out + ".journal.jsonl"; }
 
-std::string journal_of(const RunOptions& options) { return options.out + ".journal.jsonl"; }
+namespace {
 
 void apply_filter(Plan& plan, const std::string& filter) {
     if (filter.empty()) {
@@ -64,21 +64,21 @@ void check_seeds(const Plan& plan, std::uint64_t first, int repetitions) {
 
 // Whether --resume finds nothing to do: the complete result of this very run exists, and its journal is removed.
 bool is_done(const RunOptions& options, const EarlierResult& earlier) {
-    return options.resume && !std::filesystem::exists(journal_of(options)) && earlier.is_of_this_run &&
+    return options.resume && !std::filesystem::exists(journal_of(options.out)) && earlier.is_of_this_run &&
            earlier.is_complete;
 }
 
 // Whether an unfinished run's journal is set aside for a new run: --overwrite without --resume asks for that.
 bool starts_over(const RunOptions& options) {
-    return options.overwrite && !options.resume && std::filesystem::exists(journal_of(options));
+    return options.overwrite && !options.resume && std::filesystem::exists(journal_of(options.out));
 }
 
 // Throws InputError if an existing result may not be replaced: --overwrite must be given, or the result must be this
 // run's own. (A journal without --resume or --overwrite is refused when it is opened.)
 void check_result_file(const RunOptions& options, const EarlierResult& earlier) {
-    const bool has_journal = std::filesystem::exists(journal_of(options)) && !starts_over(options);
+    const bool has_journal = std::filesystem::exists(journal_of(options.out)) && !starts_over(options);
     if (has_journal && !options.resume && earlier.is_kept() && !earlier.is_of_this_run) {
-        throw InputError(journal_of(options), "journal", "an unfinished run that is to replace " + options.out,
+        throw InputError(journal_of(options.out), "journal", "an unfinished run that is to replace " + options.out,
                          "--overwrite --resume, which goes on, or --overwrite, which starts over");
     }
     const bool goes_on = has_journal && (!options.resume || earlier.is_of_this_run || !earlier.is_complete);
@@ -207,9 +207,9 @@ int run_part(const RunEnding& ending, const RunIdentity& identity, const RunOpti
     Interrupt interrupt(grace_of(options));
     say_cpu_warnings(options.backend);
     if (starts_over(options)) {
-        say("ptbench: the unfinished run that was there is kept: {}\n", set_journal_aside(journal_of(options)));
+        say("ptbench: the unfinished run that was there is kept: {}\n", set_journal_aside(journal_of(options.out)));
     }
-    RunJournal journal(journal_of(options), identity, options.resume, that_may_differ(options),
+    RunJournal journal(journal_of(options.out), identity, options.resume, that_may_differ(options),
                        command_to_go_on(ending));
     ErrorBook errors(plan, ReferenceMaker(options.reference_cache, {.is_stopped = [&] { return interrupt.requested(); },
                                                                     .says = say_below_progress}));
@@ -281,7 +281,7 @@ int run_suite(const Suite& suite, const RunOptions& options) {
         say("{}\n", chosen);
     }
     check_output_file(options.out);
-    check_output_file(journal_of(options));
+    check_output_file(journal_of(options.out));
     refuse_source(options.out);
     const int repetitions = repetitions_of(suite, options);
     check_seeds(whole, options.seed, most_repetitions(suite, options));
@@ -300,8 +300,8 @@ int run_suite(const Suite& suite, const RunOptions& options) {
     }
     check_result_file(options, earlier);
     check_benchmark_out(options.benchmark_flags);
-    if (options.resume && !std::filesystem::exists(journal_of(options))) {
-        say("ptbench: --resume: there is no unfinished run ({}), so this one begins\n", journal_of(options));
+    if (options.resume && !std::filesystem::exists(journal_of(options.out))) {
+        say("ptbench: --resume: there is no unfinished run ({}), so this one begins\n", journal_of(options.out));
     }
     const Plan part = part_of(whole, positions);
     const Suite asked = with_questions(suite, whole);

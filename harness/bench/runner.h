@@ -37,6 +37,9 @@ struct RunOptions {
 // Runs a suite and returns an exit code: 0, 1 if a cell failed, or exit_interrupted. Throws InputError, MachineError.
 int run_suite(const Suite& suite, const RunOptions& options);
 
+// The name of the journal of a run whose result file is `out`. A run that ends with a good result removes its journal.
+std::string journal_of(const std::string& out);
+
 // The plan of a whole run, in all shards. Throws InputError, also if the plan has no cells.
 Plan plan_run(const Suite& suite, const RunOptions& options);
 std::string describe_plan(const Plan& plan, int repetitions);

@@ -67,12 +67,10 @@ std::vector<std::string> accelerators_on(Backend backend) {
 // Names of the backend's accelerators with a tree, which the axis `builder` builds.
 std::vector<std::string> trees_on(Backend backend) {
     std::vector<std::string> names = accelerators_on(backend);
-    names.erase(std::remove_if(names.begin(), names.end(),
-                               [](const std::string& name) {
-                                   const Choice* choice = Registry::instance().find(axes::accelerator, name);
-                                   return !traits_in<AcceleratorTraits>(choice->descriptor).has_tree;
-                               }),
-                names.end());
+    std::erase_if(names, [](const std::string& name) {
+        const Choice* choice = Registry::instance().find(axes::accelerator, name);
+        return !traits_in<AcceleratorTraits>(choice->descriptor).has_tree;
+    });
     return names;
 }
 

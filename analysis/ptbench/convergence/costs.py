@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from ptbench.convergence.assessment import Assessment
 from ptbench.convergence.efficiency import compare
 from ptbench.io.cells import Cell
-from ptbench.stats.estimates import Estimate, ratio_estimate
+from ptbench.stats.estimates import Estimate, inverse, ratio_estimate
 from ptbench.stats.intervals import bootstrap_interval, resampled
 
 # Costs by which estimators are compared: variance alone if verdicts on time are withdrawn (studies/withdrawn.py).
@@ -38,6 +38,4 @@ def _work(ours: Assessment, theirs: Assessment) -> Estimate | None:
     efficiency = None if compared is None else compared.efficiency
     if efficiency is None or efficiency.value <= 0 or compared.doubt:
         return None
-    low = None if efficiency.high is None else 1 / efficiency.high
-    high = None if not efficiency.low or efficiency.low <= 0 else 1 / efficiency.low
-    return Estimate(1 / efficiency.value, low, high, efficiency.n)
+    return inverse(efficiency)

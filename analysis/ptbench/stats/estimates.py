@@ -161,6 +161,12 @@ def ratio_estimate(values: np.ndarray, baseline: np.ndarray) -> Estimate:
     return Estimate(ratio, low, high, n)
 
 
+def inverse(ratio: Estimate) -> Estimate:
+    """The estimate of the inverse of a ratio above 0; an end of its interval that is not above 0 has no inverse."""
+    low, high = (1 / end if end is not None and end > 0 else None for end in (ratio.high, ratio.low))
+    return Estimate(1 / ratio.value, low, high, ratio.n)
+
+
 def geometric_mean_of_ratios(sides: Sequence[tuple[np.ndarray, np.ndarray]]) -> Estimate:
     """The geometric mean of ratios of medians of (values, baseline); n is the smallest number of samples.
 

@@ -13,6 +13,7 @@ import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime, timezone
+from functools import cache
 from pathlib import Path
 
 from ptbench.errors import InputError, bad_value
@@ -80,6 +81,7 @@ def everything(backend: str, accelerators: Sequence[str]) -> list[dict[str, str]
     return [{**one, **tree} for one in known[backend] for tree in trees]
 
 
+@cache
 def fast_accelerators(program: Program) -> list[str]:
     """Every accelerator that the program has but the baseline, which tests every triangle, in the program's order."""
     listed = json.loads(program.output("list", ACCELERATOR, "--json"))

@@ -9,6 +9,8 @@ import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
+import numpy as np
+
 from ptbench.convergence.assessment import assess
 from ptbench.convergence.efficiency import HIGHER, LOWER, by_place, compare
 from ptbench.extras.passport.passport import Passport
@@ -23,7 +25,7 @@ from ptbench.io.axes import (
 )
 from ptbench.io.cells import Cell, Result, Study
 from ptbench.io.limits import limit
-from ptbench.stats.estimates import FASTER, SLOWER, UNSURE, Estimate, Verdict, interval_of_ratio
+from ptbench.stats.estimates import FASTER, SLOWER, UNSURE, Estimate, Verdict, interval_of_ratio, inverse
 from ptbench.studies.questions import usual_baseline
 from ptbench.studies.rows import time_ratio
 
@@ -136,8 +138,9 @@ def _side(question: Question, passport: Passport, runs: tuple[dict[str, Cell], .
     if not all(sides.values()):
         return None
     without, choice = (runs[judge][min(sides[is_without], key=_median).name] for is_without in (True, False))
-    ratio, verdict = time_ratio(choice, without)
-    return Side(without.variant, choice.variant, inverse(ratio), verdict.word, _said(inverse(ratio), verdict))
+    time, verdict = time_ratio(choice, without)
+    times_as_fast = inverse(time)
+    return Side(without.variant, choice.variant, times_as_fast, verdict.word, _said(times_as_fast, verdict))
 
 
 def _said(ratio: Estimate, verdict: Verdict) -> str:
@@ -149,13 +152,7 @@ def _said(ratio: Estimate, verdict: Verdict) -> str:
 
 
 def _median(cell: Cell) -> float:
-    return float(sorted(cell.ms_per_spp)[len(cell.samples) // 2])
-
-
-def inverse(ratio: Estimate) -> Estimate:
-    """Times as fast, for a ratio of times."""
-    low, high = (None if end is None else 1 / end for end in (ratio.high, ratio.low))
-    return Estimate(1 / ratio.value, low, high, ratio.n)
+    return float(np.median(cell.ms_per_spp))
 
 
 def _lights(passport: Passport) -> Iterable[Answer]:
