@@ -86,23 +86,39 @@ PT_HD inline bool is_hidden_by_axis_box(Segment<typename Config::Real>& segment,
     return ray.origin_surface.inside() && segment.is_hidden_by(max(crossing.far, Real(0)));
 }
 
+// Whether the shadow segment, which no wall of the enclosure hides, is hidden by another axis box.
+template <class Config, class Scene>
+PT_HD inline bool is_hidden_by_boxes_within(Segment<typename Config::Real>& segment, const Scene& scene) {
+    const std::uint32_t first = first_of<ShapeKind::axis_box>(scene);
+    const auto is_tested = [&](std::uint32_t i) { return !scene.enclosure.is_wall(i) && first + i != segment.object; };
+    if (scene.axis_boxes.size <= bits_in(scene.enclosure.walls) + 1) {
+        // The only other axis box is mostly the light, so the reciprocal ray direction is formed only where it is not.
+        for (std::uint32_t i = 0; i < scene.axis_boxes.size; ++i) {
+            if (is_tested(i) && is_hidden_by_axis_box<Config>(segment, scene, i, reciprocal(segment.ray.direction))) {
+                return true;
+            }
+        }
+        return false;
+    }
+    const auto inverse = reciprocal(segment.ray.direction);
+    PT_ROLLED
+    for (std::uint32_t i = 0; i < scene.axis_boxes.size; ++i) {
+        if (is_tested(i) && is_hidden_by_axis_box<Config>(segment, scene, i, inverse)) {
+            return true;
+        }
+    }
+    return false;
+}
+
 template <class Config, class Scene>
 PT_HD inline bool is_hidden_by_axis_boxes(Segment<typename Config::Real>& segment, const Scene& scene,
                                           bool without_walls) {
-    const std::uint32_t first = first_of<ShapeKind::axis_box>(scene);
     if constexpr (has<Config>(Feature::enclosure)) {
         if (without_walls) {
-            // Without walls the light is mostly the only axis box, so the reciprocal ray direction is formed only where
-            // needed.
-            for (std::uint32_t i = 0; i < scene.axis_boxes.size; ++i) {
-                if (!scene.enclosure.is_wall(i) && first + i != segment.object &&
-                    is_hidden_by_axis_box<Config>(segment, scene, i, reciprocal(segment.ray.direction))) {
-                    return true;
-                }
-            }
-            return false;
+            return is_hidden_by_boxes_within<Config>(segment, scene);
         }
     }
+    const std::uint32_t first = first_of<ShapeKind::axis_box>(scene);
     const auto inverse = reciprocal(segment.ray.direction);
     // The loop over axis boxes is not unrolled: in an enclosure few rays get to it, and rolled it has a sixth of the
     // instructions.

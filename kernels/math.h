@@ -356,4 +356,13 @@ struct View {
     PT_HD const T& operator[](std::uint32_t i) const { return data[i]; }
 };
 
+// The number of bits that are 1.
+PT_HD inline std::uint32_t bits_in(std::uint32_t x) {
+#if defined(__CUDA_ARCH__)
+    return static_cast<std::uint32_t>(__popc(static_cast<int>(x)));
+#else
+    return static_cast<std::uint32_t>(__builtin_popcount(x));
+#endif
+}
+
 }  // namespace pt

@@ -259,7 +259,7 @@ Box walk(const EncodedTree& tree, const PrimitiveBoxes& boxes, std::uint32_t ind
         }
         const std::uint32_t slots = node.contents >> (3 * child) & 7u;
         EXPECT_TRUE(slots == 0 || slots == 1 || slots == 3 || slots == 7);
-        for (std::uint32_t i = 0; i < cwbvh::bits_in(slots); ++i) {
+        for (std::uint32_t i = 0; i < bits_in(slots); ++i) {
             const std::uint32_t primitive = tree.references[slot++];
             ++met[primitive];
             join(below, boxes[primitive]);

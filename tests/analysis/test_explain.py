@@ -156,9 +156,10 @@ def test_what_else_differs_comes_from_the_rows(tmp_path):
     assert facts["MB of states in the queue"].a == 64 * 40000 / 1e6
 
 
-def test_a_queue_that_is_refilled_holds_live_paths(tmp_path):
+@pytest.mark.parametrize("of_live_paths", ["wavefront_refill", "wavefront_materials"])
+def test_a_queue_that_is_refilled_or_appended_to_holds_live_paths(tmp_path, of_live_paths):
     builder = Builder("refill").on_gpu().study("refill")
-    for integrator in ("wavefront", "wavefront_refill"):
+    for integrator in ("wavefront", of_live_paths):
         axes = {} if integrator == "wavefront" else {"integrator": integrator}
         cell = builder.cell(
             "refill", ms_per_spp=3.5, noise=0.0, spp=SPP, depth=4, axes=axes, instrumented=passed(4.0, {"shade": 2.0})

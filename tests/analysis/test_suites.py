@@ -11,7 +11,7 @@ from conftest import ROOT
 SUITES = sorted([*(ROOT / "scenes/suites").glob("*.json"), *(ROOT / "claims/suites").glob("*.json")])
 # What puts paths in order by material, or into the places of others.
 _ORDERS = ("sorting", "sort_key", "compaction")
-_REGROUPS = ("regroup", "wavefront_refill")
+_REGROUPS = ("regroup", "wavefront_materials", "wavefront_refill")
 
 
 def document(path: Path) -> dict:

@@ -122,6 +122,7 @@ constexpr Pipeline pipelines[] = {
     {"wavefront_fused", "atomic_append", "none", "packed"},
     {"wavefront_fused", "block_scan_append", "none", "aos"},
     {"wavefront_fused", "cub_three_way", "none", "soa"},
+    {"wavefront_materials", "none", "none", "packed"},
     {"wavefront_refill", "none", "none", "packed"},
     {"wavefront_refill", "none", "per_material_queue", "soa"},
 };
@@ -145,9 +146,9 @@ TEST_F(CheckpointTest, EveryIntegratorAndLaunchShowsTheFilmOfTheSamplesSoFar) {
             }
         }
     }
-    // 15 by stream, 8 of the 9 with a queue and a known end by graph (Thrust waits), 6 of those with a compaction by
+    // 16 by stream, 9 of the 10 with a queue and a known end by graph (Thrust waits), 6 of those with a compaction by
     // graph_while.
-    EXPECT_EQ(tested, 2 * (15 + 8 + 6));
+    EXPECT_EQ(tested, 2 * (16 + 9 + 6));
 }
 
 TEST_F(CheckpointTest, AFirstBounceCacheIsFilledOnce) {
@@ -164,12 +165,12 @@ TEST_F(CheckpointTest, AFirstBounceCacheIsFilledOnce) {
             }
         }
     }
-    EXPECT_EQ(tested, 5 * (13 + 8));
+    EXPECT_EQ(tested, 5 * (14 + 9));
 }
 
 TEST_F(CheckpointTest, SubsurfaceWalksAndSixMaterials) {
-    for (const char* const integrator :
-         {"megakernel", "megakernel_regen", "persistent", "regroup", "wavefront", "wavefront_refill"}) {
+    for (const char* const integrator : {"megakernel", "megakernel_regen", "persistent", "regroup", "wavefront",
+                                         "wavefront_materials", "wavefront_refill"}) {
         const Variant variant = variant_of({integrator, "none", "none", "aos"}, "stream");
         EXPECT_EQ(expect_right_films_for("cornell_closed_five", true, variant, 4), 1);
         EXPECT_EQ(expect_right_films_for("subsurface_box_on", true, variant, 4), 1);

@@ -114,7 +114,7 @@ protected:
 
 TEST_F(Gate, PassesASoundIntegrator) {
     for (const char* integrator : {"megakernel", "megakernel_regen", "persistent", "regroup", "wavefront",
-                                   "wavefront_fused", "wavefront_refill"}) {
+                                   "wavefront_fused", "wavefront_materials", "wavefront_refill"}) {
         const Verdict sound = verdict(integrator);
         EXPECT_TRUE(sound.holds) << sound.message;
         EXPECT_NE(sound.message.find("the CPU's"), std::string::npos) << sound.message;
@@ -134,6 +134,27 @@ TEST_F(Gate, PassesWarpsWhateverTheirPathsWaitFor) {
             variant.tuning[tunable] = value;
             const Verdict sound = verifier.check(variant);
             EXPECT_TRUE(sound.holds) << integrator << ' ' << tunable << '=' << value << ": " << sound.message;
+        }
+    }
+}
+
+// Queues of several chunks each, of blocks that append to one counter and to several, and one queue for all materials.
+TEST_F(Gate, PassesQueuesByMaterialHoweverPathsAreAppended) {
+    const Scene scene = find_scene("cornell_open_five");
+    Verifier verifier(scene, settings_of(scene, 120, 99), 5, Backend::cuda);  // pixels: no whole number of blocks
+    for (const char* direct_light : {"off", "nee_mis"}) {
+        for (const std::uint32_t counters : {1u, 4u}) {
+            for (const std::uint32_t by_material : {0u, 1u}) {
+                Variant variant = exact_variant("wavefront_materials");
+                variant.set("direct_light", direct_light);
+                variant.tuning["append_counters"] = counters;
+                variant.tuning["by_material"] = by_material;
+                variant.tuning["block"] = 64;
+                variant.tuning["spp_in_flight"] = 2;
+                const Verdict sound = verifier.check(variant);
+                EXPECT_TRUE(sound.holds) << direct_light << ' ' << counters << ' ' << by_material << ": "
+                                         << sound.message;
+            }
         }
     }
 }

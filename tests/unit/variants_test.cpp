@@ -167,7 +167,7 @@ TEST(RegistryTest, HasEveryAxisAndChoiceOnCuda) {
         {
             {"integrator",
              {"wavefront", "audited", "megakernel", "megakernel_regen", "persistent", "regroup", "wavefront_fused",
-              "wavefront_refill"}},
+              "wavefront_materials", "wavefront_refill"}},
             {"compaction",
              {"none", "atomic_append", "block_scan_append", "cub_partition", "cub_select_flagged", "cub_select_if",
               "cub_three_way", "gap_fill", "thrust_copy_if_index", "thrust_partition", "thrust_remove_if",
@@ -889,6 +889,11 @@ TEST(ApplicabilityTest, SaysWordForWordWhatDoesNotApplyOnCuda) {
          "integrator=megakernel_regen has no queue to sort: needs sorting=none, not bucket"},
         {{{"integrator", "persistent"}, {"layout", "packed"}},
          "integrator=persistent keeps one path in registers, no array of paths: needs layout=aos, not packed"},
+        {{{"integrator", "wavefront_materials"}, {"layout", "packed"}, {"launch", "graph"}}, ""},
+        {{{"integrator", "wavefront_materials"}, {"compaction", "gap_fill"}},
+         "integrator=wavefront_materials appends live paths itself: needs compaction=none, not gap_fill"},
+        {{{"integrator", "wavefront_materials"}, {"sorting", "bucket"}},
+         "integrator=wavefront_materials appends paths by material itself: needs sorting=none, not bucket"},
         {{{"integrator", "wavefront_refill"}, {"layout", "soa"}, {"sorting", "bucket"}}, ""},
         {{{"integrator", "wavefront_refill"}, {"compaction", "gap_fill"}},
          "integrator=wavefront_refill replaces paths that end: needs compaction=none, not gap_fill"},
@@ -1062,7 +1067,7 @@ std::vector<WorkCase> work_cases() {
          on_cuda},
         {"launch", "graph_while", too_short_to_loop, {{one_kernel, "launched no graph"}}, on_cuda},
     };
-    for (const char* name : {"wavefront", "wavefront_fused", "wavefront_refill"}) {
+    for (const char* name : {"wavefront", "wavefront_fused", "wavefront_materials", "wavefront_refill"}) {
         cases.push_back(
             {"integrator", name, launched, {{one_kernel, "ran no queue"}, {queued, "launched no kernel"}}, on_cuda});
     }

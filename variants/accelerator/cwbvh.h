@@ -75,13 +75,6 @@ struct LoadedNode {
     PT_HD std::uint32_t high(int axis, int half) const { return word[10 + 4 * axis + half]; }
 };
 
-PT_HD inline std::uint32_t bits_in(std::uint32_t x) {
-#if defined(__CUDA_ARCH__)
-    return static_cast<std::uint32_t>(__popc(static_cast<int>(x)));
-#else
-    return static_cast<std::uint32_t>(__builtin_popcount(x));
-#endif
-}
 PT_HD inline std::uint32_t highest_bit(std::uint32_t x) {
 #if defined(__CUDA_ARCH__)
     return 31u - static_cast<std::uint32_t>(__clz(static_cast<int>(x)));

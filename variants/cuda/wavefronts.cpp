@@ -61,13 +61,15 @@ private:
 };
 
 Wavefront::Wavefront(Job& job, IntegratorNeeds&& needs, std::size_t real_bytes, std::size_t hit_bytes)
-    : appends_(needs.traits.integrator.appends_in_kernel && needs.traits.compaction.can_append_in_kernel()),
+    : appends_(needs.traits.integrator.appends_itself ||
+               (needs.traits.integrator.appends_in_kernel && needs.traits.compaction.can_append_in_kernel())),
       job_(job),
       needs_(std::move(needs)),
       real_bytes_(real_bytes),
       hit_bytes_(hit_bytes),
       batches_(job, std::min(needs_.tunable("spp_in_flight"), job.all_samples), needs_.traits.launch),
-      reads_back_(!needs_.traits.integrator.refills_queue && needs_.tunable("read_back") != 0),
+      reads_back_(!needs_.traits.integrator.refills_queue && !needs_.traits.integrator.appends_itself &&
+                  needs_.tunable("read_back") != 0),
       pinned_(make_pinned_words(pinned_words)) {}
 
 // ---- the loop over the segments of a batch
@@ -157,11 +159,12 @@ std::uint32_t Wavefront::capacity() const {
     if (pool > 0x7fffffffu) {
         throw Error(fmt::format("{} paths in flight: spp_in_flight is too large for {} pixels", pool, job_.pixels));
     }
-    if (!appends_) {
-        return static_cast<std::uint32_t>(pool);
-    }
+    return appends_ ? slots_for(static_cast<std::uint32_t>(pool)) : static_cast<std::uint32_t>(pool);
+}
+
+std::uint32_t Wavefront::slots_for(std::uint32_t paths) const {
     // Each part of the queue must hold all paths of the thread blocks that append to it.
-    const std::uint64_t blocks = (pool + job_.block - 1) / job_.block;
+    const std::uint64_t blocks = (std::uint64_t{paths} + job_.block - 1) / job_.block;
     const std::uint64_t blocks_per_part = (blocks + parts() - 1) / parts();
     return static_cast<std::uint32_t>(blocks_per_part * parts() * job_.block);
 }

@@ -59,6 +59,8 @@ protected:
     // Number of parts of the queue, each with a counter, to which an integrator's own kernel appends live paths
     // (appends_).
     virtual std::uint32_t parts() const { return 1; }
+    // Number of slots that a store needs for so many paths, where kernels append.
+    virtual std::uint32_t slots_for(std::uint32_t paths) const;
     virtual void reserve_counts(Arena&) {}
     // Ends a graph loop's round of two segments and returns where the paths that live are counted. Leaves queue_.count
     // where the next round expects it.

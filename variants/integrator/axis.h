@@ -13,6 +13,7 @@ struct IntegratorTraits {
     bool sums_in_order = false;         // a pixel's samples are added to the film in their order
     bool traces_in_own_kernel = false;  // rays are traced in a kernel of their own, whose warps may fetch rays
     bool keeps_branches = false;        // a path may split, and the branches that wait are kept beside it
+    bool appends_itself = false;        // integrator's kernel appends live paths to another queue, without a compaction
     bool refills_queue = false;         // the queue holds paths of any number of segments together
     bool inspects = false;              // every path's state is inspected between stages: for health, not for times
 };

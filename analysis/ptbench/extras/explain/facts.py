@@ -19,7 +19,7 @@ MILLION_RAYS, NS_A_RAY = "million rays a spp", "ns a ray"
 # Relative difference below which two clocks or two counts are considered equal.
 _SAME = 0.001
 _CLOCK_MATTERS = 0.005
-_REFILLED = "wavefront_refill"  # integrator whose queue holds live paths only
+_ALL_ALIVE = ("wavefront_materials", "wavefront_refill")  # integrators whose queue holds live paths only
 
 
 @dataclass(frozen=True)
@@ -117,10 +117,10 @@ def _slots(a: Cell, b: Cell) -> Iterator[Fact]:
         share = None if cell.instrumented is None else cell.instrumented.live_share(cell.depth)
         if share is None or cell.axes.get(INTEGRATOR, "").find("wavefront") < 0:
             return None
-        is_refilled = cell.axes[INTEGRATOR] == _REFILLED
-        if is_refilled and cell.tunables.get("refill_every", 1) > 1:
+        is_all_alive = cell.axes[INTEGRATOR] in _ALL_ALIVE
+        if is_all_alive and cell.tunables.get("refill_every", 1) > 1:
             return None  # slots that wait empty for a refill are not counted, so the queue's live share is unknown
-        is_full = cell.counters.get("compactions") or is_refilled
+        is_full = cell.counters.get("compactions") or is_all_alive
         return 1.0 if is_full else share
 
     shares = live_share(a), live_share(b)

@@ -1,0 +1,157 @@
+// How kernels append paths to queues by material type (material_queues.h), and how their blocks take paths from them.
+#pragma once
+
+#include "variants/cuda/device/append.cuh"
+#include "variants/cuda/device/material_queues.h"
+#include "variants/cuda/device/surface_kinds.cuh"
+
+// The material types that end paths, a bit each.
+__device__ constexpr std::uint32_t types_that_end_paths() {
+    using namespace pt::material_trait;
+    std::uint32_t types = 0;
+#define PT_ADD_TYPE(name, Type, traits) \
+    types |= ((traits)&ends_paths) != 0 ? 1u << static_cast<std::uint32_t>(pt::MaterialType::name) : 0u;
+    PT_MATERIALS(PT_ADD_TYPE)
+#undef PT_ADD_TYPE
+    return types;
+}
+
+// Kinds of paths that are kept apart. A path whose hit ends it has a kind of its own only where the light that it meets
+// costs something to weigh, as next-event estimation does; else it is shaded at once.
+struct QueueKinds {
+    static constexpr bool keeps_ends = tuned::by_material != 0 && pt::has<Configuration>(pt::Feature::next_event);
+    static constexpr std::uint32_t ending = 0;  // kind of a path that its hit ends, if keeps_ends
+    static constexpr SurfaceKinds surfaces = SurfaceKinds::after(keeps_ends ? 1 : 0);
+    static constexpr std::uint32_t count = (keeps_ends ? 1 : 0) + (surfaces.count == 0 ? 1 : surfaces.count);
+    static_assert(count == pt::cuda::kinds_of_paths(Configuration::features, tuned::by_material != 0));
+    static_assert(count > 0 && count <= warp_size);
+
+    // Whether shading the path's hit ends the path, whatever the random numbers.
+    __device__ static bool is_ended_by(const Scene& scene, const Path& path, const Hit& hit) {
+        if (!hit.side.exists() || path.segment + 1 >= scene.longest_path()) {
+            return true;
+        }
+        constexpr std::uint32_t types = types_that_end_paths();
+        return ((types >> static_cast<std::uint32_t>(scene.surfaces[hit.side.object()].type)) & 1u) != 0;
+    }
+    __device__ static std::uint32_t of(const Scene& scene, std::uint32_t object) {
+        const std::uint32_t type = static_cast<std::uint32_t>(scene.surfaces[object].type);
+        return count == 1 ? 0 : static_cast<std::uint32_t>(surfaces.table >> (4 * type)) & 15u;
+    }
+};
+
+namespace pt::cuda {
+
+// Each kind has tuned::append_counters queues, since appending to one counter waits for all others that do.
+inline constexpr std::uint32_t queues_of_all_kinds = QueueKinds::count * tuned::append_counters;
+// Words of the counts of one segment's queues.
+inline constexpr std::uint32_t words_of_counts = (queues_of_all_kinds + 1) * counter_stride;
+
+// The chunk of the queues that a thread block works on: its paths lie in slots `first` to `first` + `count` - 1.
+struct Chunk {
+    std::uint32_t first, count;
+};
+
+// Takes the block's chunk out of the queues: the first blocks have the first queue's chunks, and so on; blocks beyond
+// the last chunk get none. Every thread of the block must call it, once in a kernel.
+__device__ inline Chunk take_chunk(const MaterialQueues<Real>& in) {
+    constexpr std::uint32_t block = kernel_config.block;
+    __shared__ Chunk taken;
+    if (threadIdx.x < warp_size) {
+        if (lane() == 0) {
+            taken = {0, 0};
+        }
+        __syncwarp();
+        std::uint32_t before = 0;  // number of chunks of the queues looked at so far
+        for (std::uint32_t first = 0; first < queues_of_all_kinds && before <= blockIdx.x; first += warp_size) {
+            const std::uint32_t queue = first + lane();
+            const std::uint32_t paths = queue < queues_of_all_kinds ? in.counts[queue * counter_stride] : 0;
+            const std::uint32_t chunks = (paths + block - 1) / block;
+            std::uint32_t end = chunks;
+            for (unsigned offset = 1; offset < warp_size; offset *= 2) {
+                const std::uint32_t left = __shfl_up_sync(all_lanes, end, offset);
+                end += lane() >= offset ? left : 0;
+            }
+            end += before;
+            if (blockIdx.x < end && blockIdx.x >= end - chunks) {
+                const std::uint32_t number = blockIdx.x - (end - chunks);
+                std::uint32_t& chunk = in.chunks[static_cast<std::size_t>(queue) * in.chunks_per_queue + number];
+                const std::uint32_t left = paths - number * block;
+                taken = {chunk * block, left < block ? left : block};
+                chunk = no_chunk;
+            }
+            before = __shfl_sync(all_lanes, end, static_cast<int>(warp_size - 1));
+        }
+    }
+    __syncthreads();
+    return taken;
+}
+
+// Positions of a queue that a block has reserved: from `first` on, in chunk `chunks[0]` of the store and, where they go
+// on, in chunk `chunks[1]`.
+struct Reserved {
+    std::uint32_t first, chunks[2];
+};
+
+// Reserves positions at the end of a queue. A chunk gets its place in the store from whoever reserves its first
+// position; others wait for that, which no wait for them delays.
+__device__ inline Reserved reserve(const MaterialQueues<Real>& out, std::uint32_t queue, std::uint32_t count) {
+    constexpr std::uint32_t block = kernel_config.block;
+    const std::uint32_t first = atomicAdd(&out.counts[queue * counter_stride], count);
+    std::uint32_t* const chunk = out.chunks + static_cast<std::size_t>(queue) * out.chunks_per_queue + first / block;
+    const auto place = [&](std::uint32_t* of) {
+        const std::uint32_t placed = atomicAdd(&out.counts[queues_of_all_kinds * counter_stride], 1u);
+        atomicExch(of, placed);
+        return placed;
+    };
+    Reserved reserved{first, {no_chunk, no_chunk}};
+    if (first % block == 0) {
+        reserved.chunks[0] = place(chunk);
+    }
+    if ((first + count - 1) / block != first / block) {
+        reserved.chunks[1] = place(chunk + 1);
+    }
+    while (reserved.chunks[0] == no_chunk) {
+        reserved.chunks[0] = atomicAdd(chunk, 0u);
+    }
+    return reserved;
+}
+
+// Gives each thread that keeps a path a slot in a queue of its kind. Every thread of the block must call it, once in a
+// kernel.
+__device__ inline std::uint32_t append_to_kind(const MaterialQueues<Real>& out, bool keeps, std::uint32_t kind) {
+    constexpr std::uint32_t block = kernel_config.block;
+    __shared__ std::uint32_t kept[QueueKinds::count];
+    __shared__ Reserved reserved[QueueKinds::count];
+    if (threadIdx.x < QueueKinds::count) {
+        kept[threadIdx.x] = 0;
+    }
+    __syncthreads();
+    unsigned peers;  // lanes whose paths are of one kind, as the calling lane's
+    if constexpr (QueueKinds::count == 1) {
+        const unsigned keeping = __ballot_sync(all_lanes, keeps);
+        peers = keeps ? keeping : ~keeping;
+    } else {
+        peers = __match_any_sync(all_lanes, keeps ? kind : QueueKinds::count);
+    }
+    const std::uint32_t rank = static_cast<std::uint32_t>(__popc(peers & ((1u << lane()) - 1u)));
+    std::uint32_t place = 0;
+    if (keeps && rank == 0) {
+        place = atomicAdd(&kept[kind], static_cast<std::uint32_t>(__popc(peers)));
+    }
+    place = __shfl_sync(all_lanes, place, __ffs(static_cast<int>(peers)) - 1) + rank;
+    __syncthreads();
+    if (threadIdx.x < QueueKinds::count && kept[threadIdx.x] != 0) {
+        const std::uint32_t queue = threadIdx.x * tuned::append_counters + blockIdx.x % tuned::append_counters;
+        reserved[threadIdx.x] = reserve(out, queue, kept[threadIdx.x]);
+    }
+    __syncthreads();
+    if (!keeps) {
+        return 0;
+    }
+    const Reserved& mine = reserved[kind];
+    const std::uint32_t position = mine.first + place;
+    return mine.chunks[position / block - mine.first / block] * block + position % block;
+}
+
+}  // namespace pt::cuda

@@ -1,0 +1,370 @@
+// The integrator wavefront_materials: one kernel a bounce over a queue for each type of material. A thread shades its
+// path's hit, traces the next ray, and appends the path to the queue of the material that the ray has met; so blocks
+// shade one type of material, ended paths leave by themselves, and a path's state moves once a bounce. Rays that enter
+// a mesh may go on through it in a kernel of their own, between tracing and shading. Queues by material as in Laine,
+// Karras and Aila 2013 and in pbrt-v4.
+#pragma once
+
+#include "kernels/film.h"
+#include "variants/cuda/device/material_queues.h"
+#include "variants/cuda/device/mesh_queue.h"
+#include "variants/cuda/device/parameters.h"
+
+namespace pt::cuda {
+
+// Parameters of the kernel that starts path i (pixel i mod pixels, sample first_sample + i / pixels), for i below
+// `pool`, and traces its first ray; if `cursor` is not null, the first sample is read from it.
+template <class Real>
+struct TraceFirstParameters {
+    static constexpr const char* kernel = "trace_first";
+    SceneView<Real> scene;
+    FilmView film;
+    MaterialQueues<Real> out;
+    std::uint32_t pool;
+    std::uint32_t first_sample;
+    const std::uint32_t* cursor;
+    HitCache<Real> cache;
+    Totals* totals;
+    SegmentCounts segments;
+    MeshQueue meshes;  // gets the slots of paths whose rays traversal=persistent takes through meshes
+};
+
+// Parameters of the kernel that shades the hits of segment number `segment` and traces the next one.
+template <class Real>
+struct ShadeAndTraceParameters {
+    static constexpr const char* kernel = "shade_and_trace";
+    SceneView<Real> scene;
+    FilmView film;
+    MaterialQueues<Real> in;
+    MaterialQueues<Real> out;
+    std::uint32_t* counts_after;  // counts for the segment after the next, which the kernel sets to 0
+    std::uint32_t segment;
+    Totals* totals;
+    SegmentCounts segments;
+    MeshQueue meshes;
+};
+
+}  // namespace pt::cuda
+
+#if !defined(PT_HOST) && !defined(PT_PARAMETERS)  // device part of this file: kernels, which NVRTC compiles
+
+#include "variants/cuda/device/advance.cuh"
+#include "variants/cuda/device/material_queues.cuh"
+#include "variants/cuda/device/mesh_queue.cuh"
+#include "variants/cuda/device/queue_slots.cuh"
+
+// A ray's hit, and whether the ray is to go on through a mesh that it enters before this hit.
+struct TracedHit {
+    Hit hit;
+    bool waits;
+};
+
+__device__ inline TracedHit trace_or_wait(const SceneViews& scene, const Path& path) {
+    if constexpr (pt::cuda::fetches_paths<Accelerator>) {
+        const pt::Ray<Real> ray = pt::ray_of(path);
+        const Hit hit = pt::closest_hit<pt::cuda::WithoutMeshes>(scene.trace, ray);
+        return {hit, pt::cuda::enters_mesh<Accelerator>(scene.trace, ray, hit)};
+    } else {
+        return {trace(scene, path), false};
+    }
+}
+
+// Whether a path with this hit goes into a queue; else the hit ends the path, and is shaded at once.
+__device__ inline bool is_kept(const SceneViews& scene, const Path& path, const TracedHit& traced) {
+    return traced.waits || QueueKinds::keeps_ends || !QueueKinds::is_ended_by(scene.shade, path, traced.hit);
+}
+
+// The kind of a path that goes into a queue. For one that waits it is the first mesh's, which it will mostly meet.
+__device__ inline std::uint32_t kind_of(const SceneViews& scene, const Path& path, const TracedHit& traced) {
+    if (traced.waits) {
+        return QueueKinds::of(scene.shade, pt::first_of<pt::ShapeKind::mesh>(scene.shade));
+    }
+    if (QueueKinds::keeps_ends && QueueKinds::is_ended_by(scene.shade, path, traced.hit)) {
+        return QueueKinds::ending;
+    }
+    return QueueKinds::of(scene.shade, traced.hit.side.object());
+}
+
+__device__ inline void end_path(const FilmView& film, const Path& path, ThreadCounters& counters) {
+    pt::accumulate(film, path);
+    counters.paths += 1;
+}
+
+// Puts a path into the queue of its kind, with its hit. Every thread of the block must call it.
+__device__ inline void put_path(const SceneViews& scene, Path& path, const TracedHit& traced, bool keeps,
+                                const pt::cuda::MaterialQueues<Real>& out, const pt::cuda::MeshQueue& meshes) {
+    const std::uint32_t kind = keeps ? kind_of(scene, path, traced) : 0;
+    const std::uint32_t slot = pt::cuda::append_to_kind(out, keeps, kind);
+    if (keeps) {
+        if constexpr (carried_fields.primitive) {
+            if (!traced.waits) {
+                path.primitive = traced.hit.primitive;
+            }
+        }
+        Paths(out.paths).put<carried_fields>(slot, path);
+        out.hits[slot] = {traced.hit.t, traced.hit.side};
+    }
+    if constexpr (pt::cuda::fetches_paths<Accelerator>) {
+        pt::cuda::put_position(meshes, keeps && traced.waits, slot);
+    }
+}
+
+// Counts the paths whose ray of a segment was traced: `in_queue` of the block's, and those that were `shaded_at_once`.
+__device__ inline void count_traced(const SegmentCounts& segments, std::uint32_t segment, std::uint32_t in_queue,
+                                    std::uint32_t next, bool shaded_at_once) {
+    const std::uint32_t ended = static_cast<std::uint32_t>(__syncthreads_count(shaded_at_once ? 1 : 0));
+    if (threadIdx.x == 0) {
+        const std::uint32_t copy = blockIdx.x % segments.copies;
+        const auto add = [&](std::uint32_t to, std::uint32_t count) {
+            if (count != 0) {
+                const std::size_t at = static_cast<std::size_t>(to) * segments.copies + copy;
+                pt::atomic_add(&segments.live[at], std::uint64_t{count});
+                pt::atomic_add(&segments.in_play[at], std::uint64_t{count});
+            }
+        };
+        add(segment, in_queue);
+        add(next, ended);
+    }
+}
+
+PT_KERNEL(trace_first, pt::cuda::TraceFirstParameters<Real>,
+          (const __grid_constant__ Scene parameter, FilmView film, pt::cuda::MaterialQueues<Real> out,
+           std::uint32_t pool, std::uint32_t first_sample, const std::uint32_t* cursor, HitCache cache, Totals* totals,
+           SegmentCounts segments, pt::cuda::MeshQueue meshes)) {
+    const SceneViews scene(parameter);
+    ThreadCounters counters;
+    const std::uint32_t i = pt::cuda::thread_number();
+    const bool mine = i < pool;
+    Path path;
+    TracedHit traced{};
+    bool keeps = false;
+    if (mine) {
+        const std::uint32_t first = cursor != nullptr ? *cursor : first_sample;
+        path = pt::cuda::path_of_number(scene.shade, i, first, cache);
+        if (kernel_config.keeps_first_hits) {
+            traced.hit = first_hit(scene, path, cache);
+        } else {
+            traced = trace_or_wait(scene, path);
+        }
+        keeps = is_kept(scene, path, traced);
+        if (!keeps) {
+            shade(scene, path, traced.hit, counters);
+            end_path(film, path, counters);
+        }
+    }
+    put_path(scene, path, traced, keeps, out, meshes);
+    count_traced(segments, 0, 0, 0, mine && !keeps);
+    pt::cuda::add_shade_counters(totals, counters);
+}
+
+PT_KERNEL(shade_and_trace, pt::cuda::ShadeAndTraceParameters<Real>,
+          (const __grid_constant__ Scene parameter, FilmView film, pt::cuda::MaterialQueues<Real> in,
+           pt::cuda::MaterialQueues<Real> out, std::uint32_t* counts_after, std::uint32_t segment, Totals* totals,
+           SegmentCounts segments, pt::cuda::MeshQueue meshes)) {
+    if (blockIdx.x == 0) {
+        for (std::uint32_t i = threadIdx.x; i < pt::cuda::words_of_counts; i += kernel_config.block) {
+            counts_after[i] = 0;
+        }
+    }
+    const pt::cuda::Chunk chunk = pt::cuda::take_chunk(in);
+    if (chunk.count == 0) {
+        return;
+    }
+    const SceneViews scene(parameter);
+    ThreadCounters counters;
+    Path path;
+    TracedHit traced{};
+    bool keeps = false;
+    bool shaded_at_once = false;
+    if (threadIdx.x < chunk.count) {
+        const std::uint32_t slot = chunk.first + threadIdx.x;
+        path = load_path(Paths(in.paths), slot, scene.shade);
+        const StoredHit stored = in.hits[slot];
+        traced.hit = {stored.t, stored.side, path.primitive};
+        // A hit that ends the path is shaded in the loop's second turn, by the same code.
+        while (shade(scene, path, traced.hit, counters)) {
+            traced = trace_or_wait(scene, path);
+            keeps = is_kept(scene, path, traced);
+            if (keeps) {
+                break;
+            }
+            shaded_at_once = true;
+        }
+        if (!keeps) {
+            end_path(film, path, counters);
+        }
+    }
+    put_path(scene, path, traced, keeps, out, meshes);
+    count_traced(segments, segment, chunk.count, segment + 1, shaded_at_once);
+    pt::cuda::add_shade_counters(totals, counters);
+}
+
+#endif
+
+#if defined(PT_HOST)  // host part of this file: kernel launches, and the integrator's descriptor
+
+#include "variants/cuda/wavefronts.h"
+
+namespace pt::cuda::integrator::wavefront_materials {
+namespace {
+
+constexpr Tunable tunables[] = {wavefront_tunables[0],
+                                wavefront_tunables[1],
+                                wavefront_tunables[2],
+                                wavefront_tunables[3],
+                                {"append_counters", 4, 1, 16, 1,
+                                 "queues of each kind, with a counter each: block b appends to number b mod so many"},
+                                {"by_material", 1, 0, 1, 1, "1: a queue for each type of material; 0: one for all"}};
+
+Reason unsupported_reason(FeatureSet, const VariantTraits& variant) {
+    if (variant.compaction.compacts) {
+        return {"appends_itself",
+                "appends live paths itself: needs compaction=none, not " + std::string(variant.compaction.name)};
+    }
+    if (variant.sorting.sorts) {
+        return {"appends_itself",
+                "appends paths by material itself: needs sorting=none, not " + std::string(variant.sorting.name)};
+    }
+    return {};
+}
+
+constexpr Descriptor descriptor{
+    .axis = "integrator",
+    .name = "wavefront_materials",
+    .summary = "one kernel a bounce, which shades, traces on, and appends to the queue of the material met",
+    .origin = "Laine, Karras and Aila 2013; pbrt-v4 (a queue for each material)",
+    .traits = IntegratorTraits{.has_queue = true, .traces_in_own_kernel = true, .appends_itself = true},
+    .backends = on_cuda,
+    .tunables = tunables,
+    .unsupported_reason = unsupported_reason,
+    .check_counters = wavefront_work_missing,
+};
+
+template <class Real>
+class MaterialWavefront final : public Wavefront {
+public:
+    MaterialWavefront(JobOf<Real>& job, IntegratorNeeds&& needs)
+        : Wavefront(job, std::move(needs), sizeof(Real), 0),
+          job_(job),
+          queues_(kinds_of_paths(this->needs().features, this->needs().tunable("by_material") != 0) *
+                  this->needs().tunable("append_counters")) {
+        if (this->needs().traits.traversal.needs_own_kernel) {
+            const int blocks = job.module->blocks_per_multiprocessor(IntersectMeshesParameters<Real>::kernel,
+                                                                     fetching_block(job.block));
+            fetching_blocks_ = static_cast<std::uint32_t>(blocks) * job.multiprocessors;
+        }
+    }
+
+    static std::vector<KernelSignature> kernels() {
+        return {kernel_of<TraceFirstParameters<Real>>(), kernel_of<ShadeAndTraceParameters<Real>>(),
+                kernel_of<AdvanceParameters>(false)};
+    }
+
+private:
+    void fill_first_hits() override { fill_cache(job_); }
+
+    // Each queue may have one chunk that is not full.
+    std::uint32_t slots_for(std::uint32_t paths) const override {
+        return ((paths + job_.block - 1) / job_.block + queues_) * job_.block;
+    }
+
+    void reserve_counts(Arena& arena) override {
+        const std::uint32_t slots = slots_for(job_.pixels * batches().samples_in_flight());
+        chunks_per_queue_ = slots / job_.block;
+        for (Side& side : sides_) {
+            side.hits = arena.take<StoredHit<Real>>(slots);
+            side.chunks = arena.take<std::uint32_t>(std::size_t{queues_} * chunks_per_queue_);
+        }
+        counts_ = arena.take<std::uint32_t>(segments_counted * words_per_segment());
+        if (fetching_blocks_ != 0) {
+            meshes_ = {arena.take<std::uint32_t>(slots), arena.take<ListCounts>(1)};
+        }
+    }
+
+    void begin(std::uint32_t first_sample) override {
+        clear(counts_, segments_counted * words_per_segment() * sizeof(std::uint32_t), job_.stream);
+        for (const Side& side : sides_) {
+            const std::size_t bytes = std::size_t{queues_} * chunks_per_queue_ * sizeof(std::uint32_t);
+            PT_CUDA_CHECK(cudaMemsetAsync(side.chunks, 0xff, bytes, job_.stream));
+        }
+        if (fetching_blocks_ != 0) {
+            clear(meshes_.counts, sizeof(ListCounts), job_.stream);
+        }
+        {
+            const Stage stage(job_.stages, "generate", job_.stream);
+            job_.launch(queue_.bound, TraceFirstParameters<Real>{job_.scene, job_.film, queues(0), queue_.bound,
+                                                                 first_sample, batches().cursor(), job_.cache,
+                                                                 job_.totals, job_.segments, meshes_});
+        }
+        go_through_meshes(0);
+        trace(0);
+        end_segment(0);
+    }
+
+    void trace(std::uint32_t segment) override {
+        {
+            const Stage stage(job_.stages, "bounce", job_.stream);
+            job_.launch(slots_for(queue_.bound),
+                        ShadeAndTraceParameters<Real>{job_.scene, job_.film, queues(segment), queues(segment + 1),
+                                                      queues(segment + 2).counts, segment, job_.totals, job_.segments,
+                                                      meshes_});
+        }
+        if (!is_last(segment)) {
+            go_through_meshes(segment + 1);
+        }
+    }
+
+    // Takes the rays of a segment that enter meshes through them.
+    void go_through_meshes(std::uint32_t segment) {
+        if (fetching_blocks_ == 0) {
+            return;
+        }
+        const Stage stage(job_.stages, "intersect", job_.stream);
+        const std::uint32_t fetching = fetching_block(job_.block);
+        const MaterialQueues<Real> at = queues(segment);
+        job_.launch_blocks(std::min(fetching_blocks_, (queue_.bound + fetching - 1) / fetching), fetching,
+                           IntersectMeshesParameters<Real>{job_.scene, at.paths, nullptr, meshes_, at.hits, nullptr, 0,
+                                                           1, needs().key_bounds});
+    }
+
+    std::size_t words_per_segment() const { return (queues_ + std::size_t{1}) * counter_stride; }
+    // The queues of paths whose ray of this segment has been traced. Segments use the two sides in turn, and the counts
+    // of the three segments that a kernel reads, writes and clears.
+    static constexpr std::uint32_t segments_counted = 3;
+    MaterialQueues<Real> queues(std::uint32_t segment) const {
+        const Side& side = sides_[segment % 2];
+        return {segment % 2 == 0 ? queue_.paths : queue_.spare, side.hits, side.chunks,
+                counts_ + segment % segments_counted * words_per_segment(), chunks_per_queue_};
+    }
+
+    struct Side {
+        StoredHit<Real>* hits = nullptr;
+        std::uint32_t* chunks = nullptr;
+    };
+
+    JobOf<Real>& job_;
+    std::uint32_t queues_;  // number of queues of all kinds
+    std::uint32_t chunks_per_queue_ = 0;
+    std::uint32_t fetching_blocks_ = 0;  // blocks of the kernel that takes rays through meshes: as many as fit at once
+    Side sides_[2];
+    std::uint32_t* counts_ = nullptr;  // in device memory: counts of the queues of three segments
+    MeshQueue meshes_;
+};
+
+IntegratorHook hook() {
+    IntegratorHook made = integrator_hook<MaterialWavefront>();
+    made.stores_hits = true;
+    made.constants = [](const Variant& variant) -> std::vector<KernelConstant> {
+        return {{"append_counters", tunable(variant, "append_counters", Backend::cuda)},
+                {"by_material", tunable(variant, "by_material", Backend::cuda)}};
+    };
+    made.meshes = kernel_part<IntersectMeshesParameters>("variants/integrator/wavefront_fetching.cuh");
+    return made;
+}
+
+const Registration registration(descriptor, {.cuda = {.integrator = hook()}});
+
+}  // namespace
+}  // namespace pt::cuda::integrator::wavefront_materials
+
+#endif
