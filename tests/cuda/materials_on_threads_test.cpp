@@ -48,14 +48,15 @@ namespace {
 constexpr std::uint32_t samples = 3, width = 11, height = 7, total = samples * width * height;
 constexpr std::uint32_t first_sample = 2;
 constexpr std::uint32_t queues = cuda::queues_of_all_kinds;
-constexpr std::uint32_t chunks = (total + kernel_config.block - 1) / kernel_config.block + queues;
-constexpr std::uint32_t slots = chunks * kernel_config.block;
+constexpr std::uint32_t blocks = (total + kernel_config.block - 1) / kernel_config.block + queues;
+constexpr std::uint32_t chunks = (total + cuda::slots_per_chunk - 1) / cuda::slots_per_chunk + queues;
+constexpr std::uint32_t slots = chunks * cuda::slots_per_chunk;
+constexpr std::uint32_t words_of_counts = (queues + 1) * cuda::counter_stride;
 
 // One of the two sides that paths go to and fro between, as the host's side reserves it.
 struct Side {
-    std::vector<layout::aos::Record<float>> records{slots};
-    std::vector<StoredHit<float>> hits{slots};
-    std::vector<std::uint32_t> chunk_places = std::vector<std::uint32_t>(std::size_t{queues} * chunks, cuda::no_chunk);
+    std::vector<layout::aos::Record<float>> records = std::vector<layout::aos::Record<float>>(slots);
+    std::vector<StoredHit<float>> hits = std::vector<StoredHit<float>>(slots);
 };
 
 class MaterialQueueing {
@@ -73,13 +74,13 @@ public:
     void bounce(std::uint32_t segment) {
         expect_each_path_once(segment);
         const FilmView sums = film_.view();
-        run(chunks, [&] {
-            ::shade_and_trace(view_, sums, at(segment), at(segment + 1), at(segment + 2).counts, segment,
-                              totals_.data(), segments(), list());
+        run(blocks, [&] {
+            ::shade_and_trace(view_, sums, at(segment), at(segment + 1), words_[(segment + 2) % 3].data(),
+                              static_cast<std::uint32_t>(words_[0].size()), segment, totals_.data(), segments(),
+                              list());
         });
-        const Side& emptied = sides_[segment % 2];
-        EXPECT_EQ(std::count(emptied.chunk_places.begin(), emptied.chunk_places.end(), cuda::no_chunk),
-                  static_cast<std::ptrdiff_t>(emptied.chunk_places.size()));
+        const std::vector<std::uint32_t>& cleared = words_[(segment + 2) % 3];
+        EXPECT_EQ(std::count(cleared.begin(), cleared.end(), 0u), static_cast<std::ptrdiff_t>(cleared.size()));
         go_through_meshes(segment + 1);
     }
 
@@ -104,10 +105,11 @@ private:
     }
     cuda::MaterialQueues<float> at(std::uint32_t segment) {
         Side& side = sides_[segment % 2];
+        std::uint32_t* const counts = words_[segment % 3].data();
         return {{reinterpret_cast<unsigned char*>(side.records.data()), slots},
                 side.hits.data(),
-                side.chunk_places.data(),
-                counts_[segment % 3].data(),
+                counts,
+                counts + words_of_counts,
                 chunks};
     }
     cuda::MeshQueue list() { return {waiting_.data(), &list_counts_}; }
@@ -129,9 +131,9 @@ private:
         for (std::uint32_t number = 0; number < queues; ++number) {
             const std::uint32_t count = queue.counts[number * cuda::counter_stride];
             for (std::uint32_t position = 0; position < count; ++position) {
-                const std::uint32_t place = queue.chunks[number * chunks + position / kernel_config.block];
+                const std::uint32_t place = cuda::place_of_chunk(queue, number, position) - 1;
                 ASSERT_LT(place, chunks);
-                const std::uint32_t slot = place * kernel_config.block + position % kernel_config.block;
+                const std::uint32_t slot = place * cuda::slots_per_chunk + position % cuda::slots_per_chunk;
                 const Path<float> path = paths.load(slot);
                 EXPECT_TRUE(seen.insert({path.pixel, path.sample}).second);
                 EXPECT_EQ(path.segment, segment);
@@ -147,9 +149,10 @@ private:
     SceneView<float> view_;
     Film film_;
     Side sides_[2];
-    std::vector<std::uint32_t> counts_[3] = {std::vector<std::uint32_t>(cuda::words_of_counts),
-                                             std::vector<std::uint32_t>(cuda::words_of_counts),
-                                             std::vector<std::uint32_t>(cuda::words_of_counts)};
+    // Counts and chunks of three segments.
+    std::vector<std::uint32_t> words_[3] = {std::vector<std::uint32_t>(words_of_counts + queues * chunks),
+                                            std::vector<std::uint32_t>(words_of_counts + queues * chunks),
+                                            std::vector<std::uint32_t>(words_of_counts + queues * chunks)};
     std::vector<std::uint32_t> waiting_ = std::vector<std::uint32_t>(slots);
     cuda::ListCounts list_counts_ = {};
     std::vector<std::uint64_t> live_, in_play_;

@@ -37,7 +37,8 @@ struct ShadeAndTraceParameters {
     FilmView film;
     MaterialQueues<Real> in;
     MaterialQueues<Real> out;
-    std::uint32_t* counts_after;  // counts for the segment after the next, which the kernel sets to 0
+    std::uint32_t* unused;  // words for the counts and chunks of the segment after the next, which the kernel clears
+    std::uint32_t unused_words;
     std::uint32_t segment;
     Totals* totals;
     SegmentCounts segments;
@@ -159,15 +160,13 @@ PT_KERNEL(trace_first, pt::cuda::TraceFirstParameters<Real>,
 
 PT_KERNEL(shade_and_trace, pt::cuda::ShadeAndTraceParameters<Real>,
           (const __grid_constant__ Scene parameter, FilmView film, pt::cuda::MaterialQueues<Real> in,
-           pt::cuda::MaterialQueues<Real> out, std::uint32_t* counts_after, std::uint32_t segment, Totals* totals,
-           SegmentCounts segments, pt::cuda::MeshQueue meshes)) {
-    if (blockIdx.x == 0) {
-        for (std::uint32_t i = threadIdx.x; i < pt::cuda::words_of_counts; i += kernel_config.block) {
-            counts_after[i] = 0;
-        }
+           pt::cuda::MaterialQueues<Real> out, std::uint32_t* unused, std::uint32_t unused_words, std::uint32_t segment,
+           Totals* totals, SegmentCounts segments, pt::cuda::MeshQueue meshes)) {
+    for (std::uint32_t i = pt::cuda::thread_number(); i < unused_words; i += pt::cuda::thread_count()) {
+        unused[i] = 0;
     }
-    const pt::cuda::Chunk chunk = pt::cuda::take_chunk(in);
-    if (chunk.count == 0) {
+    const pt::cuda::BlockSlots slots = pt::cuda::slots_of_block(in);
+    if (slots.count == 0) {
         return;
     }
     const SceneViews scene(parameter);
@@ -176,8 +175,8 @@ PT_KERNEL(shade_and_trace, pt::cuda::ShadeAndTraceParameters<Real>,
     TracedHit traced{};
     bool keeps = false;
     bool shaded_at_once = false;
-    if (threadIdx.x < chunk.count) {
-        const std::uint32_t slot = chunk.first + threadIdx.x;
+    if (threadIdx.x < slots.count) {
+        const std::uint32_t slot = slots.first + threadIdx.x;
         path = load_path(Paths(in.paths), slot, scene.shade);
         const StoredHit stored = in.hits[slot];
         traced.hit = {stored.t, stored.side, path.primitive};
@@ -195,7 +194,7 @@ PT_KERNEL(shade_and_trace, pt::cuda::ShadeAndTraceParameters<Real>,
         }
     }
     put_path(scene, path, traced, keeps, out, meshes);
-    count_traced(segments, segment, chunk.count, segment + 1, shaded_at_once);
+    count_traced(segments, segment, slots.count, segment + 1, shaded_at_once);
     pt::cuda::add_shade_counters(totals, counters);
 }
 
@@ -265,28 +264,28 @@ private:
 
     // Each queue may have one chunk that is not full.
     std::uint32_t slots_for(std::uint32_t paths) const override {
+        const std::uint32_t slots_per_chunk = blocks_per_chunk * job_.block;
+        return ((paths + slots_per_chunk - 1) / slots_per_chunk + queues_) * slots_per_chunk;
+    }
+    // Each queue may have one block that is not full.
+    std::uint32_t threads_for(std::uint32_t paths) const {
         return ((paths + job_.block - 1) / job_.block + queues_) * job_.block;
     }
 
     void reserve_counts(Arena& arena) override {
         const std::uint32_t slots = slots_for(job_.pixels * batches().samples_in_flight());
-        chunks_per_queue_ = slots / job_.block;
-        for (Side& side : sides_) {
-            side.hits = arena.take<StoredHit<Real>>(slots);
-            side.chunks = arena.take<std::uint32_t>(std::size_t{queues_} * chunks_per_queue_);
+        chunks_per_queue_ = slots / (blocks_per_chunk * job_.block);
+        for (StoredHit<Real>*& hits : hits_) {
+            hits = arena.take<StoredHit<Real>>(slots);
         }
-        counts_ = arena.take<std::uint32_t>(segments_counted * words_per_segment());
+        words_ = arena.take<std::uint32_t>(segments_counted * words_per_segment());
         if (fetching_blocks_ != 0) {
             meshes_ = {arena.take<std::uint32_t>(slots), arena.take<ListCounts>(1)};
         }
     }
 
     void begin(std::uint32_t first_sample) override {
-        clear(counts_, segments_counted * words_per_segment() * sizeof(std::uint32_t), job_.stream);
-        for (const Side& side : sides_) {
-            const std::size_t bytes = std::size_t{queues_} * chunks_per_queue_ * sizeof(std::uint32_t);
-            PT_CUDA_CHECK(cudaMemsetAsync(side.chunks, 0xff, bytes, job_.stream));
-        }
+        clear(words_, segments_counted * words_per_segment() * sizeof(std::uint32_t), job_.stream);
         if (fetching_blocks_ != 0) {
             clear(meshes_.counts, sizeof(ListCounts), job_.stream);
         }
@@ -304,10 +303,11 @@ private:
     void trace(std::uint32_t segment) override {
         {
             const Stage stage(job_.stages, "bounce", job_.stream);
-            job_.launch(slots_for(queue_.bound),
+            job_.launch(threads_for(queue_.bound),
                         ShadeAndTraceParameters<Real>{job_.scene, job_.film, queues(segment), queues(segment + 1),
-                                                      queues(segment + 2).counts, segment, job_.totals, job_.segments,
-                                                      meshes_});
+                                                      queues(segment + 2).counts,
+                                                      static_cast<std::uint32_t>(words_per_segment()), segment,
+                                                      job_.totals, job_.segments, meshes_});
         }
         if (!is_last(segment)) {
             go_through_meshes(segment + 1);
@@ -327,27 +327,24 @@ private:
                                                            1, needs().key_bounds});
     }
 
-    std::size_t words_per_segment() const { return (queues_ + std::size_t{1}) * counter_stride; }
-    // The queues of paths whose ray of this segment has been traced. Segments use the two sides in turn, and the counts
-    // of the three segments that a kernel reads, writes and clears.
+    std::size_t words_of_counts() const { return (queues_ + std::size_t{1}) * counter_stride; }
+    std::size_t words_per_segment() const { return words_of_counts() + std::size_t{queues_} * chunks_per_queue_; }
+    // The queues of paths whose ray of this segment has been traced. Segments use two stores in turn, and the words for
+    // counts and chunks of three segments: a kernel reads one, writes one, and clears one.
     static constexpr std::uint32_t segments_counted = 3;
     MaterialQueues<Real> queues(std::uint32_t segment) const {
-        const Side& side = sides_[segment % 2];
-        return {segment % 2 == 0 ? queue_.paths : queue_.spare, side.hits, side.chunks,
-                counts_ + segment % segments_counted * words_per_segment(), chunks_per_queue_};
+        const bool is_even = segment % 2 == 0;
+        std::uint32_t* const counts = words_ + segment % segments_counted * words_per_segment();
+        return {is_even ? queue_.paths : queue_.spare, hits_[is_even ? 0 : 1], counts, counts + words_of_counts(),
+                chunks_per_queue_};
     }
-
-    struct Side {
-        StoredHit<Real>* hits = nullptr;
-        std::uint32_t* chunks = nullptr;
-    };
 
     JobOf<Real>& job_;
     std::uint32_t queues_;  // number of queues of all kinds
     std::uint32_t chunks_per_queue_ = 0;
     std::uint32_t fetching_blocks_ = 0;  // blocks of the kernel that takes rays through meshes: as many as fit at once
-    Side sides_[2];
-    std::uint32_t* counts_ = nullptr;  // in device memory: counts of the queues of three segments
+    StoredHit<Real>* hits_[2] = {};      // hits of the paths in queue_.paths, and of those in queue_.spare
+    std::uint32_t* words_ = nullptr;     // in device memory: counts and chunks of the queues of three segments
     MeshQueue meshes_;
 };
 

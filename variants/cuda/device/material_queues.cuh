@@ -44,75 +44,83 @@ namespace pt::cuda {
 
 // Each kind has tuned::append_counters queues, since appending to one counter waits for all others that do.
 inline constexpr std::uint32_t queues_of_all_kinds = QueueKinds::count * tuned::append_counters;
-// Words of the counts of one segment's queues.
-inline constexpr std::uint32_t words_of_counts = (queues_of_all_kinds + 1) * counter_stride;
+inline constexpr std::uint32_t slots_per_chunk = blocks_per_chunk * kernel_config.block;
 
-// The chunk of the queues that a thread block works on: its paths lie in slots `first` to `first` + `count` - 1.
-struct Chunk {
+__device__ inline std::uint32_t& place_of_chunk(const MaterialQueues<Real>& queues, std::uint32_t queue,
+                                                std::uint32_t position) {
+    return queues.chunks[static_cast<std::size_t>(queue) * queues.chunks_per_queue + position / slots_per_chunk];
+}
+
+// Slots that a thread block works on: `first` to `first` + `count` - 1, with paths of one queue.
+struct BlockSlots {
     std::uint32_t first, count;
 };
 
-// Takes the block's chunk out of the queues: the first blocks have the first queue's chunks, and so on; blocks beyond
-// the last chunk get none. Every thread of the block must call it, once in a kernel.
-__device__ inline Chunk take_chunk(const MaterialQueues<Real>& in) {
+// The slots of the block's paths: the first blocks have those of the first queue, and so on; blocks beyond the last
+// queue get none. Every thread of the block must call it, once in a kernel.
+__device__ inline BlockSlots slots_of_block(const MaterialQueues<Real>& in) {
     constexpr std::uint32_t block = kernel_config.block;
-    __shared__ Chunk taken;
+    __shared__ BlockSlots slots;
     if (threadIdx.x < warp_size) {
         if (lane() == 0) {
-            taken = {0, 0};
+            slots = {0, 0};
         }
         __syncwarp();
-        std::uint32_t before = 0;  // number of chunks of the queues looked at so far
+        std::uint32_t before = 0;  // number of blocks of the queues looked at so far
         for (std::uint32_t first = 0; first < queues_of_all_kinds && before <= blockIdx.x; first += warp_size) {
             const std::uint32_t queue = first + lane();
             const std::uint32_t paths = queue < queues_of_all_kinds ? in.counts[queue * counter_stride] : 0;
-            const std::uint32_t chunks = (paths + block - 1) / block;
-            std::uint32_t end = chunks;
+            const std::uint32_t blocks = (paths + block - 1) / block;
+            std::uint32_t end = blocks;
             for (unsigned offset = 1; offset < warp_size; offset *= 2) {
                 const std::uint32_t left = __shfl_up_sync(all_lanes, end, offset);
                 end += lane() >= offset ? left : 0;
             }
             end += before;
-            if (blockIdx.x < end && blockIdx.x >= end - chunks) {
-                const std::uint32_t number = blockIdx.x - (end - chunks);
-                std::uint32_t& chunk = in.chunks[static_cast<std::size_t>(queue) * in.chunks_per_queue + number];
-                const std::uint32_t left = paths - number * block;
-                taken = {chunk * block, left < block ? left : block};
-                chunk = no_chunk;
+            if (blockIdx.x < end && blockIdx.x >= end - blocks) {
+                const std::uint32_t position = (blockIdx.x - (end - blocks)) * block;
+                const std::uint32_t place = place_of_chunk(in, queue, position) - 1;
+                const std::uint32_t left = paths - position;
+                slots = {place * slots_per_chunk + position % slots_per_chunk, left < block ? left : block};
             }
             before = __shfl_sync(all_lanes, end, static_cast<int>(warp_size - 1));
         }
     }
     __syncthreads();
-    return taken;
+    return slots;
 }
 
-// Positions of a queue that a block has reserved: from `first` on, in chunk `chunks[0]` of the store and, where they go
-// on, in chunk `chunks[1]`.
+// Positions of a queue that a block has reserved, from `first` on: in the chunk at places[0] of the store and, where
+// they go on, in that at places[1].
 struct Reserved {
-    std::uint32_t first, chunks[2];
+    std::uint32_t first, places[2];
 };
 
 // Reserves positions at the end of a queue. A chunk gets its place in the store from whoever reserves its first
 // position; others wait for that, which no wait for them delays.
 __device__ inline Reserved reserve(const MaterialQueues<Real>& out, std::uint32_t queue, std::uint32_t count) {
-    constexpr std::uint32_t block = kernel_config.block;
     const std::uint32_t first = atomicAdd(&out.counts[queue * counter_stride], count);
-    std::uint32_t* const chunk = out.chunks + static_cast<std::size_t>(queue) * out.chunks_per_queue + first / block;
-    const auto place = [&](std::uint32_t* of) {
-        const std::uint32_t placed = atomicAdd(&out.counts[queues_of_all_kinds * counter_stride], 1u);
-        atomicExch(of, placed);
-        return placed;
+    const std::uint32_t last = first + count - 1;
+    std::uint32_t& chunk = place_of_chunk(out, queue, first);
+    const auto find_place = [&](std::uint32_t& of) {
+        const std::uint32_t place = atomicAdd(&out.counts[queues_of_all_kinds * counter_stride], 1u);
+        atomicExch(&of, place + 1);
+        return place;
     };
-    Reserved reserved{first, {no_chunk, no_chunk}};
-    if (first % block == 0) {
-        reserved.chunks[0] = place(chunk);
+    Reserved reserved{first, {0, 0}};
+    const bool is_first = first % slots_per_chunk == 0;
+    if (is_first) {
+        reserved.places[0] = find_place(chunk);
     }
-    if ((first + count - 1) / block != first / block) {
-        reserved.chunks[1] = place(chunk + 1);
+    if (last / slots_per_chunk != first / slots_per_chunk) {
+        reserved.places[1] = find_place(place_of_chunk(out, queue, last));
     }
-    while (reserved.chunks[0] == no_chunk) {
-        reserved.chunks[0] = atomicAdd(chunk, 0u);
+    if (!is_first) {
+        std::uint32_t found = 0;
+        while (found == 0) {
+            found = atomicAdd(&chunk, 0u);
+        }
+        reserved.places[0] = found - 1;
     }
     return reserved;
 }
@@ -120,7 +128,6 @@ __device__ inline Reserved reserve(const MaterialQueues<Real>& out, std::uint32_
 // Gives each thread that keeps a path a slot in a queue of its kind. Every thread of the block must call it, once in a
 // kernel.
 __device__ inline std::uint32_t append_to_kind(const MaterialQueues<Real>& out, bool keeps, std::uint32_t kind) {
-    constexpr std::uint32_t block = kernel_config.block;
     __shared__ std::uint32_t kept[QueueKinds::count];
     __shared__ Reserved reserved[QueueKinds::count];
     if (threadIdx.x < QueueKinds::count) {
@@ -135,11 +142,11 @@ __device__ inline std::uint32_t append_to_kind(const MaterialQueues<Real>& out, 
         peers = __match_any_sync(all_lanes, keeps ? kind : QueueKinds::count);
     }
     const std::uint32_t rank = static_cast<std::uint32_t>(__popc(peers & ((1u << lane()) - 1u)));
-    std::uint32_t place = 0;
+    std::uint32_t offset = 0;
     if (keeps && rank == 0) {
-        place = atomicAdd(&kept[kind], static_cast<std::uint32_t>(__popc(peers)));
+        offset = atomicAdd(&kept[kind], static_cast<std::uint32_t>(__popc(peers)));
     }
-    place = __shfl_sync(all_lanes, place, __ffs(static_cast<int>(peers)) - 1) + rank;
+    offset = __shfl_sync(all_lanes, offset, __ffs(static_cast<int>(peers)) - 1) + rank;
     __syncthreads();
     if (threadIdx.x < QueueKinds::count && kept[threadIdx.x] != 0) {
         const std::uint32_t queue = threadIdx.x * tuned::append_counters + blockIdx.x % tuned::append_counters;
@@ -150,8 +157,9 @@ __device__ inline std::uint32_t append_to_kind(const MaterialQueues<Real>& out, 
         return 0;
     }
     const Reserved& mine = reserved[kind];
-    const std::uint32_t position = mine.first + place;
-    return mine.chunks[position / block - mine.first / block] * block + position % block;
+    const std::uint32_t position = mine.first + offset;
+    const bool is_next = position / slots_per_chunk != mine.first / slots_per_chunk;
+    return mine.places[is_next ? 1 : 0] * slots_per_chunk + position % slots_per_chunk;
 }
 
 }  // namespace pt::cuda

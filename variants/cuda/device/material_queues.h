@@ -1,6 +1,6 @@
 // Queues of paths by the type of material that their rays have met, all in one store. A queue is a list of chunks of
-// the store, each with a slot for every thread of a block, so a block takes a chunk and shades paths of one type, and
-// the queues together need hardly more memory than one. For NVRTC, nvcc and the host compiler alike.
+// the store, each of some blocks' slots, so that the queues together need hardly more memory than one; a block takes
+// paths of one queue. For NVRTC, nvcc and the host compiler alike.
 #pragma once
 
 #include "kernels/material_list.h"
@@ -9,15 +9,19 @@
 
 namespace pt::cuda {
 
-// A chunk of a queue that has no place in the store yet.
-inline constexpr std::uint32_t no_chunk = 0xffffffffu;
+// Blocks' worth of slots in a chunk. Whoever appends waits where another block is about to find a new chunk its place:
+// the more slots a chunk has, the fewer wait.
+inline constexpr std::uint32_t blocks_per_chunk = 16;
 
+// The queues of paths whose rays of one segment have been traced.
 template <class Real>
 struct MaterialQueues {
     PathStore paths;
     StoredHit<Real>* hits = nullptr;  // hits of the paths' rays, by slot
-    std::uint32_t* chunks = nullptr;  // chunk of the store that is chunk i of queue q, at q * chunks_per_queue + i
-    std::uint32_t* counts = nullptr;  // number of queue q's paths at q * counter_stride; last, of chunks handed out
+    // Number of queue q's paths at q * counter_stride, then of chunks that have a place at that of one more queue.
+    std::uint32_t* counts = nullptr;
+    // Place in the store of chunk i of queue q, plus 1, at q * chunks_per_queue + i; 0: the chunk has none yet.
+    std::uint32_t* chunks = nullptr;
     std::uint32_t chunks_per_queue = 0;
 };
 
