@@ -19,9 +19,9 @@ std::string joined(const OrderedJson& names, const char* between) {
     return fmt::format("{}", fmt::join(names.get<std::vector<std::string>>(), between));
 }
 
-// Joins words with spaces into lines of at most 110 columns.
+// Joins words with spaces into lines of at most 120 columns.
 std::string wrapped(const std::vector<std::string>& words) {
-    constexpr std::size_t width = 110;
+    constexpr std::size_t width = 120;
     std::string text, line = " ";
     for (const std::string& word : words) {
         if (line.size() + 1 + word.size() > width) {

@@ -159,6 +159,21 @@ TEST_F(Gate, PassesQueuesByMaterialHoweverPathsAreAppended) {
     }
 }
 
+// Rays that warps which fetch take through meshes before their paths are shaded, of one batch and of several.
+TEST_F(Gate, PassesQueuesByMaterialWhoseRaysGoThroughMeshes) {
+    const Scene scene = find_scene("scenes/meshes/icosphere_room.json");
+    Verifier verifier(scene, settings_of(scene, 120, 99), 5, Backend::cuda);
+    for (const std::uint32_t in_flight : {1u, 4u}) {
+        Variant variant = exact_variant("wavefront_materials");
+        variant.set("accelerator", "cwbvh");
+        variant.set("traversal", "persistent");
+        variant.set("layout", "packed");
+        variant.tuning["spp_in_flight"] = in_flight;
+        const Verdict sound = verifier.check(variant);
+        EXPECT_TRUE(sound.holds) << in_flight << ": " << sound.message;
+    }
+}
+
 // Slots that are refilled at once, now and then, and so late that every path has ended.
 TEST_F(Gate, PassesQueuesWheneverTheyAreRefilled) {
     const Scene scene = find_scene("cornell_open_five");
@@ -259,17 +274,20 @@ TEST_F(Gate, WavefrontsEndWithTheirPathsNotWithTheDepth) {
     request.variant.set("integrator", "megakernel");
     const RenderResult expected = render(scene, request);
     ASSERT_GE(request.settings.depth, 100000u);
-    for (const char* integrator : {"wavefront", "wavefront_fused"}) {
-        for (const char* compaction : {"none", "cub_select_if"}) {
-            request.variant.set("integrator", integrator);
-            request.variant.set("compaction", compaction);
-            const RenderResult result = render(scene, request);
-            EXPECT_EQ(result.film.hash(), expected.film.hash()) << integrator << " " << compaction;
-            EXPECT_EQ(result.work.paths, expected.work.paths);
-            EXPECT_EQ(result.work.rays, expected.work.rays);
-            EXPECT_LE(result.work.bounces, 3u * 1024) << integrator << " " << compaction;
-            EXPECT_GE(result.work.host_waits, 3u);
-        }
+    const std::pair<const char*, const char*> queues[] = {{"wavefront", "none"},
+                                                          {"wavefront", "cub_select_if"},
+                                                          {"wavefront_fused", "none"},
+                                                          {"wavefront_fused", "cub_select_if"},
+                                                          {"wavefront_materials", "none"}};
+    for (const auto& [integrator, compaction] : queues) {
+        request.variant.set("integrator", integrator);
+        request.variant.set("compaction", compaction);
+        const RenderResult result = render(scene, request);
+        EXPECT_EQ(result.film.hash(), expected.film.hash()) << integrator << " " << compaction;
+        EXPECT_EQ(result.work.paths, expected.work.paths);
+        EXPECT_EQ(result.work.rays, expected.work.rays);
+        EXPECT_LE(result.work.bounces, 3u * 1024) << integrator << " " << compaction;
+        EXPECT_GE(result.work.host_waits, 3u);
     }
     // The rounds of wavefront_refill are those of all samples together.
     request.variant.set("integrator", "wavefront_refill");

@@ -201,7 +201,7 @@ TEST(TunableTest, TheStandardThatIsLeftOutIsThatOfTheVariantsOwnChoice) {
     const std::vector<std::uint32_t> values{64, 128, 256, 512};
     const std::vector<Variant> variants =
         expand({{"integrator", all_choices(Backend::cuda).at("integrator")}}, Backend::cuda, {{"block", values}});
-    ASSERT_EQ(variants.size(), 8u * values.size());
+    ASSERT_EQ(variants.size(), 9u * values.size());
     for (std::size_t i = 0; i < variants.size(); ++i) {
         const std::uint32_t asked = values[i % values.size()];
         EXPECT_EQ(tunable(variants[i], "block", Backend::cuda), asked) << variants[i].spelled_out();

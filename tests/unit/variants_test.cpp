@@ -859,7 +859,7 @@ TEST(ApplicabilityTest, SaysWordForWordWhichTraversalsDoNotApply) {
         {{{"accelerator", "bvh8"}, {"traversal_stack", "short_restart"}}, with_mesh, ""},
         {{{"accelerator", "cwbvh"}, {"traversal", "persistent"}, {"integrator", "megakernel_regen"}},
          with_mesh,
-         "traversal=persistent needs an integrator that traces in a kernel of its own, not "
+         "traversal=persistent needs an integrator with a kernel that takes rays through meshes, not "
          "integrator=megakernel_regen"},
     };
     for (const auto& c : cases) {

@@ -38,7 +38,7 @@ public:
             read(0);
         }
     }
-    // Whether no path was alive in the segment, once the segment has been enqueued.
+    // Whether the queue held no path in the segment, once the segment has been enqueued.
     bool is_reached() {
         if (!asks_) {
             return false;
@@ -208,7 +208,7 @@ void Wavefront::reserve(Arena& arena) {
     if (needs_.sorting != nullptr) {
         needs_.sorting->reserve(arena, start_);
     }
-    path_bytes_.everything = (arena.used() - before) / start_.capacity;
+    path_bytes_.everything = (arena.used() - before) / (std::size_t{job_.pixels} * batches_.samples_in_flight());
 }
 
 void Wavefront::upload() {

@@ -13,7 +13,8 @@
 namespace pt::cuda {
 
 // Parameters of the kernel that starts path i (pixel i mod pixels, sample first_sample + i / pixels), for i below
-// `pool`, and traces its first ray; if `cursor` is not null, the first sample is read from it.
+// `pool`, and traces its first ray; if `cursor` is not null, the first sample is read from it. Paths that this ends are
+// added to the film.
 template <class Real>
 struct TraceFirstParameters {
     static constexpr const char* kernel = "trace_first";
@@ -29,7 +30,8 @@ struct TraceFirstParameters {
     MeshQueue meshes;  // gets the slots of paths whose rays traversal=persistent takes through meshes
 };
 
-// Parameters of the kernel that shades the hits of segment number `segment` and traces the next one.
+// Parameters of the kernel that shades the hits of segment number `segment` and traces the next segment. Paths that
+// either ends are added to the film.
 template <class Real>
 struct ShadeAndTraceParameters {
     static constexpr const char* kernel = "shade_and_trace";
@@ -75,7 +77,7 @@ __device__ inline bool is_kept(const SceneViews& scene, const Path& path, const 
     return traced.waits || QueueKinds::keeps_ends || !QueueKinds::is_ended_by(scene.shade, path, traced.hit);
 }
 
-// The kind of a path that goes into a queue. For one that waits it is the first mesh's, which it will mostly meet.
+// The kind of a path that goes into a queue. What a waiting path meets is not known yet: it has the first mesh's kind.
 __device__ inline std::uint32_t kind_of(const SceneViews& scene, const Path& path, const TracedHit& traced) {
     if (traced.waits) {
         return QueueKinds::of(scene.shade, pt::first_of<pt::ShapeKind::mesh>(scene.shade));
@@ -110,21 +112,21 @@ __device__ inline void put_path(const SceneViews& scene, Path& path, const Trace
     }
 }
 
-// Counts the paths whose ray of a segment was traced: `in_queue` of the block's, and those that were `shaded_at_once`.
-__device__ inline void count_traced(const SegmentCounts& segments, std::uint32_t segment, std::uint32_t in_queue,
-                                    std::uint32_t next, bool shaded_at_once) {
-    const std::uint32_t ended = static_cast<std::uint32_t>(__syncthreads_count(shaded_at_once ? 1 : 0));
+// Counts paths of the block whose ray of a segment was traced. One thread must call it.
+__device__ inline void count_traced(const SegmentCounts& segments, std::uint32_t segment, std::uint32_t paths) {
+    if (paths != 0) {
+        const std::size_t at = static_cast<std::size_t>(segment) * segments.copies + blockIdx.x % segments.copies;
+        pt::atomic_add(&segments.live[at], std::uint64_t{paths});
+        pt::atomic_add(&segments.in_play[at], std::uint64_t{paths});
+    }
+}
+
+// Counts paths whose ray of a segment ended them, so that no queue of that segment holds them. Every thread of the
+// block must call it.
+__device__ inline void count_shaded_at_once(const SegmentCounts& segments, std::uint32_t segment, bool was_shaded) {
+    const std::uint32_t paths = static_cast<std::uint32_t>(__syncthreads_count(was_shaded ? 1 : 0));
     if (threadIdx.x == 0) {
-        const std::uint32_t copy = blockIdx.x % segments.copies;
-        const auto add = [&](std::uint32_t to, std::uint32_t count) {
-            if (count != 0) {
-                const std::size_t at = static_cast<std::size_t>(to) * segments.copies + copy;
-                pt::atomic_add(&segments.live[at], std::uint64_t{count});
-                pt::atomic_add(&segments.in_play[at], std::uint64_t{count});
-            }
-        };
-        add(segment, in_queue);
-        add(next, ended);
+        count_traced(segments, segment, paths);
     }
 }
 
@@ -154,7 +156,7 @@ PT_KERNEL(trace_first, pt::cuda::TraceFirstParameters<Real>,
         }
     }
     put_path(scene, path, traced, keeps, out, meshes);
-    count_traced(segments, 0, 0, 0, mine && !keeps);
+    count_shaded_at_once(segments, 0, mine && !keeps);
     pt::cuda::add_shade_counters(totals, counters);
 }
 
@@ -194,7 +196,10 @@ PT_KERNEL(shade_and_trace, pt::cuda::ShadeAndTraceParameters<Real>,
         }
     }
     put_path(scene, path, traced, keeps, out, meshes);
-    count_traced(segments, segment, slots.count, segment + 1, shaded_at_once);
+    if (threadIdx.x == 0) {
+        count_traced(segments, segment, slots.count);
+    }
+    count_shaded_at_once(segments, segment + 1, shaded_at_once);
     pt::cuda::add_shade_counters(totals, counters);
 }
 
@@ -207,13 +212,16 @@ PT_KERNEL(shade_and_trace, pt::cuda::ShadeAndTraceParameters<Real>,
 namespace pt::cuda::integrator::wavefront_materials {
 namespace {
 
-constexpr Tunable tunables[] = {wavefront_tunables[0],
-                                wavefront_tunables[1],
-                                wavefront_tunables[2],
-                                wavefront_tunables[3],
-                                {"append_counters", 4, 1, 16, 1,
-                                 "queues of each kind, with a counter each: block b appends to number b mod so many"},
-                                {"by_material", 1, 0, 1, 1, "1: a queue for each type of material; 0: one for all"}};
+constexpr Tunable tunables[] = {
+    wavefront_tunables[0],
+    wavefront_tunables[1],
+    wavefront_tunables[2],
+    wavefront_tunables[3],
+    {"append_counters", 4, 1, 16, 1,
+     "queues of each kind, with a counter each: block b appends to number b mod so many"},
+    {"by_material", 1, 0, 1, 1,
+     "1: a queue for each type of material, and with connections to lights one for paths that their hit ends; 0: one "
+     "queue for all, and such paths are shaded at once"}};
 
 Reason unsupported_reason(FeatureSet, const VariantTraits& variant) {
     if (variant.compaction.compacts) {
@@ -232,7 +240,7 @@ constexpr Descriptor descriptor{
     .name = "wavefront_materials",
     .summary = "one kernel a bounce, which shades, traces on, and appends to the queue of the material met",
     .origin = "Laine, Karras and Aila 2013; pbrt-v4 (a queue for each material)",
-    .traits = IntegratorTraits{.has_queue = true, .traces_in_own_kernel = true, .appends_itself = true},
+    .traits = IntegratorTraits{.has_queue = true, .has_mesh_kernel = true, .appends_itself = true},
     .backends = on_cuda,
     .tunables = tunables,
     .unsupported_reason = unsupported_reason,
@@ -245,6 +253,7 @@ public:
     MaterialWavefront(JobOf<Real>& job, IntegratorNeeds&& needs)
         : Wavefront(job, std::move(needs), sizeof(Real), 0),
           job_(job),
+          keeps_ends_(keeps_ended_paths(this->needs().features, this->needs().tunable("by_material") != 0)),
           queues_(kinds_of_paths(this->needs().features, this->needs().tunable("by_material") != 0) *
                   this->needs().tunable("append_counters")) {
         if (this->needs().traits.traversal.needs_own_kernel) {
@@ -290,7 +299,7 @@ private:
             clear(meshes_.counts, sizeof(ListCounts), job_.stream);
         }
         {
-            const Stage stage(job_.stages, "generate", job_.stream);
+            const Stage stage(job_.stages, "first bounce", job_.stream);
             job_.launch(queue_.bound, TraceFirstParameters<Real>{job_.scene, job_.film, queues(0), queue_.bound,
                                                                  first_sample, batches().cursor(), job_.cache,
                                                                  job_.totals, job_.segments, meshes_});
@@ -301,6 +310,9 @@ private:
     }
 
     void trace(std::uint32_t segment) override {
+        if (is_last(segment) && !keeps_ends_ && fetching_blocks_ == 0) {
+            return;  // every path was shaded at once as its last ray had been traced, so the queues are empty
+        }
         {
             const Stage stage(job_.stages, "bounce", job_.stream);
             job_.launch(threads_for(queue_.bound),
@@ -340,6 +352,7 @@ private:
     }
 
     JobOf<Real>& job_;
+    bool keeps_ends_;       // paths that their hit ends go into a queue, too
     std::uint32_t queues_;  // number of queues of all kinds
     std::uint32_t chunks_per_queue_ = 0;
     std::uint32_t fetching_blocks_ = 0;  // blocks of the kernel that takes rays through meshes: as many as fit at once

@@ -11,10 +11,10 @@ KERNEL_AXES = (ARITHMETIC, PRECISION)
 # Kernels that each stage launches; a library's own (for compaction or sorting) are not in result files.
 _STAGE_KERNELS = {
     "generate": ("generate_paths",),
-    "intersect": ("intersect_paths",),
+    "intersect": ("intersect_paths", "intersect_meshes"),
     "shade": ("shade_paths",),
-    "first bounce": ("first_bounce",),
-    "bounce": ("next_bounce",),
+    "first bounce": ("first_bounce", "trace_first"),
+    "bounce": ("next_bounce", "shade_and_trace"),
     "walk": ("walk_paths", "walk_on"),
     "trace": ("megakernel", "megakernel_regen", "persistent", "regroup"),
 }

@@ -16,17 +16,16 @@ __device__ constexpr std::uint32_t types_that_end_paths() {
     return types;
 }
 
-// Kinds of paths that are kept apart. A path whose hit ends it has a kind of its own only where the light that it meets
-// costs something to weigh, as next-event estimation does; else it is shaded at once.
+// Kinds of paths that are kept apart.
 struct QueueKinds {
-    static constexpr bool keeps_ends = tuned::by_material != 0 && pt::has<Configuration>(pt::Feature::next_event);
+    static constexpr bool keeps_ends = pt::cuda::keeps_ended_paths(Configuration::features, tuned::by_material != 0);
     static constexpr std::uint32_t ending = 0;  // kind of a path that its hit ends, if keeps_ends
     static constexpr SurfaceKinds surfaces = SurfaceKinds::after(keeps_ends ? 1 : 0);
     static constexpr std::uint32_t count = (keeps_ends ? 1 : 0) + (surfaces.count == 0 ? 1 : surfaces.count);
     static_assert(count == pt::cuda::kinds_of_paths(Configuration::features, tuned::by_material != 0));
-    static_assert(count > 0 && count <= warp_size);
+    static_assert(count > 0 && count <= 16, "the table of kinds has four bits for each");
 
-    // Whether shading the path's hit ends the path, whatever the random numbers.
+    // True only if shading the path's hit ends the path, whatever the random numbers.
     __device__ static bool is_ended_by(const Scene& scene, const Path& path, const Hit& hit) {
         if (!hit.side.exists() || path.segment + 1 >= scene.longest_path()) {
             return true;
@@ -96,8 +95,8 @@ struct Reserved {
     std::uint32_t first, places[2];
 };
 
-// Reserves positions at the end of a queue. A chunk gets its place in the store from whoever reserves its first
-// position; others wait for that, which no wait for them delays.
+// Reserves positions at the end of a queue. Whoever reserves a chunk's first position finds the chunk a place in the
+// store, before it waits for anything; whoever reserves other positions waits until the chunk has its place.
 __device__ inline Reserved reserve(const MaterialQueues<Real>& out, std::uint32_t queue, std::uint32_t count) {
     const std::uint32_t first = atomicAdd(&out.counts[queue * counter_stride], count);
     const std::uint32_t last = first + count - 1;

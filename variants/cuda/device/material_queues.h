@@ -9,8 +9,8 @@
 
 namespace pt::cuda {
 
-// Blocks' worth of slots in a chunk. Whoever appends waits where another block is about to find a new chunk its place:
-// the more slots a chunk has, the fewer wait.
+// A chunk has the slots of so many blocks. A block that appends to a new chunk waits while another block finds the
+// chunk its place: the more slots a chunk has, the fewer blocks wait.
 inline constexpr std::uint32_t blocks_per_chunk = 16;
 
 // The queues of paths whose rays of one segment have been traced.
@@ -18,15 +18,22 @@ template <class Real>
 struct MaterialQueues {
     PathStore paths;
     StoredHit<Real>* hits = nullptr;  // hits of the paths' rays, by slot
-    // Number of queue q's paths at q * counter_stride, then of chunks that have a place at that of one more queue.
+    // At q * counter_stride the number of queue q's paths, for each queue; then, as for one queue more, the number of
+    // chunks that have a place in the store.
     std::uint32_t* counts = nullptr;
     // Place in the store of chunk i of queue q, plus 1, at q * chunks_per_queue + i; 0: the chunk has none yet.
     std::uint32_t* chunks = nullptr;
     std::uint32_t chunks_per_queue = 0;
 };
 
+// Whether paths that their hit ends go into a queue of their own. With next-event estimation the light that they meet
+// costs something to weigh, so it is worth it that whole warps do so; else they are shaded at once.
+constexpr bool keeps_ended_paths(FeatureSet features, bool by_material) {
+    return by_material && contains(features, Feature::next_event);
+}
+
 // The number of kinds of paths that kernels with these features keep apart: one for each material type that does not
-// end paths, or one for all; and with next-event estimation one of paths whose hit ends them.
+// end paths, or one for all; and perhaps one of paths that their hit ends.
 constexpr std::uint32_t kinds_of_paths(FeatureSet features, bool by_material) {
     using namespace material_trait;
     std::uint32_t kinds = 0;
@@ -36,7 +43,7 @@ constexpr std::uint32_t kinds_of_paths(FeatureSet features, bool by_material) {
     }
     PT_MATERIALS(PT_COUNT_KIND)
 #undef PT_COUNT_KIND
-    return (kinds == 0 ? 1u : kinds) + (by_material && contains(features, Feature::next_event) ? 1u : 0u);
+    return (kinds == 0 ? 1u : kinds) + (keeps_ended_paths(features, by_material) ? 1u : 0u);
 }
 
 }  // namespace pt::cuda
