@@ -47,9 +47,10 @@ std::vector<Variant> timed_variants(Backend backend, std::size_t turn, bool quic
             Variant variant = of_scene;
             variant.set(axes::integrator, integrators[i]);
             variant.set(axes::arithmetic, arithmetics[a]);
-            // Every second variant is without the planes of a room (tunable room=0). In quick runs i + a + turn is always
-            // even, and each queue comes again after as many turns as there are queues. So `turn` is divided before it is
-            // added, by 2 and by 4: then each integrator is with a room in some cases and without in others.
+            // Every second variant is without the planes of a room (tunable room=0). In quick runs i + a + turn is
+            // always even, and each queue comes again after as many turns as there are queues. So `turn` is divided
+            // before it is added, by 2 and by 4: then each integrator is with a room in some cases and without in
+            // others.
             if ((i + a + turn / 2 + turn / 4) % 2 != 0) {
                 variant.tuning["room"] = 0;
             }

@@ -222,7 +222,8 @@ constexpr Descriptor descriptor{
     .summary = "a kernel a stage over a queue of paths: generate, intersect, shade",
     .origin = "Laine, Karras and Aila 2013; cis565",
     .baseline = on_cuda,
-    .traits = IntegratorTraits{.has_queue = true, .can_loop = true, .seeds_by_position = true, .has_mesh_kernel = true},
+    .traits =
+        IntegratorTraits{.has_queue = true, .can_loop = true, .seeds_by_position = true, .traces_in_own_kernel = true},
     .backends = on_cuda,
     .tunables = tunables,
     .check_counters = wavefront_work_missing,

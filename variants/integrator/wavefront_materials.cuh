@@ -240,7 +240,7 @@ constexpr Descriptor descriptor{
     .name = "wavefront_materials",
     .summary = "one kernel a bounce, which shades, traces on, and appends to the queue of the material met",
     .origin = "Laine, Karras and Aila 2013; pbrt-v4 (a queue for each material)",
-    .traits = IntegratorTraits{.has_queue = true, .has_mesh_kernel = true, .appends_itself = true},
+    .traits = IntegratorTraits{.has_queue = true, .traces_in_own_kernel = true, .appends_itself = true},
     .backends = on_cuda,
     .tunables = tunables,
     .unsupported_reason = unsupported_reason,

@@ -40,7 +40,7 @@ Reason unsupported_reason(FeatureSet scene, const VariantTraits& variant) {
     if (Reason reason = needs_steps(scene, variant); !reason.empty()) {
         return reason;
     }
-    if (!variant.integrator.has_mesh_kernel) {
+    if (!variant.integrator.traces_in_own_kernel) {
         return {"needs_own_kernel",
                 "needs an integrator with a kernel that takes rays through meshes, not integrator=" +
                     std::string(variant.integrator.name)};
