@@ -10,17 +10,10 @@
 
 #include "harness/scene/places.h"
 #include "harness/scene/scene_buffers.h"
-#include "tests/support/key_of_material.h"
 #include "tests/support/one_by_one.h"
-#include "variants/accelerator/cwbvh.h"
 #include "variants/cuda/device/kernel_config.h"
-#include "variants/layout/aos.cuh"
 #include "variants/registry.h"
 
-using std::max;
-using std::min;
-
-using Real = float;
 inline constexpr pt::cuda::KernelConfig kernel_config{
     .features = pt::all_features | static_cast<pt::FeatureSet>(pt::Feature::mesh), .block = 64};
 namespace tuned {
@@ -30,16 +23,9 @@ namespace host_bytes {
 inline constexpr pt::test::SameProgram generate_paths, intersect_paths, write_ray_keys, shade_paths, advance,
     intersect_meshes;
 }  // namespace host_bytes
-using Paths = pt::layout::aos::DevicePaths<Real>;
-#include "variants/traversal/persistent.cuh"
-#include "variants/traversal_stack/local.cuh"
-using Accelerator =
-    pt::traversal::persistent::Traversal<pt::accelerator::cwbvh::Traversal, pt::traversal_stack::local::Stack>;
-#include "variants/cuda/device/scene_in_global.cuh"
-// After it: they need no more than its names.
-#include "variants/cuda/device/pixels_all.cuh"
+#include "tests/support/fetching_program.h"
+// After it: it needs no more than its names.
 #include "variants/integrator/wavefront.cuh"
-#include "variants/integrator/wavefront_fetching.cuh"
 
 namespace pt::test {
 namespace {
@@ -170,13 +156,8 @@ private:
 
 TEST(FetchedPaths, LeaveTheSameFilm) {
     const ::pt::Scene scene = scene_of_meshes();
-    RenderSettings settings = default_settings(scene);
-    settings.seed = 1;
-    settings.width = width;
-    settings.height = height;
-    Variant variant = Registry::instance().baseline();
-    variant.set("accelerator", "cwbvh");
-    const SceneBuffers<float> buffers(scene, settings, Acceleration::of(variant, Backend::cpu));
+    const RenderSettings settings = few_pixels(scene, width, height);
+    const SceneBuffers<float> buffers(scene, settings, by_cwbvh());
     const SceneView<float> view = buffers.view();
     const Film film(width, height, radiance_bound(scene, settings), first_sample + samples);
     const OneByOne expected = one_by_one<::Configuration>(view, film, first_sample, samples);

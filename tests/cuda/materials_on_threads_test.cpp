@@ -3,15 +3,8 @@
 // paths that their hit ends; and that rays which enter meshes are taken through them in between.
 #include "tests/support/block_on_threads.h"
 
-#include "tests/support/key_of_material.h"
-#include "variants/accelerator/cwbvh.h"
 #include "variants/cuda/device/kernel_config.h"
-#include "variants/layout/aos.cuh"
 
-using std::max;
-using std::min;
-
-using Real = float;
 inline constexpr pt::cuda::KernelConfig kernel_config{
     .features = pt::all_features | static_cast<pt::FeatureSet>(pt::Feature::mesh), .block = 64};
 namespace tuned {
@@ -20,15 +13,8 @@ inline constexpr unsigned append_counters = 2, by_material = 1, fetch_at = 8, no
 namespace host_bytes {
 inline constexpr pt::test::SameProgram trace_first, shade_and_trace, advance, intersect_meshes;
 }  // namespace host_bytes
-using Paths = pt::layout::aos::DevicePaths<Real>;
-#include "variants/traversal/persistent.cuh"
-#include "variants/traversal_stack/local.cuh"
-using Accelerator =
-    pt::traversal::persistent::Traversal<pt::accelerator::cwbvh::Traversal, pt::traversal_stack::local::Stack>;
-#include "variants/cuda/device/scene_in_global.cuh"
+#include "tests/support/fetching_program.h"
 // After it: they need no more than its names.
-#include "variants/cuda/device/pixels_all.cuh"
-#include "variants/integrator/wavefront_fetching.cuh"
 #include "variants/integrator/wavefront_materials.cuh"
 
 namespace pt::test {

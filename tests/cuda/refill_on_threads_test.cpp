@@ -190,10 +190,7 @@ void render_all(RefilledQueue& queue, std::uint32_t slots, std::uint32_t refill_
 
 void expect_same(const char* name, const std::function<void(RenderSettings&)>& change) {
     const ::pt::Scene scene = find_scene(name);
-    RenderSettings settings = default_settings(scene);
-    settings.seed = 1;
-    settings.width = width;
-    settings.height = height;
+    RenderSettings settings = few_pixels(scene, width, height);
     change(settings);
     const SceneBuffers<float> buffers(scene, settings);
     const SceneView<float> view = buffers.view();

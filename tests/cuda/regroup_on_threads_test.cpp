@@ -63,10 +63,8 @@ Rendered regrouped(const SceneView<float>& view, Film film, std::uint32_t sample
 
 void expect_same(const char* name, const std::function<void(RenderSettings&)>& change) {
     const ::pt::Scene scene = find_scene(name);
-    RenderSettings settings = default_settings(scene);
-    settings.seed = 1;
-    settings.width = 11;  // strips of 32 pixels over several rows, and the last one short
-    settings.height = 7;
+    // Strips of 32 pixels lie over several rows, and the last one is short.
+    RenderSettings settings = few_pixels(scene, 11, 7);
     change(settings);
     const SceneBuffers<float> buffers(scene, settings);
     const Film film(settings.width, settings.height, radiance_bound(scene, settings), samples);

@@ -128,10 +128,7 @@ private:
 
 PathCounters expect_same(const ::pt::Scene& scene) {
     SCOPED_TRACE(scene.name);
-    RenderSettings settings = default_settings(scene);
-    settings.seed = 1;
-    settings.width = width;
-    settings.height = height;
+    const RenderSettings settings = few_pixels(scene, width, height);
     const SceneBuffers<float> buffers(scene, settings);
     const SceneView<float> view = buffers.view();
     const Film film(width, height, radiance_bound(scene, settings), first_sample + samples);

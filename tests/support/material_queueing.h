@@ -12,7 +12,6 @@
 #include "harness/scene/places.h"
 #include "harness/scene/scene_buffers.h"
 #include "tests/support/one_by_one.h"
-#include "variants/registry.h"
 
 namespace pt::test {
 namespace {
@@ -148,14 +147,9 @@ struct Outcome {
 };
 
 Outcome expect_same(const ::pt::Scene& scene, const std::function<void(RenderSettings&)>& change) {
-    RenderSettings settings = default_settings(scene);
-    settings.seed = 1;
-    settings.width = width;
-    settings.height = height;
+    RenderSettings settings = few_pixels(scene, width, height);
     change(settings);
-    Variant variant = Registry::instance().baseline();
-    variant.set("accelerator", "cwbvh");
-    const SceneBuffers<float> buffers(scene, settings, Acceleration::of(variant, Backend::cpu));
+    const SceneBuffers<float> buffers(scene, settings, by_cwbvh());
     const SceneView<float> view = buffers.view();
     const Film film(width, height, radiance_bound(scene, settings), first_sample + samples);
     const OneByOne expected = one_by_one<::Configuration>(view, film, first_sample, samples);

@@ -5,9 +5,26 @@
 #include <vector>
 
 #include "harness/render/film.h"
+#include "harness/scene/scene_buffers.h"
 #include "variants/integrator/depth_first.h"
+#include "variants/registry.h"
 
 namespace pt::test {
+
+// A scene's own settings, but for an image so small that threads of the host render it quickly.
+inline RenderSettings few_pixels(const ::pt::Scene& scene, std::uint32_t width, std::uint32_t height) {
+    RenderSettings settings = default_settings(scene);
+    settings.seed = 1;
+    settings.width = width;
+    settings.height = height;
+    return settings;
+}
+
+inline Acceleration by_cwbvh() {
+    Variant variant = Registry::instance().baseline();
+    variant.set("accelerator", "cwbvh");
+    return Acceleration::of(variant, Backend::cpu);
+}
 
 struct OneByOne {
     Film film;

@@ -206,6 +206,7 @@ PT_KERNEL(shade_paths, pt::cuda::ShadePathsParameters<Real>,
 
 #if defined(PT_HOST)  // host part of this file: kernel launches, and the integrator's descriptor
 
+#include "variants/cuda/mesh_rays.h"
 #include "variants/cuda/sort_stage.h"
 #include "variants/cuda/walks.h"
 #include "variants/cuda/wavefronts.h"
@@ -236,13 +237,8 @@ public:
         : Wavefront(job, std::move(needs), sizeof(Real), sizeof(StoredHit<Real>)),
           job_(job),
           sort_stage_(job, this->needs()),
-          walks_(job, this->needs(), job.pixels * batches().samples_in_flight()) {
-        if (this->needs().traits.traversal.needs_own_kernel) {
-            const int blocks = job.module->blocks_per_multiprocessor(IntersectMeshesParameters<Real>::kernel,
-                                                                     fetching_block(job.block));
-            fetching_blocks_ = static_cast<std::uint32_t>(blocks) * job.multiprocessors;
-        }
-    }
+          walks_(job, this->needs(), job.pixels * batches().samples_in_flight()),
+          mesh_rays_(job, this->needs()) {}
 
     static std::vector<KernelSignature> kernels() {
         return {kernel_of<GeneratePathsParameters<Real>>(), kernel_of<IntersectPathsParameters<Real>>(),
@@ -254,17 +250,12 @@ private:
     void fill_first_hits() override { fill_cache(job_); }
     void reserve_counts(Arena& arena) override {
         walks_.reserve(arena);
-        if (fetching_blocks_ != 0) {
-            meshes_ = {arena.take<std::uint32_t>(job_.pixels * batches().samples_in_flight()),
-                       arena.take<ListCounts>(1)};
-        }
+        mesh_rays_.reserve(arena, job_.pixels * batches().samples_in_flight());
     }
 
     void begin(std::uint32_t first_sample) override {
         walks_.begin();
-        if (fetching_blocks_ != 0) {
-            clear(meshes_.counts, sizeof(ListCounts), job_.stream);
-        }
+        mesh_rays_.begin();
         {
             const Stage stage(job_.stages, "generate", job_.stream);
             job_.launch(queue_.bound,
@@ -290,15 +281,11 @@ private:
             const Stage stage(job_.stages, "intersect", job_.stream);
             std::uint32_t* const keys = sorts && by_hit ? queue_.keys : nullptr;
             job_.launch(queue_.bound,
-                        IntersectPathsParameters<Real>{job_.scene, queue_.paths, order(), queue_.count, queue_.bound,
-                                                       hits(), job_.cache, batches().segment(segment), job_.segments,
-                                                       keys, key.bits, sort_stage_.chunk(queue_),
-                                                       sort_stage_.last_key(queue_), needs().key_bounds, meshes_});
-            const std::uint32_t fetching = fetching_block(job_.block);
-            job_.launch_blocks(
-                std::min(fetching_blocks_, (queue_.bound + fetching - 1) / fetching), fetching,
-                IntersectMeshesParameters<Real>{job_.scene, queue_.paths, order(), meshes_, hits(), keys, key.bits,
-                                                sort_stage_.chunk(queue_), needs().key_bounds});
+                        IntersectPathsParameters<Real>{
+                            job_.scene, queue_.paths, order(), queue_.count, queue_.bound, hits(), job_.cache,
+                            batches().segment(segment), job_.segments, keys, key.bits, sort_stage_.chunk(queue_),
+                            sort_stage_.last_key(queue_), needs().key_bounds, mesh_rays_.queue()});
+            mesh_rays_.take(queue_.paths, order(), queue_.bound, hits(), keys, key.bits, sort_stage_.chunk(queue_));
         }
         if (sorts && by_hit) {
             const Stage stage(job_.stages, "sort", job_.stream);
@@ -323,8 +310,7 @@ private:
     JobOf<Real>& job_;
     SortStage sort_stage_;
     Walks<Real> walks_;
-    MeshQueue meshes_;
-    std::uint32_t fetching_blocks_ = 0;  // blocks of the kernel that takes rays through meshes: as many as fit at once
+    MeshRays<Real> mesh_rays_;
 };
 
 IntegratorHook hook() {
@@ -332,7 +318,7 @@ IntegratorHook hook() {
     made.stores_hits = true;
     made.constants = walks_constants;
     made.walks = walk_paths_part;
-    made.meshes = kernel_part<IntersectMeshesParameters>("variants/integrator/wavefront_fetching.cuh");
+    made.meshes = mesh_rays_part;
     return made;
 }
 

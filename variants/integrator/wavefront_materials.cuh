@@ -207,6 +207,7 @@ PT_KERNEL(shade_and_trace, pt::cuda::ShadeAndTraceParameters<Real>,
 
 #if defined(PT_HOST)  // host part of this file: kernel launches, and the integrator's descriptor
 
+#include "variants/cuda/mesh_rays.h"
 #include "variants/cuda/wavefronts.h"
 
 namespace pt::cuda::integrator::wavefront_materials {
@@ -255,13 +256,8 @@ public:
           job_(job),
           keeps_ends_(keeps_ended_paths(this->needs().features, this->needs().tunable("by_material") != 0)),
           queues_(kinds_of_paths(this->needs().features, this->needs().tunable("by_material") != 0) *
-                  this->needs().tunable("append_counters")) {
-        if (this->needs().traits.traversal.needs_own_kernel) {
-            const int blocks = job.module->blocks_per_multiprocessor(IntersectMeshesParameters<Real>::kernel,
-                                                                     fetching_block(job.block));
-            fetching_blocks_ = static_cast<std::uint32_t>(blocks) * job.multiprocessors;
-        }
-    }
+                  this->needs().tunable("append_counters")),
+          mesh_rays_(job, this->needs()) {}
 
     static std::vector<KernelSignature> kernels() {
         return {kernel_of<TraceFirstParameters<Real>>(), kernel_of<ShadeAndTraceParameters<Real>>(),
@@ -288,21 +284,17 @@ private:
             hits = arena.take<StoredHit<Real>>(slots);
         }
         words_ = arena.take<std::uint32_t>(segments_counted * words_per_segment());
-        if (fetching_blocks_ != 0) {
-            meshes_ = {arena.take<std::uint32_t>(slots), arena.take<ListCounts>(1)};
-        }
+        mesh_rays_.reserve(arena, slots);
     }
 
     void begin(std::uint32_t first_sample) override {
         clear(words_, segments_counted * words_per_segment() * sizeof(std::uint32_t), job_.stream);
-        if (fetching_blocks_ != 0) {
-            clear(meshes_.counts, sizeof(ListCounts), job_.stream);
-        }
+        mesh_rays_.begin();
         {
             const Stage stage(job_.stages, "first bounce", job_.stream);
             job_.launch(queue_.bound, TraceFirstParameters<Real>{job_.scene, job_.film, queues(0), queue_.bound,
                                                                  first_sample, batches().cursor(), job_.cache,
-                                                                 job_.totals, job_.segments, meshes_});
+                                                                 job_.totals, job_.segments, mesh_rays_.queue()});
         }
         go_through_meshes(0);
         trace(0);
@@ -310,7 +302,7 @@ private:
     }
 
     void trace(std::uint32_t segment) override {
-        if (is_last(segment) && !keeps_ends_ && fetching_blocks_ == 0) {
+        if (is_last(segment) && !keeps_ends_ && !mesh_rays_.are_apart()) {
             return;  // every path was shaded at once as its last ray had been traced, so the queues are empty
         }
         {
@@ -319,7 +311,7 @@ private:
                         ShadeAndTraceParameters<Real>{job_.scene, job_.film, queues(segment), queues(segment + 1),
                                                       queues(segment + 2).counts,
                                                       static_cast<std::uint32_t>(words_per_segment()), segment,
-                                                      job_.totals, job_.segments, meshes_});
+                                                      job_.totals, job_.segments, mesh_rays_.queue()});
         }
         if (!is_last(segment)) {
             go_through_meshes(segment + 1);
@@ -328,15 +320,12 @@ private:
 
     // Takes the rays of a segment that enter meshes through them.
     void go_through_meshes(std::uint32_t segment) {
-        if (fetching_blocks_ == 0) {
+        if (!mesh_rays_.are_apart()) {
             return;
         }
         const Stage stage(job_.stages, "intersect", job_.stream);
-        const std::uint32_t fetching = fetching_block(job_.block);
         const MaterialQueues<Real> at = queues(segment);
-        job_.launch_blocks(std::min(fetching_blocks_, (queue_.bound + fetching - 1) / fetching), fetching,
-                           IntersectMeshesParameters<Real>{job_.scene, at.paths, nullptr, meshes_, at.hits, nullptr, 0,
-                                                           1, needs().key_bounds});
+        mesh_rays_.take(at.paths, nullptr, queue_.bound, at.hits);
     }
 
     std::size_t words_of_counts() const { return (queues_ + std::size_t{1}) * counter_stride; }
@@ -355,10 +344,9 @@ private:
     bool keeps_ends_;       // paths that their hit ends go into a queue, too
     std::uint32_t queues_;  // number of queues of all kinds
     std::uint32_t chunks_per_queue_ = 0;
-    std::uint32_t fetching_blocks_ = 0;  // blocks of the kernel that takes rays through meshes: as many as fit at once
-    StoredHit<Real>* hits_[2] = {};      // hits of the paths in queue_.paths, and of those in queue_.spare
-    std::uint32_t* words_ = nullptr;     // in device memory: counts and chunks of the queues of three segments
-    MeshQueue meshes_;
+    StoredHit<Real>* hits_[2] = {};   // hits of the paths in queue_.paths, and of those in queue_.spare
+    std::uint32_t* words_ = nullptr;  // in device memory: counts and chunks of the queues of three segments
+    MeshRays<Real> mesh_rays_;
 };
 
 IntegratorHook hook() {
@@ -368,7 +356,7 @@ IntegratorHook hook() {
         return {{"append_counters", tunable(variant, "append_counters", Backend::cuda)},
                 {"by_material", tunable(variant, "by_material", Backend::cuda)}};
     };
-    made.meshes = kernel_part<IntersectMeshesParameters>("variants/integrator/wavefront_fetching.cuh");
+    made.meshes = mesh_rays_part;
     return made;
 }
 

@@ -7,6 +7,15 @@
 
 namespace pt::cuda {
 
+// The sum of the lanes' values up to the calling lane's own. Every lane of the warp must call it.
+__device__ inline std::uint32_t sum_up_to_lane(std::uint32_t value) {
+    for (unsigned offset = 1; offset < 32; offset *= 2) {
+        const std::uint32_t left = __shfl_up_sync(0xffffffffu, value, offset);
+        value += lane() >= offset ? left : 0;
+    }
+    return value;
+}
+
 // Gives every thread that keeps a value its position in a queue, by one atomic operation per warp. Adinetz 2014, "CUDA
 // Pro Tip: Optimized Filtering with Warp-Aggregated Atomics".
 __device__ inline std::uint32_t append_by_warp(std::uint32_t* count, bool keep) {
@@ -16,7 +25,7 @@ __device__ inline std::uint32_t append_by_warp(std::uint32_t* count, bool keep) 
         first = atomicAdd(count, static_cast<unsigned>(__popc(kept)));
     }
     first = __shfl_sync(0xffffffffu, first, 0);
-    return first + static_cast<std::uint32_t>(__popc(kept & ((1u << lane()) - 1u)));
+    return first + rank_in(kept);
 }
 
 // Gives every thread that keeps a value its position in a queue, by one atomic operation per block: the warps' counts
@@ -32,11 +41,7 @@ __device__ inline std::uint32_t append_by_block(std::uint32_t* count, bool keep)
     __syncthreads();
     if (warp == 0) {
         const std::uint32_t mine = lane() < warps ? before[lane()] : 0;
-        std::uint32_t scan = mine;
-        for (unsigned offset = 1; offset < 32; offset *= 2) {
-            const std::uint32_t left = __shfl_up_sync(0xffffffffu, scan, offset);
-            scan += lane() >= offset ? left : 0;
-        }
+        const std::uint32_t scan = sum_up_to_lane(mine);
         const std::uint32_t total = __shfl_sync(0xffffffffu, scan, 31);
         std::uint32_t first = 0;
         if (lane() == 0 && total != 0) {
@@ -48,7 +53,7 @@ __device__ inline std::uint32_t append_by_block(std::uint32_t* count, bool keep)
         }
     }
     __syncthreads();
-    const std::uint32_t position = before[warp] + static_cast<std::uint32_t>(__popc(kept & ((1u << lane()) - 1u)));
+    const std::uint32_t position = before[warp] + rank_in(kept);
     __syncthreads();  // all warps have read `before`: the next call overwrites it
     return position;
 }

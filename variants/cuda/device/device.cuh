@@ -42,6 +42,10 @@ using pt::cuda::warp_size;
 namespace pt::cuda {
 
 __device__ inline std::uint32_t lane() { return threadIdx.x % warp_size; }
+// Rank of the calling lane among the lanes of the mask `lanes`: the number of these that are below it.
+__device__ inline std::uint32_t rank_in(unsigned lanes) {
+    return static_cast<std::uint32_t>(__popc(lanes & ((1u << lane()) - 1u)));
+}
 __device__ inline std::uint32_t thread_number() { return blockIdx.x * blockDim.x + threadIdx.x; }
 __device__ inline std::uint32_t thread_count() { return gridDim.x * blockDim.x; }
 

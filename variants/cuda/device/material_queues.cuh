@@ -3,7 +3,6 @@
 
 #include "variants/cuda/device/append.cuh"
 #include "variants/cuda/device/material_queues.h"
-#include "variants/cuda/device/surface_kinds.cuh"
 
 // The material types that end paths, a bit each.
 __device__ constexpr std::uint32_t types_that_end_paths() {
@@ -20,9 +19,8 @@ __device__ constexpr std::uint32_t types_that_end_paths() {
 struct QueueKinds {
     static constexpr bool keeps_ends = pt::cuda::keeps_ended_paths(Configuration::features, tuned::by_material != 0);
     static constexpr std::uint32_t ending = 0;  // kind of a path that its hit ends, if keeps_ends
-    static constexpr SurfaceKinds surfaces = SurfaceKinds::after(keeps_ends ? 1 : 0);
-    static constexpr std::uint32_t count = (keeps_ends ? 1 : 0) + (surfaces.count == 0 ? 1 : surfaces.count);
-    static_assert(count == pt::cuda::kinds_of_paths(Configuration::features, tuned::by_material != 0));
+    static constexpr auto surfaces = pt::cuda::kinds_of_hits(Configuration::features, tuned::by_material != 0);
+    static constexpr std::uint32_t count = pt::cuda::kinds_of_paths(Configuration::features, tuned::by_material != 0);
     static_assert(count > 0 && count <= 16, "the table of kinds has four bits for each");
 
     // True only if shading the path's hit ends the path, whatever the random numbers.
@@ -70,12 +68,7 @@ __device__ inline BlockSlots slots_of_block(const MaterialQueues<Real>& in) {
             const std::uint32_t queue = first + lane();
             const std::uint32_t paths = queue < queues_of_all_kinds ? in.counts[queue * counter_stride] : 0;
             const std::uint32_t blocks = (paths + block - 1) / block;
-            std::uint32_t end = blocks;
-            for (unsigned offset = 1; offset < warp_size; offset *= 2) {
-                const std::uint32_t left = __shfl_up_sync(all_lanes, end, offset);
-                end += lane() >= offset ? left : 0;
-            }
-            end += before;
+            const std::uint32_t end = before + sum_up_to_lane(blocks);
             if (blockIdx.x < end && blockIdx.x >= end - blocks) {
                 const std::uint32_t position = (blockIdx.x - (end - blocks)) * block;
                 const std::uint32_t place = place_of_chunk(in, queue, position) - 1;
@@ -140,7 +133,7 @@ __device__ inline std::uint32_t append_to_kind(const MaterialQueues<Real>& out, 
     } else {
         peers = __match_any_sync(all_lanes, keeps ? kind : QueueKinds::count);
     }
-    const std::uint32_t rank = static_cast<std::uint32_t>(__popc(peers & ((1u << lane()) - 1u)));
+    const std::uint32_t rank = rank_in(peers);
     std::uint32_t offset = 0;
     if (keeps && rank == 0) {
         offset = atomicAdd(&kept[kind], static_cast<std::uint32_t>(__popc(peers)));

@@ -3,8 +3,8 @@
 // paths of one queue. For NVRTC, nvcc and the host compiler alike.
 #pragma once
 
-#include "kernels/material_list.h"
 #include "variants/cuda/device/path_store.h"
+#include "variants/cuda/device/surface_kinds.h"
 #include "variants/cuda/device/totals.h"
 
 namespace pt::cuda {
@@ -32,18 +32,14 @@ constexpr bool keeps_ended_paths(FeatureSet features, bool by_material) {
     return by_material && contains(features, Feature::next_event);
 }
 
-// The number of kinds of paths that kernels with these features keep apart: one for each material type that does not
-// end paths, or one for all; and perhaps one of paths that their hit ends.
+// The kinds of paths that kernels with these features keep apart, of which the first may be that of paths that their
+// hit ends.
+constexpr SurfaceKinds kinds_of_hits(FeatureSet features, bool by_material) {
+    return SurfaceKinds::of(features, by_material, keeps_ended_paths(features, by_material) ? 1 : 0);
+}
 constexpr std::uint32_t kinds_of_paths(FeatureSet features, bool by_material) {
-    using namespace material_trait;
-    std::uint32_t kinds = 0;
-#define PT_COUNT_KIND(name, Type, traits)                                  \
-    if (((traits)&ends_paths) == 0 && contains(features, Feature::name)) { \
-        kinds += by_material || kinds == 0 ? 1u : 0u;                      \
-    }
-    PT_MATERIALS(PT_COUNT_KIND)
-#undef PT_COUNT_KIND
-    return (kinds == 0 ? 1u : kinds) + (keeps_ended_paths(features, by_material) ? 1u : 0u);
+    const std::uint32_t of_hits = kinds_of_hits(features, by_material).count;
+    return (of_hits == 0 ? 1 : of_hits) + (keeps_ended_paths(features, by_material) ? 1 : 0);
 }
 
 }  // namespace pt::cuda

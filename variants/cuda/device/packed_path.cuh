@@ -2,13 +2,15 @@
 // shared memory between two stages (path_pool.cuh).
 #pragma once
 
-#include "variants/cuda/device/surface_kinds.cuh"
+#include "variants/cuda/device/device.cuh"
+#include "variants/cuda/device/surface_kinds.h"
 
 struct Kinds {
     static constexpr bool has_walks = pt::has<Configuration>(pt::Feature::subsurface);
     // kind of a path that shading ends, or of a slot without a path: a new path begins there
     static constexpr std::uint32_t over = 0;
-    static constexpr SurfaceKinds surfaces = SurfaceKinds::after(over + 1);
+    static constexpr auto surfaces =
+        pt::cuda::SurfaceKinds::of(Configuration::features, tuned::by_material != 0, over + 1);
     static constexpr std::uint32_t walking = over + 1 + surfaces.count;       // kind of a path on a walk in a body
     static constexpr std::uint32_t starting = walking + (has_walks ? 1 : 0);  // kind of a path with a next ray to trace
     static constexpr std::uint32_t lists = starting + (has_walks ? 1 : 0);    // number of kinds with rings of paths

@@ -6,9 +6,6 @@
 
 namespace pt::cuda {
 
-// Rank of the calling lane among the lanes of the mask `lanes`: the number of these that are below it.
-__device__ inline std::uint32_t rank_in(unsigned lanes) { return __popc(lanes & ((1u << lane()) - 1u)); }
-
 // Loads a word with acquire order: what a thread did before it released the word happens before what this thread does
 // next.
 template <class T>
