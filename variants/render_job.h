@@ -3,6 +3,7 @@
 
 #include <array>
 #include <chrono>
+#include <map>
 #include <memory>
 #include <span>
 #include <string_view>
@@ -65,9 +66,22 @@ struct FirstBounceCache {
     bool has(std::uint32_t turn) const { return turn >= rays; }
 };
 
+// What memory allows the passes of a stage, by the bytes that they read and write at least.
+struct MemoryBound {
+    double bytes = 0;
+    double ms = 0;  // time of a copy of so many bytes, pass by pass
+
+    template <class Self, class Visit>
+    static void fields(Self& self, const Visit& visit) {
+        visit("bytes", self.bytes);
+        visit("ms", self.ms);
+    }
+};
+
 // Time of a render by stage. Only instrumented renders have one: it is never part of a timed sample.
 struct StageTimes {
     std::vector<std::pair<std::string_view, double>> milliseconds;  // milliseconds of each stage, in order of first use
+    std::map<std::string_view, MemoryBound> memory_bounds;  // of stages that only move paths or their numbers, by stage
     std::vector<std::uint64_t> live_paths;  // entry k: number of paths that were alive for segment k + 1
 
     void add(std::string_view stage, double ms);

@@ -26,6 +26,12 @@ InstrumentedFacts pass_of(const Cell& cell, const RenderResult& result) {
                            .paths = result.work.paths,
                            .spp = cell.samples_to_prepare(),
                            .wall_ms = result.wall_ms};
+    for (const auto& [stage, bound] : result.stages.memory_bounds) {
+        if (!pass.memory_bounds) {
+            pass.memory_bounds.emplace();
+        }
+        (*pass.memory_bounds)[std::string(stage)] = bound;
+    }
     double staged = 0;
     for (const auto& [stage, ms] : result.stages.milliseconds) {
         pass.stage_ms[std::string(stage)] = ms;

@@ -31,6 +31,7 @@ int run(const PassportArguments& arguments) {
                  nlohmann::ordered_json chip{{"cpu", measure_chip_rates()}};
                  if (is_gpu) {
                      chip["gpu"] = cuda::ceilings();
+                     chip["gpu_rates"] = cuda::gpu_rates();
                  }
                  return chip;
              },

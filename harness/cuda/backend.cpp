@@ -8,6 +8,7 @@
 
 #include "cccl_version.h"
 #include "harness/cuda/cell.h"
+#include "harness/cuda/gpu_rates.h"
 #include "harness/cuda/inspect.h"
 #include "harness/cuda/kernel_request.h"
 #include "harness/cuda/profile.h"
@@ -93,6 +94,8 @@ nlohmann::ordered_json inspect_kernels(const Scene& scene, const Variant& varian
 }
 
 nlohmann::ordered_json ceilings() { return ceilings_json(ceilings_here()); }
+
+nlohmann::ordered_json gpu_rates() { return measure_gpu_rates(); }
 
 void require_counters() {
     if (!not_available().empty() || find_ncu().empty()) {

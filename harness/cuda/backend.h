@@ -49,6 +49,8 @@ nlohmann::ordered_json kernel_counters(const std::vector<std::string>& arguments
 
 // Peak rates of the first GPU (harness/cuda/ceilings.h), by the keys of `ceilings` in ptbench-inspect.schema.json.
 nlohmann::ordered_json ceilings();
+// What bounds kernels on the first GPU beside its arithmetic (harness/cuda/gpu_rates.h).
+nlohmann::ordered_json gpu_rates();
 
 // Throws MachineError if hardware counters are not available: no device or no ncu.
 void require_counters();

@@ -8,6 +8,7 @@
 
 #include "harness/cuda/accounting.h"
 #include "harness/cuda/choices.h"
+#include "harness/cuda/gpu_rates.h"
 #include "harness/cuda/kernel_request.h"
 #include "harness/cuda/loaded_modules.h"
 #include "harness/render/process_clock.h"
@@ -297,6 +298,12 @@ void RenderCell<Real>::collect_counts(RenderResult& result) {
     if (request_.instrument) {
         result.stages.milliseconds = stages_.milliseconds();
         result.stages.live_paths = reached_segments(counts.live);
+        const LeastTraffic traffic = integrator_->least_traffic();
+        const std::uint32_t batches = (job_.all_samples - 1) / traffic.samples_in_flight + 1;
+        for (const auto& [stage, least] : traffic.by_stage) {
+            result.stages.memory_bounds[stage] =
+                bound_of(least, result.stages.live_paths, job_.longest_path, batches, copy_rates());
+        }
     }
     facts_.kernels = kernel_facts(*job_.module, integrator_hook_.kernels(sizeof(Real)));
     result.cuda = facts_;

@@ -20,6 +20,7 @@ nlohmann::ordered_json kernel_counters(const std::vector<std::string>&, const st
     throw MachineError(reason);
 }
 nlohmann::ordered_json ceilings() { throw MachineError(reason); }
+nlohmann::ordered_json gpu_rates() { throw MachineError(reason); }
 void require_counters() { throw MachineError(reason); }
 nlohmann::ordered_json batch_counters(const std::vector<std::string>&,
                                       const std::vector<std::pair<std::string, double>>&) {

@@ -89,6 +89,9 @@ public:
         counts_ = arena.take<std::uint32_t>(2);
     }
 
+    // How many paths move depends on where the ended ones lie: none, at the least.
+    LeastBytes least_bytes(const BytesOfAPath& path) const override { return {path.liveness, 0}; }
+
     // Moves all n live paths into slots 0 to n - 1. The order in which a sort had lined up the slots is dropped.
     void compact(Queue& queue) override {
         PT_CUDA_CHECK(cudaMemsetAsync(queue.count_spare, 0, sizeof(std::uint32_t), context_.stream));

@@ -2,7 +2,9 @@
 // is in job.h.
 #pragma once
 
+#include <map>
 #include <memory>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -16,6 +18,12 @@ namespace pt::cuda {
 struct PathBytes {
     std::size_t state = 0;       // bytes of one copy of a path itself
     std::size_t everything = 0;  // bytes of a path with its share of all memory of the queue
+};
+
+// What the passes over a queue between two of the integrator's kernels read and write at least.
+struct LeastTraffic {
+    std::map<std::string_view, LeastBytes> by_stage = {};  // by the stage in which a pass is timed
+    std::uint32_t samples_in_flight = 1;                   // samples of each pixel that a pass covers
 };
 
 class Integrator {
@@ -36,6 +44,7 @@ public:
     // Returns work counters that only the device knows; waits for the device.
     virtual WorkCounters device_work() const { return {}; }
     virtual PathBytes path_bytes() const { return {}; }
+    virtual LeastTraffic least_traffic() const { return {}; }
 };
 
 // What an integrator on CUDA is made from, besides the job: variant, choices on its queue, facts of the scene.

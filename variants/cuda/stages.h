@@ -54,6 +54,21 @@ struct CellContext {
     std::uint64_t* host_waits = nullptr;
 };
 
+// Bytes of a path that compactions and sorts read or move.
+struct BytesOfAPath {
+    double state = 0;     // the path itself
+    double liveness = 0;  // what is read of it to learn whether it is alive: the field, or a sector of memory with it
+    double hit = 0;       // its stored hit; 0: none is stored
+};
+
+// The bytes that a pass over the queue reads and writes at least, whoever does it: a bound of its time.
+struct LeastBytes {
+    double a_path = 0;      // for each path in play before the pass
+    double a_survivor = 0;  // for each path in play after it, in addition
+};
+
+inline constexpr double slot_bytes = sizeof(std::uint32_t), key_bytes = sizeof(std::uint32_t);
+
 // A compaction on the device: takes the ended paths out of play, between two bounces.
 class Compaction {
 public:
@@ -66,6 +81,10 @@ public:
     virtual bool needs_spare_paths() const { return false; }
     // Whether the compaction copies whole paths, in which case a store must have room for every field of a path.
     virtual bool moves_paths() const { return true; }
+    // A compaction of slot numbers writes those of the survivors, which the next one reads.
+    virtual LeastBytes least_bytes(const BytesOfAPath& path) const {
+        return {path.liveness, moves_paths() ? 2 * path.state : 2 * slot_bytes};
+    }
 };
 
 // A part of the queue that one launch shades: the paths in slots order[0..*count-1]. Null order: the queue's own.
@@ -87,6 +106,9 @@ public:
     virtual std::vector<ShadeRange> shade_ranges() const { return {}; }
     // Whether the sort copies whole paths, in which case a store must have room for every field of a path.
     virtual bool moves_paths() const { return true; }
+    LeastBytes least_bytes(const BytesOfAPath& path) const {
+        return {key_bytes + (moves_paths() ? 2 * (path.state + path.hit) : slot_bytes), 0};
+    }
 };
 
 }  // namespace pt::cuda

@@ -154,6 +154,26 @@ bool Wavefront::copies_whole_paths() const {
            (needs_.sorting != nullptr && needs_.sorting->moves_paths());
 }
 
+// Where the queue is refilled, the paths of a pass are of several segments, whose numbers nobody counts apart.
+LeastTraffic Wavefront::least_traffic() const {
+    LeastTraffic traffic{.samples_in_flight = batches_.samples_in_flight()};
+    if (needs_.traits.integrator.refills_queue) {
+        return traffic;
+    }
+    constexpr double sector_bytes = 32;  // the least that is read of memory at once
+    const double stride = needs_.layout.segment(start_.paths, real_bytes_).stride;
+    const BytesOfAPath path{.state = static_cast<double>(path_bytes_.state),
+                            .liveness = std::min(stride, sector_bytes),
+                            .hit = static_cast<double>(hit_bytes_)};
+    if (needs_.compaction != nullptr && !appends_) {
+        traffic.by_stage["compact"] = needs_.compaction->least_bytes(path);
+    }
+    if (needs_.sorting != nullptr) {
+        traffic.by_stage["sort"] = needs_.sorting->least_bytes(path);
+    }
+    return traffic;
+}
+
 std::uint32_t Wavefront::capacity() const {
     const std::uint64_t pool = std::uint64_t{job_.pixels} * batches_.samples_in_flight();
     if (pool > 0x7fffffffu) {

@@ -45,6 +45,7 @@ public:
     void render() override;
     WorkCounters device_work() const final { return batches_.loop_work(); }
     PathBytes path_bytes() const final { return path_bytes_; }
+    LeastTraffic least_traffic() const final;
 
 protected:
     // Constructs a wavefront. hit_bytes: size of a hit that is stored between two kernels; 0: none is.

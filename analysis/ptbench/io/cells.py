@@ -108,6 +108,14 @@ class Sample:
 
 
 @dataclass(frozen=True)
+class MemoryBound:
+    """What memory allows the passes of a stage: the bytes that they read and write at least, and copies of so many."""
+
+    bytes: float
+    ms: float
+
+
+@dataclass(frozen=True)
 class Instrumented:
     """The separate counting pass of a cell, whose times are never mixed with those of the timed samples."""
 
@@ -117,6 +125,7 @@ class Instrumented:
     stage_ms: dict[str, float]
     wall_ms: float | None
     unaccounted_ms: float | None
+    memory_bounds: dict[str, MemoryBound] = field(default_factory=dict)  # by stage that only moves paths
 
     def live_share(self, depth: int) -> float | None:
         """The share of live paths in the queue slots of all bounces, if ended paths stay in it; None: not counted."""

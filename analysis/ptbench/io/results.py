@@ -25,6 +25,7 @@ from ptbench.io.cells import (
     Cuda,
     Instrumented,
     Kernel,
+    MemoryBound,
     MeshFacts,
     NotApplicable,
     Result,
@@ -344,6 +345,7 @@ def _kernel(node: Node) -> Kernel:
 def _instrumented(node: Node) -> Instrumented:
     live = node.maybe("live_paths")
     unaccounted = node.maybe("unaccounted_ms")
+    bounds = node.maybe("memory_bounds")
     return Instrumented(
         live_paths=() if live is None else tuple(item.integer() for item in live.items()),
         paths=node.need("paths").integer(minimum=1),
@@ -352,7 +354,12 @@ def _instrumented(node: Node) -> Instrumented:
         wall_ms=node.optional_number("wall_ms"),
         # Unaccounted time is negative where overlapping stages add up to more than the wall time.
         unaccounted_ms=None if unaccounted is None else unaccounted.number(signed=True),
+        memory_bounds={} if bounds is None else {name: _bound(bounds.need(name)) for name in bounds.fields()},
     )
+
+
+def _bound(node: Node) -> MemoryBound:
+    return MemoryBound(bytes=node.need("bytes").number(), ms=node.need("ms").number())
 
 
 def _not_applicable(node: Node, usual: Mapping[str, str]) -> NotApplicable:

@@ -98,12 +98,15 @@ struct InstrumentedFacts {
     std::uint64_t paths = 0;
     std::uint32_t spp = 0;
     std::map<std::string, double> stage_ms = {};
+    // By stage, of stages on a GPU that only move paths; absent without such a stage.
+    std::optional<std::map<std::string, MemoryBound>> memory_bounds = {};
     double wall_ms = 0, unaccounted_ms = 0;
     bool stages_add_up = false;
 
     template <class Self, class Visit>
     static void fields(Self& self, const Visit& visit) {
         visit("live_paths", self.live_paths);
+        visit("memory_bounds", self.memory_bounds);
         visit("paths", self.paths);
         visit("spp", self.spp);
         visit("stage_ms", self.stage_ms);

@@ -56,12 +56,13 @@ class Errors(Cells):
         """The number of convergence cells by verdict: converges, plateau, ..."""
         return Counter(one.verdict.word for one in assess(self.result).values())
 
-    def efficiency(self, selection: str) -> Ratio:
-        """The efficiency of a cell against its scene's baseline, in the study that the selection names; FASTER: > 1."""
+    def efficiency(self, selection: str, base_at: str = "") -> Ratio:
+        """The efficiency of a cell against the one that `base_at` selects, or its scene's baseline; FASTER: > 1.
+
+        The baseline is that of the study which the selection names.
+        """
         one = self.assessment(selection)
-        study = self._chosen(selection)["study"]
-        members = [other for other in assess(self.result).values() if study in other.cell.studies]
-        base = baseline_among(self.result, next(group for group in by_place(members).values() if one in group))
+        base = self.assessment(base_at) if base_at else self._baseline(one, self._chosen(selection)["study"])
         compared = compare_errors(one, base)
         if compared is None or compared.efficiency is None or base is None:
             raise FindingError(f"{self.result.path}: no efficiency: {selection}")
@@ -72,6 +73,10 @@ class Errors(Cells):
         word = UNSURE if value.low is None or value.high is None else word_of(1 / value.high, 1 / value.low)
         verdict = withheld(Verdict(word), compared.doubt) if compared.doubt else Verdict(word)
         return Ratio(value, verdict, one.cell.name)
+
+    def _baseline(self, one: Assessment, study: str) -> Assessment | None:
+        members = [other for other in assess(self.result).values() if study in other.cell.studies]
+        return baseline_among(self.result, next(group for group in by_place(members).values() if one in group))
 
     def must_stop_above(self, selection: str, error: float) -> str:
         """Returns an empty text if a plateau above `error` was found; otherwise raises FindingError."""

@@ -1,5 +1,7 @@
 """What cells of a result consist of, as a source for a page: trees, kernels, paths and films."""
 
+from dataclasses import dataclass
+
 from ptbench.errors import FindingError
 from ptbench.figures.time_to_image import Way, sibling_meshes, ways
 from ptbench.findings.quantities import Quantity
@@ -8,6 +10,20 @@ from ptbench.findings.suite.cells import Cells
 from ptbench.io.cells import Kernel, MeshFacts
 from ptbench.stats.estimates import Estimate
 from ptbench.studies.selection import cell_of, parsed
+
+
+@dataclass(frozen=True)
+class Bound:
+    """A stage per sample: its time, the least that memory allows it, and the megabytes that it moves at least."""
+
+    ms: float
+    least_ms: float
+    megabytes: float
+
+    @property
+    def percent(self) -> float:
+        """How much of memory's speed the stage reaches, in per cent."""
+        return 100 * self.least_ms / self.ms
 
 
 class Made(Cells):
@@ -60,6 +76,14 @@ class Made(Cells):
     def local_bytes(self, selection: str, kernel: str) -> int:
         """Local memory per thread of a kernel, in bytes."""
         return self._kernel(selection, kernel).local_bytes
+
+    def bound(self, selection: str, stage: str) -> Bound:
+        """A stage of a cell beside what memory allows it, in the cell's instrumented pass."""
+        done = self.cell(selection).instrumented
+        if done is None or stage not in done.memory_bounds or not done.stage_ms.get(stage):
+            raise FindingError(f"{self.result.path}: {selection} has no bound of the stage {stage}")
+        bound = done.memory_bounds[stage]
+        return Bound(done.stage_ms[stage] / done.spp, bound.ms / done.spp, bound.bytes / done.spp / 1e6)
 
     def path_state_bytes(self, selection: str) -> int:
         """Bytes of one path's state in the queue."""
