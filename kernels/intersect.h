@@ -442,8 +442,11 @@ PT_HD inline void closest_in_mesh(Hit<Real>& best, const MeshInstance<Real>& mes
             }
         },
         counter);
-    if (best.t >= Real(0)) {  // not after a search for any hit has met one
+    if (best.t >= Real(0)) {
         meeting.finish(best, mesh.geometry.leaves, in_mesh);
+    }
+    if (end.end_if_met(best)) {
+        best.side = SurfaceId::of(object, false);  // the triangle that was met may have no exact hit yet
     }
 }
 

@@ -113,7 +113,7 @@ PT_HD inline TriangleHit<Real> intersect(const ShearedTriangle<Real>& t, Real sh
     return hit;
 }
 
-// The same for a triangle that is given by its corners' coordinates, as ShearedTriangle::of takes them.
+// Intersects a triangle, given by the coordinates that ShearedTriangle::of takes, where t > 0.
 template <class Real>
 PT_HD inline TriangleHit<Real> intersect_along(const Vec3<Real>& x, const Vec3<Real>& y, const Vec3<Real>& z,
                                                const Vec3<Real>& shear) {

@@ -590,12 +590,11 @@ TEST_F(ShippedSuitesTest, LoadAndPlan) {
                                            [](const Study& study) { return !study.convergence; });
         EXPECT_GE(suite.repetitions, has_times ? 9 : 8);
         std::set<std::string> studies = studies_with_cells(suite, Backend::cpu);
-        EXPECT_FALSE(studies.empty());
         if (test::cuda_is_built()) {
             const std::set<std::string> on_cuda = studies_with_cells(suite, Backend::cuda);
             EXPECT_FALSE(on_cuda.empty());
             studies.insert(on_cuda.begin(), on_cuda.end());
-            // A study is for one backend at least.
+            // A study is for one backend at least, and a suite too: memory's speed is a GPU's alone.
             for (const Study& study : suite.studies) {
                 EXPECT_TRUE(studies.contains(study.name)) << study.name;
             }
