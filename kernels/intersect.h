@@ -340,61 +340,15 @@ PT_HD inline Vec3<Real> corners_along(const LeafTriangle::Row& row, const Real& 
     return Vec3<Real>(Real(row.a) - origin, Real(row.b) - origin, Real(row.c) - origin);
 }
 
-// Corners of a leaf's triangle along the axes of a ray, relative to its origin. The rows of coordinates lie in memory,
-// to be chosen by address, and each is loaded whole, in one access.
-template <class Real>
-struct CornersAlong {
-    Vec3<Real> x, y, z;
-    std::uint32_t primitive;
-
-    PT_HD static CornersAlong of(const LeafTriangle& leaf, const MeshRay<Real>& ray) {
-        const LeafTriangle::Row z = leaf.row[ray.sheared.kz], x = leaf.row[ray.sheared.kx],
-                                y = leaf.row[ray.sheared.ky];
-        return {corners_along(x, ray.along.x), corners_along(y, ray.along.y), corners_along(z, ray.along.z),
-                z.primitive};
-    }
-};
-
-// Updates the closest hit `best` by a leaf's triangle.
+// Updates the closest hit `best` by a leaf's triangle. Its rows of coordinates lie in memory, to be chosen by address.
 template <class Real>
 PT_HD inline void meet_triangle(Hit<Real>& best, const LeafTriangle& leaf, const MeshRay<Real>& ray) {
-    const auto corners = CornersAlong<Real>::of(leaf, ray);
-    keep_nearer(best, intersect_along(corners.x, corners.y, corners.z, ray.sheared.shear), corners.primitive, ray);
+    // Each row of the leaf's triangle is loaded whole, in one memory access.
+    const LeafTriangle::Row z = leaf.row[ray.sheared.kz], x = leaf.row[ray.sheared.kx], y = leaf.row[ray.sheared.ky];
+    const TriangleHit<Real> hit = intersect_along(corners_along(x, ray.along.x), corners_along(y, ray.along.y),
+                                                  corners_along(z, ray.along.z), ray.sheared.shear);
+    keep_nearer(best, hit, z.primitive, ray);
 }
-
-// The closest hit of a ray in the triangles of one mesh. In single precision most distances are not computed
-// (WaitingTriangle): `best.t` is a bound until finish() makes `best` exact.
-template <class Real>
-class MeshMeeting {
-public:
-    PT_HD void start(const Hit<Real>& best) {
-        if constexpr (puts_off) {
-            waiting_.start(best.t);
-        }
-    }
-    PT_HD void meet(Hit<Real>& best, const LeafTriangle* leaves, std::uint32_t slot, const MeshRay<Real>& ray) {
-        if constexpr (puts_off) {
-            const auto corners = CornersAlong<Real>::of(leaves[slot], ray);
-            const Vec3<Real>& shear = ray.sheared.shear;
-            auto glance =
-                TriangleGlance::of(ShearedTriangle<Real>::of(corners.x, corners.y, corners.z, shear), shear.z);
-            glance.misses = glance.misses || corners.primitive == ray.passed_over;
-            waiting_.meet(best.t, slot, glance, [&](std::uint32_t near) { meet_triangle(best, leaves[near], ray); });
-        } else {
-            meet_triangle(best, leaves[slot], ray);
-        }
-    }
-    PT_HD void finish(Hit<Real>& best, const LeafTriangle* leaves, const MeshRay<Real>& ray) {
-        if constexpr (puts_off) {
-            waiting_.finish([&](std::uint32_t slot) { meet_triangle(best, leaves[slot], ray); });
-        }
-    }
-
-private:
-    static constexpr bool puts_off = sizeof(Real) == sizeof(float);
-
-    WaitingTriangle waiting_;
-};
 
 // Termination rule of a closest-hit search through meshes: no hit ends the search.
 struct WithClosest {
@@ -429,25 +383,17 @@ template <class Accelerator, class Real, class Counter, class End>
 PT_HD inline void closest_in_mesh(Hit<Real>& best, const MeshInstance<Real>& mesh, std::uint32_t object,
                                   const Vec3<Real>& origin, const Ray<Real>& ray, Counter& counter, const End& end) {
     const MeshRay<Real> in_mesh = MeshRay<Real>::of(mesh, object, origin, ray);
-    MeshMeeting<Real> meeting;
-    meeting.start(best);
     Accelerator::traverse(
         mesh.geometry.tree, in_mesh.origin, in_mesh.direction, best.t,
         [&](std::uint32_t first, std::uint32_t count) {
             for (std::uint32_t slot = first; slot < first + count; ++slot) {
-                meeting.meet(best, mesh.geometry.leaves, slot, in_mesh);
+                meet_triangle(best, mesh.geometry.leaves[slot], in_mesh);
                 if (end.end_if_met(best)) {
                     return;
                 }
             }
         },
         counter);
-    if (best.t >= Real(0)) {
-        meeting.finish(best, mesh.geometry.leaves, in_mesh);
-    }
-    if (end.end_if_met(best)) {
-        best.side = SurfaceId::of(object, false);  // the triangle that was met may have no exact hit yet
-    }
 }
 
 // Updates the closest hit `best` by the triangles of one mesh. Where the accelerator is chosen at run time

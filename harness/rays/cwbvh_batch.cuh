@@ -38,20 +38,30 @@ struct PermutedRay {
     }
 };
 
-// A triangle in a leaf slot, relative to a ray's origin and sheared along the ray.
-struct SlotTriangle {
-    ShearedTriangle<float> sheared;
-    std::uint32_t primitive;
-
-    __device__ static SlotTriangle of(const LeafTriangle* triangle, const PermutedRay& ray) {
-        const float4* rows = reinterpret_cast<const float4*>(triangle);
-        const float4 z = __ldg(rows + ray.shear.kz), x = __ldg(rows + ray.shear.kx), y = __ldg(rows + ray.shear.ky);
-        return {
-            ShearedTriangle<float>::of({x.x - ray.x, x.y - ray.x, x.z - ray.x}, {y.x - ray.y, y.y - ray.y, y.z - ray.y},
-                                       {z.x - ray.z, z.y - ray.z, z.z - ray.z}, ray.shear.shear),
-            __float_as_uint(z.w)};
+__device__ inline void intersect_slot(const LeafTriangle* triangle, const PermutedRay& ray, Hit& best) {
+    const float4* rows = reinterpret_cast<const float4*>(triangle);
+    const float4 z = __ldg(rows + ray.shear.kz), x = __ldg(rows + ray.shear.kx), y = __ldg(rows + ray.shear.ky);
+    const Vec3<float>& shear = ray.shear.shear;
+    const float az = z.x - ray.z, bz = z.y - ray.z, cz = z.z - ray.z;
+    const float ax = (x.x - ray.x) - shear.x * az, ay = (y.x - ray.y) - shear.y * az;
+    const float bx = (x.y - ray.x) - shear.x * bz, by = (y.y - ray.y) - shear.y * bz;
+    const float cx = (x.z - ray.x) - shear.x * cz, cy = (y.z - ray.y) - shear.y * cz;
+    const float u = cx * by - cy * bx, v = ax * cy - ay * cx, w = bx * ay - by * ax;
+    // The sign of a non-zero edge function is exact in float, so where two signs differ no test in double is needed.
+    if (fminf(fminf(u, v), w) < 0.0f && fmaxf(fmaxf(u, v), w) > 0.0f) {
+        return;
     }
-};
+    const double wide_u = edge_function_in_double(cx, cy, bx, by), wide_v = edge_function_in_double(ax, ay, cx, cy),
+                 wide_w = edge_function_in_double(bx, by, ax, ay), det = wide_u + wide_v + wide_w;
+    if ((fmin(fmin(wide_u, wide_v), wide_w) < 0.0 && fmax(fmax(wide_u, wide_v), wide_w) > 0.0) ||
+        static_cast<float>(det) == 0.0f) {
+        return;
+    }
+    const float t = static_cast<float>(
+        (wide_u * static_cast<double>(az) + wide_v * static_cast<double>(bz) + wide_w * static_cast<double>(cz)) / det *
+        static_cast<double>(shear.z));
+    keep_nearer({t, static_cast<float>(det), u, v, w, t > 0.0f, false}, __float_as_uint(z.w), best);
+}
 
 struct BatchView {
     TreeView tree;
@@ -91,11 +101,9 @@ public:
         const float4 o = __ldcs(words), d = __ldcs(words + 1);
         const Vec3<float> origin{o.x, o.y, o.z}, direction{d.x, d.y, d.z};
         index_ = index;
-        has_ray_ = true;
         box_ray_ = cwbvh::BoxRay::of(cwbvh::LoadedNode::of(batch_.tree.nodes, 0), origin, direction);
         ray_ = PermutedRay::of(origin, direction);
         best_ = {o.w, no_primitive};
-        waiting_.start(o.w);
         group_ = cwbvh::NodeGroup::root();
         depth_ = 0;
         pending_.bits = later_.bits = 0;
@@ -117,44 +125,31 @@ public:
         } else {
             pending_ = found;
         }
-        pop_if_empty();
+        finish_if_done();
     }
 
     __device__ void test_triangle() {
-        const std::uint32_t slot = pending_.take();
-        const float limit = best_.t;
-        const auto triangle = SlotTriangle::of(batch_.triangles + slot, ray_);
-        waiting_.meet(best_.t, slot, TriangleGlance::of(triangle.sheared, ray_.shear.shear.z),
-                      [&](std::uint32_t near) { meet_exactly(near); });
-        if (P::any && (best_.t < limit || best_.primitive != no_primitive)) {
+        intersect_slot(batch_.triangles + pending_.take(), ray_, best_);
+        if (P::any && best_.primitive != no_primitive) {
             best_ = {0.0f, 0};
-            waiting_.start(0.0f);
             group_.bits = 0, depth_ = 0, pending_.bits = 0, later_.bits = 0;
         }
         if (P::groups == 2 && pending_.empty()) {
             pending_ = later_;
             later_.bits = 0;
         }
-        pop_if_empty();
-    }
-    // Writes the hit of a ray that has ended.
-    __device__ void finish() {
-        if (has_ray_) {
-            has_ray_ = false;
-            waiting_.finish([&](std::uint32_t slot) { meet_exactly(slot); });
-            __stcs(reinterpret_cast<float2*>(batch_.hits + index_),
-                   make_float2(best_.t, __uint_as_float(best_.primitive)));
-        }
+        finish_if_done();
     }
 
 private:
-    __device__ void meet_exactly(std::uint32_t slot) {
-        const auto triangle = SlotTriangle::of(batch_.triangles + slot, ray_);
-        keep_nearer(intersect(triangle.sheared, ray_.shear.shear.z), triangle.primitive, best_);
-    }
-    __device__ void pop_if_empty() {
-        if (group_.empty() && depth_ != 0) {
-            pop();
+    __device__ void finish_if_done() {
+        if (group_.empty()) {
+            if (depth_ != 0) {
+                pop();
+            } else if (pending_.empty()) {
+                __stcs(reinterpret_cast<float2*>(batch_.hits + index_),
+                       make_float2(best_.t, __uint_as_float(best_.primitive)));
+            }
         }
     }
     __device__ void push() {
@@ -179,12 +174,10 @@ private:
     cwbvh::BoxRay box_ray_;
     PermutedRay ray_;
     Hit best_;
-    WaitingTriangle waiting_;
     cwbvh::NodeGroup group_{};  // child nodes still to visit; none in a lane without a ray
     cwbvh::SlotGroup pending_, later_;
     std::uint32_t index_;
     int depth_ = 0;
-    bool has_ray_ = false;
 };
 
 template <class P>

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "tests/acceleration/triangle_scenes.h"
 #include "tests/support/random_vectors.h"
@@ -17,28 +16,6 @@ using V = Vec3<float>;
 TriangleHit<float> meet(const Triangle<float>& triangle, const TestRay& ray) {
     return intersect(triangle, ray.origin, ShearedDirection<float>::of(ray.direction));
 }
-
-TriangleGlance glance_at(const Triangle<float>& triangle, const TestRay& ray) {
-    const auto s = ShearedDirection<float>::of(ray.direction);
-    return TriangleGlance::of(
-        ShearedTriangle<float>::of(corners_along(triangle, ray.origin, s.kx), corners_along(triangle, ray.origin, s.ky),
-                                   corners_along(triangle, ray.origin, s.kz), s.shear),
-        s.shear.z);
-}
-
-// The closest hit of a ray by ascending (t, number of the triangle).
-struct Closest {
-    float t = std::numeric_limits<float>::infinity();
-    std::uint32_t triangle = ~0u;
-
-    void meet(const Triangle<float>& with, std::uint32_t number, const TestRay& ray) {
-        const TriangleHit<float> hit = pt::test::meet(with, ray);
-        if (hit.hits && (hit.t < t || (hit.t == t && number < triangle))) {
-            *this = {hit.t, number};
-        }
-    }
-    bool operator==(const Closest&) const = default;
-};
 
 int hits(const Triangles& triangles, const TestRay& ray) {
     const auto sheared = ShearedDirection<float>::of(ray.direction);
@@ -90,21 +67,6 @@ protected:
         return sum;
     }
 };
-
-// A ray at a vertex, an edge, the inside of a triangle, or anywhere.
-TestRay ray_at(const Triangles& triangles, const V& origin, Random& random) {
-    const Triangle<float>& t = triangles[random.word() % triangles.size()];
-    switch (static_cast<int>(random.uniform(0, 4))) {
-        case 0:
-            return {origin, t.b - origin};
-        case 1:
-            return {origin, t.a + 0.25f * (t.b - t.a) - origin};
-        case 2:
-            return {origin, point_in(t, random) - origin};
-        default:
-            return {origin, random_in_cube<float>(random, 1)};
-    }
-}
 
 // From within, a ray has to come out, whatever vertex or edge it is aimed at. Rounded, it may pass beside what it is
 // aimed at, but not between.
@@ -178,67 +140,6 @@ INSTANTIATE_TEST_SUITE_P(Meshes, ClosedMeshTest, testing::ValuesIn(closed_meshes
                          [](const auto& mesh) { return mesh.param.name; });
 
 // On the edge to the bit: both triangles that share it, never none. All sums below are exact.
-// What a glance says is sure, and it settles nearly all tests of triangles that a ray does not meet at an edge.
-TEST_P(ClosedMeshTest, AGlanceSaysNothingThatTheTestDenies) {
-    const Triangles& triangles = GetParam().triangles;
-    Random random(17);
-    std::uint64_t sure_hits = 0, hits = 0, unsure_misses = 0, misses = 0;
-    for (int turn = 0; turn < 2000; ++turn) {
-        const Triangle<float>& start = triangles[static_cast<std::size_t>(turn) % triangles.size()];
-        const V origin = turn % 2 == 0 ? centre() : point_in(start, random);
-        const TestRay ray = ray_at(triangles, origin, random);
-        for (const Triangle<float>& triangle : triangles) {
-            const TriangleHit<float> hit = meet(triangle, ray);
-            const TriangleGlance glance = glance_at(triangle, ray);
-            if (hit.hits) {
-                ASSERT_FALSE(glance.misses);
-                ASSERT_LE(glance.nearest, hit.t);
-                ASSERT_TRUE(!glance.hits || hit.t < glance.farthest) << hit.t << " " << glance.farthest;
-            } else {
-                ASSERT_TRUE(glance.misses || !glance.hits);
-            }
-            (hit.hits ? hits : misses) += 1;
-            sure_hits += hit.hits && glance.hits ? 1 : 0;
-            unsure_misses += !hit.hits && !glance.misses ? 1 : 0;
-        }
-    }
-    EXPECT_GT(hits, 2000u);
-    EXPECT_GT(sure_hits, hits / 4);
-    EXPECT_LT(unsure_misses, misses / 20);
-}
-
-// Whatever the order in which a search meets triangles and where it begins, it finds the hit that testing each finds.
-TEST_P(ClosedMeshTest, ATriangleThatWaitsIsTheClosestHit) {
-    Triangles triangles = GetParam().triangles;
-    Random random(19);
-    std::uint64_t tests = 0, met = 0;
-    for (int turn = 0; turn < 2000; ++turn) {
-        std::swap(triangles[random.word() % triangles.size()], triangles[0]);
-        const V origin = turn % 2 == 0 ? centre() : point_in(triangles[1], random);
-        const TestRay ray = ray_at(triangles, origin, random);
-        Closest expected, found;
-        if (turn % 3 == 0) {  // a hit that the search begins with, among other shapes
-            const TriangleHit<float> hit = meet(triangles[2], {origin, point_in(triangles[2], random) - origin});
-            expected.t = found.t = hit.hits ? hit.t : found.t;
-        }
-        WaitingTriangle waiting;
-        waiting.start(found.t);
-        const auto exact = [&](std::uint32_t slot) {
-            found.meet(triangles[slot], slot, ray);
-            ++tests;
-        };
-        for (std::uint32_t slot = 0; slot < triangles.size(); ++slot) {
-            expected.meet(triangles[slot], slot, ray);
-            waiting.meet(found.t, slot, glance_at(triangles[slot], ray), exact);
-        }
-        waiting.finish(exact);
-        ASSERT_EQ(found, expected) << "turn " << turn;
-        met += expected.triangle != ~0u ? 1 : 0;
-    }
-    EXPECT_GT(met, 1000u);
-    EXPECT_LT(tests, 12 * met);
-}
-
 TEST(TriangleTest, ExactEdgeAndVertexBelongToAllThatShareThem) {
     const Triangles fan = {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
                            {{0, 0, 0}, {0, 1, 0}, {-1, 0, 0}},

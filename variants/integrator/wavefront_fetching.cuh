@@ -71,8 +71,8 @@ public:
         best_ = Hit<Real>{};
         best_.t = met.t;
         best_.side = met.side;
-        has_path_ = true;
-        enter(with_tree(0));
+        mesh_ = 0;
+        start_meshes();
     }
     // Visits the next node. Triangles that were found wait, so a lane goes on to nodes while other lanes test theirs.
     __device__ void visit_node() {
@@ -81,15 +81,39 @@ public:
         go_on();
     }
     __device__ void test_triangle() {
-        meeting_.meet(best_, leaves_, triangles_.take(), ray());
+        meet_triangle(best_, leaves_[triangles_.take()],
+                      ray_.whole(first_of<ShapeKind::mesh>(stage_.scene.trace) + mesh_));
         go_on();
     }
-    __device__ void finish() {
-        if (!has_path_) {
+
+private:
+    // Starts on the first mesh that has a tree, from mesh number mesh_ on.
+    __device__ void start_meshes() {
+        const ::Scene& scene = stage_.scene.trace;
+        while (mesh_ < scene.meshes.size && scene.meshes[mesh_].geometry.tree.node_count == 0) {
+            ++mesh_;
+        }
+        if (mesh_ == scene.meshes.size) {
+            finish();
             return;
         }
-        has_path_ = false;
-        meeting_.finish(best_, leaves_, ray());
+        const auto start = MeshWalk<Traversal>::of(scene, mesh_, stage_.ray(slot_));
+        ray_ = CompactRay(start.ray);
+        walk_ = start.walk;
+        leaves_ = scene.meshes[mesh_].geometry.leaves;
+        stack_.clear();
+    }
+    __device__ void go_on() {
+        if (triangles_.empty() && walk_.has_leaf()) {
+            triangles_ = walk_.leaf();
+            walk_.pass_leaf(best_.t, stack_);
+        }
+        if (triangles_.empty() && !walk_.wants_node()) {
+            ++mesh_;
+            start_meshes();
+        }
+    }
+    __device__ void finish() {
         stage_.hits[slot_] = {best_.t, best_.side};
         if (stage_.keys != nullptr) {
             stage_.keys[position_] = key_of(stage_.scene.shade, stage_.paths.ray(slot_), best_, slot_, stage_.bits,
@@ -100,52 +124,14 @@ public:
         }
     }
 
-private:
-    __device__ MeshRay<Real> ray() const { return ray_.whole(first_of<ShapeKind::mesh>(stage_.scene.trace) + mesh_); }
-    // The first mesh that has a tree, from mesh number `mesh` on; the number of meshes if none has.
-    __device__ std::uint32_t with_tree(std::uint32_t mesh) const {
-        const ::Scene& scene = stage_.scene.trace;
-        while (mesh < scene.meshes.size && scene.meshes[mesh].geometry.tree.node_count == 0) {
-            ++mesh;
-        }
-        return mesh;
-    }
-    __device__ void enter(std::uint32_t mesh) {
-        const ::Scene& scene = stage_.scene.trace;
-        mesh_ = mesh;
-        meeting_.start(best_);
-        if (mesh == scene.meshes.size) {
-            return;
-        }
-        const auto start = MeshWalk<Traversal>::of(scene, mesh, stage_.ray(slot_));
-        ray_ = CompactRay(start.ray);
-        walk_ = start.walk;
-        leaves_ = scene.meshes[mesh].geometry.leaves;
-        stack_.clear();
-    }
-    __device__ void go_on() {
-        if (triangles_.empty() && walk_.has_leaf()) {
-            triangles_ = walk_.leaf();
-            walk_.pass_leaf(best_.t, stack_);
-        }
-        if (!active()) {
-            if (const std::uint32_t next = with_tree(mesh_ + 1); next != stage_.scene.trace.meshes.size) {
-                meeting_.finish(best_, leaves_, ray());
-                enter(next);
-            }
-        }
-    }
-
     const MeshStage& stage_;
     Stack& stack_;
     Walk walk_;
     CompactRay ray_;
     const LeafTriangle* leaves_;
     Hit<Real> best_;
-    MeshMeeting<Real> meeting_;
     typename Walk::Leaf triangles_;
     std::uint32_t position_, slot_, mesh_;
-    bool has_path_ = false;
 };
 
 }  // namespace pt::cuda

@@ -1,8 +1,7 @@
 // A warp of persistent threads that works off a queue of rays: lanes that fall idle fetch the next rays (Aila and
 // Laine, HPG 2009), and lanes vote whether to take a step through nodes or to test triangles (Ylitie, Karras, Laine,
 // HPG 2017, section 4). For kernels that nvcc and NVRTC compile. A State is one lane's ray: active(), start(index),
-// which may leave it idle, wants_node(), visit_node(), wants_triangle(), test_triangle(), and finish(), which an idle
-// lane calls, perhaps more than once, after its ray has ended: lanes that fetch rays finish theirs together.
+// which may leave it idle, wants_node(), visit_node(), wants_triangle(), test_triangle().
 #pragma once
 
 #include <cstdint>
@@ -27,9 +26,6 @@ template <class State>
 __device__ inline bool fetch(State& state, std::uint32_t* next, std::uint32_t count, bool& exhausted) {
     const unsigned idle = __ballot_sync(every_lane, !state.active());
     const std::uint32_t lane = threadIdx.x & 31u;
-    if (!state.active()) {
-        state.finish();
-    }
     if (!exhausted) {
         std::uint32_t first = 0;
         if (lane == 0) {
