@@ -137,7 +137,7 @@ std::pair<Suite, Json> begin(const Suite& suite, const PassportOptions& options,
         take_samples_of(same, about, parts.about());
         return {std::move(same), std::move(about)};
     }
-    Suite scaled = scaled_to_machine(suite, options.backend, options.sample_ms);
+    Suite scaled = scaled_to_machine(suite, options.backend, sample_ms_on(options.backend));
     Json about = about_passport(scaled, options);
     write_file(parts.about(), about.dump(1) + "\n");
     return {std::move(scaled), std::move(about)};

@@ -12,6 +12,10 @@
 
 namespace pt {
 
+// Wanted time of a sample by the fastest integrator, in ms. On a GPU the slowest cells take 30 to 120 times as long: no
+// launch may come near the watchdog's two seconds, and both runs have to fit into five minutes.
+constexpr double sample_ms_on(Backend backend) { return backend == Backend::cuda ? 8 : 25; }
+
 struct PassportOptions {
     Backend backend = Backend::cpu;
     std::string machine = {};  // name of the machine or of its GPU, as used for folders in results/
@@ -19,7 +23,6 @@ struct PassportOptions {
     std::function<nlohmann::ordered_json()> chip = {};
     std::string out = {};           // file name of the passport
     std::string command_line = {};  // command line, for the file and to continue the run
-    double sample_ms = 25;          // wanted time of a sample by the fastest integrator, in ms
     bool resume = false;            // go on with an unfinished passport, whose runs are kept in the folder OUT.parts
     bool overwrite = false;         // allow an existing passport to be replaced once the new one is complete
     bool quiet = false;             // show no progress on stderr

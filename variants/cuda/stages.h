@@ -17,6 +17,7 @@ struct Queue {
     PathStore paths;
     PathStore spare;                       // second path store of equal size, for compactions and sorts that move paths
     void* hits = nullptr;                  // StoredHit<Real> by slot of the path, valid between intersect and shade
+    void* hits_spare = nullptr;            // second array of hits, for sorts that move paths
     std::uint32_t* order = nullptr;        // slots of paths by queue position, with `capacity` entries
     std::uint32_t* order_spare = nullptr;  // second array of slots with `capacity` entries, for sorts and compactions
     std::uint32_t* keys = nullptr;         // sort keys by position in play, `capacity` entries; for sorts alone
@@ -30,6 +31,7 @@ struct Queue {
 
     void swap_order() { std::swap(order, order_spare); }
     void swap_paths() { std::swap(paths, spare); }
+    void swap_hits() { std::swap(hits, hits_spare); }
     void swap_count() { std::swap(count, count_spare); }
 };
 
@@ -106,6 +108,8 @@ public:
     virtual std::vector<ShadeRange> shade_ranges() const { return {}; }
     // Whether the sort copies whole paths, in which case a store must have room for every field of a path.
     virtual bool moves_paths() const { return true; }
+    // Whether it copies them and their hits into the spare ones.
+    virtual bool needs_spare_paths() const { return false; }
     LeastBytes least_bytes(const BytesOfAPath& path) const {
         return {key_bytes + (moves_paths() ? 2 * (path.state + path.hit) : slot_bytes), 0};
     }

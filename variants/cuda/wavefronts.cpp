@@ -15,8 +15,9 @@ constexpr std::size_t pinned_words = 64;
 
 // Throws std::logic_error unless the body of a graph's loop leaves the queue's buffers as it found them.
 void check_round_trip(const Queue& before, const Queue& after) {
-    if (before.paths.base != after.paths.base || before.order != after.order || before.keys != after.keys ||
-        before.count != after.count || before.bound != after.bound || before.indirect != after.indirect) {
+    if (before.paths.base != after.paths.base || before.hits != after.hits || before.order != after.order ||
+        before.keys != after.keys || before.count != after.count || before.bound != after.bound ||
+        before.indirect != after.indirect) {
         throw std::logic_error("a round of the graph's loop leaves the queue otherwise than it found it");
     }
 }
@@ -210,11 +211,13 @@ void Wavefront::reserve(Arena& arena) {
     path_bytes_.state = store_bytes / start_.capacity;
     const auto take_paths = [&]() -> PathStore { return {arena.take_bytes(store_bytes), start_.capacity}; };
     start_.paths = take_paths();
-    if (appends_ || (needs_.compaction != nullptr && needs_.compaction->needs_spare_paths())) {
+    const bool sort_copies = needs_.sorting != nullptr && needs_.sorting->needs_spare_paths();
+    if (appends_ || sort_copies || (needs_.compaction != nullptr && needs_.compaction->needs_spare_paths())) {
         start_.spare = take_paths();
     }
     if (hit_bytes_ != 0) {
         start_.hits = arena.take_bytes(start_.capacity * hit_bytes_);
+        start_.hits_spare = sort_copies ? arena.take_bytes(start_.capacity * hit_bytes_) : nullptr;
     }
     reserve_order(arena);
     reserve_counts(arena);
