@@ -14,7 +14,7 @@ namespace pt {
 
 // Wanted time of a sample by the fastest integrator, in ms. On a GPU the slowest cells take 30 to 120 times as long: no
 // launch may come near the watchdog's two seconds, and both runs have to fit into five minutes.
-constexpr double sample_ms_on(Backend backend) { return backend == Backend::cuda ? 8 : 25; }
+constexpr double sample_ms_on(Backend backend) { return backend == Backend::cuda ? 5 : 25; }
 
 struct PassportOptions {
     Backend backend = Backend::cpu;

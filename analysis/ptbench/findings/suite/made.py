@@ -85,6 +85,13 @@ class Made(Cells):
         bound = done.memory_bounds[stage]
         return Bound(done.stage_ms[stage] / done.spp, bound.ms / done.spp, bound.bytes / done.spp / 1e6)
 
+    def stage_ms(self, selection: str, stage: str) -> float:
+        """Milliseconds of a stage per sample per pixel, in the cell's instrumented pass."""
+        done = self.cell(selection).instrumented
+        if done is None or stage not in done.stage_ms:
+            raise FindingError(f"{self.result.path}: {selection} has no stage {stage}")
+        return done.stage_ms[stage] / done.spp
+
     def path_state_bytes(self, selection: str) -> int:
         """Bytes of one path's state in the queue."""
         cuda = self.cell(selection).cuda
