@@ -215,6 +215,32 @@ TEST_F(Gate, PassesSortsWithinChunksOfTheQueue) {
     }
 }
 
+// Paths and hits that a sort moves: by each layout, after lists of slot numbers and after moved paths, in a loop of a
+// graph, and where paths carry a triangle or go on walks.
+TEST_F(Gate, PassesSortsThatMovePaths) {
+    using Choices = std::vector<std::pair<const char*, const char*>>;
+    const std::pair<const char*, Choices> cases[] = {
+        {"cornell_open_five", {{"compaction", "none"}}},
+        {"cornell_open_five", {{"compaction", "block_scan_append"}, {"layout", "soa"}}},
+        {"cornell_open_five", {{"compaction", "block_scan_append"}, {"layout", "packed"}, {"launch", "graph_while"}}},
+        {"cornell_open_five", {{"compaction", "thrust_partition"}, {"layout", "packed"}}},
+        {"materials/cornell_open_walks", {{"compaction", "cub_select_if"}, {"layout", "packed"}}},
+        {"meshes/icosphere_room", {{"accelerator", "cwbvh"}, {"direct_light", "nee_mis"}, {"layout", "packed"}}},
+    };
+    for (const auto& [name, choices] : cases) {
+        const Scene scene = find_scene(name);
+        Variant variant = exact_variant("wavefront");
+        variant.set("sorting", "bucket");
+        for (const auto& [axis, choice] : choices) {
+            variant.set(axis, choice);
+        }
+        variant.tuning["sort_payload"] = 1;
+        ASSERT_EQ(why_not_applicable(variant, features_of(scene), Backend::cuda), "");
+        const Verdict sound = Verifier(scene, settings_of(scene, 40, 33), 3, Backend::cuda).check(variant);
+        EXPECT_TRUE(sound.holds) << variant.spelled_out() << ": " << sound.message;
+    }
+}
+
 // The reference has the features of its scene alone; the kernel with every feature has other code and the same film.
 TEST_F(Gate, TheKernelWithEveryFeatureLeavesTheReferencesFilm) {
     for (const char* name : {"cornell_open_five", "environments/environment_sky", "meshes/icosphere_room"}) {

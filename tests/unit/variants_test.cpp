@@ -682,6 +682,23 @@ TEST(VariantTest, FeatureNamesAreInTheOrderOfResults) {
 
 constexpr FeatureSet plain_features = Feature::sphere | Feature::emitter;
 
+// A refilled queue knows paths by their slots, which a sort of slot numbers leaves and a sort of paths does not.
+TEST(ApplicabilityTest, ASortThatMovesPathsNeedsAQueueThatIsNotRefilled) {
+    if (!test::cuda_is_built()) {
+        GTEST_SKIP() << "this build has no CUDA backend";
+    }
+    Variant variant = Registry::instance().baseline(Backend::cuda);
+    variant.set("sorting", "bucket");
+    variant.tuning["sort_payload"] = 1;
+    EXPECT_EQ(why_not_applicable(variant, plain_features, Backend::cuda), "");
+    variant.set("integrator", "wavefront_refill");
+    EXPECT_EQ(why_not_applicable(variant, plain_features, Backend::cuda),
+              "sorting=bucket moves paths with sort_payload=1, but integrator=wavefront_refill puts new paths into the "
+              "slots of those that end: needs sort_payload=0");
+    variant.tuning["sort_payload"] = 0;
+    EXPECT_EQ(why_not_applicable(variant, plain_features, Backend::cuda), "");
+}
+
 TEST(ApplicabilityTest, SaysWordForWordWhatDoesNotApply) {
     struct Case {
         std::vector<std::pair<std::string, std::string>> choices;
