@@ -28,9 +28,9 @@ bool is_at(int descriptor, const std::string& file) {
 
 LockedFile::LockedFile(std::string file) : file_(std::move(file)) {
     const std::filesystem::path folder = std::filesystem::path(file_).parent_path();
-    std::error_code ignored;
+    std::error_code unmade;
     if (!folder.empty()) {
-        std::filesystem::create_directories(folder, ignored);
+        std::filesystem::create_directories(folder, unmade);
     }
     do {
         if (descriptor_ >= 0) {
@@ -38,7 +38,8 @@ LockedFile::LockedFile(std::string file) : file_(std::move(file)) {
         }
         descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
         if (descriptor_ < 0) {
-            throw MachineError(fmt::format("{}: cannot be written: {}", file_, std::strerror(errno)));
+            const std::string reason = unmade ? unmade.message() : std::strerror(errno);
+            throw MachineError(fmt::format("{}: cannot be written: {}", file_, reason));
         }
         if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
             const int reason = errno;

@@ -107,9 +107,9 @@ void write_file(const std::string& name, const std::string& content) {
     }
     const std::string file = target_of(name);
     const std::filesystem::path path(file);
-    std::error_code ignored;
+    std::error_code unmade;
     if (path.has_parent_path()) {
-        std::filesystem::create_directories(path.parent_path(), ignored);
+        std::filesystem::create_directories(path.parent_path(), unmade);
     }
     const std::string partial = file + partial_suffix + std::to_string(::getpid());
     int failed = write_new(partial, content);
@@ -117,8 +117,9 @@ void write_file(const std::string& name, const std::string& content) {
         failed = errno;
     }
     if (failed != 0) {
+        std::error_code ignored;
         std::filesystem::remove(partial, ignored);
-        throw MachineError(file + ": cannot be written: " + std::strerror(failed));
+        throw MachineError(file + ": cannot be written: " + (unmade ? unmade.message() : std::strerror(failed)));
     }
     sync_folder(path.parent_path());
 }

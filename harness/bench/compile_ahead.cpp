@@ -138,14 +138,29 @@ CompiledPrograms compile_in_processes(const Programs& programs, std::size_t work
     finished.close_write_end();
     CompiledPrograms result;
     for (std::uint32_t report = 0; finished.read(report);) {
-        ((report & is_refused) != 0 ? result.refused : result.compiled) += 1;
-        progress.step(programs[report & ~is_refused].first);
+        const std::string& program = programs[report & ~is_refused].first;
+        if ((report & is_refused) != 0) {
+            result.refused.push_back(program);
+        } else {
+            result.compiled += 1;
+        }
+        progress.step(program);
     }
     for (const pid_t child : children) {
         (void)::waitpid(child, nullptr, 0);
     }
     result.cpu_seconds = cpu_seconds_of_children() - before;
     return result;
+}
+
+// Why a program does not compile, by compiling it once more.
+std::string refusal_of(const cuda::ProgramToCompile& program) {
+    try {
+        program.compile();
+    } catch (const std::exception& error) {
+        return error.what();
+    }
+    return "it compiles now";
 }
 
 cuda::ProgramsToCompile programs_of(const std::vector<CompileTask>& tasks) {
@@ -179,9 +194,13 @@ void compile_for(const std::string& architecture, std::vector<CompileTask> tasks
     }
     fmt::print("{} for {} compiled into {}, {:.1f} CPU seconds each\n", counted(done.compiled, "program"), architecture,
                cuda::kernel_cache(), done.compiled == 0 ? 0.0 : done.cpu_seconds / static_cast<double>(done.compiled));
+    if (!done.refused.empty()) {
+        throw MachineError(fmt::format("{} of {} programs did not compile; the first: {}", done.refused.size(),
+                                       missing.size(), refusal_of(missing.at(done.refused.front()))));
+    }
     if (done.compiled != missing.size()) {
-        throw MachineError(fmt::format("{} of {} programs did not compile: run without --compile for their messages",
-                                       missing.size() - done.compiled, missing.size()));
+        throw MachineError(fmt::format("{} of {} programs compiled: a process that compiles has ended early",
+                                       done.compiled, missing.size()));
     }
 }
 

@@ -17,10 +17,10 @@ struct CompileTask {
     bool is_alone = false;
 };
 
-// The numbers of compiled and of refused CUDA programs, and the CPU time that all the compilations took.
+// CUDA programs that compiled and that did not, and the CPU time that all the compilations took.
 struct CompiledPrograms {
-    std::size_t compiled = 0;
-    std::size_t refused = 0;  // programs that did not compile or could not be written to the cache
+    std::size_t compiled = 0;               // their number
+    std::vector<std::string> refused = {};  // keys of programs that did not compile or could not be kept in the cache
     double cpu_seconds = 0;
 };
 

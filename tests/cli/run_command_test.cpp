@@ -603,6 +603,28 @@ TEST_F(RunCommandTest, AFullDiskEndsTheRunAndItGoesOnWhenThereIsRoom) {
     expect_complete(repetitions);
 }
 
+// --compile is for machines without a GPU, on which no other command would say what is wrong.
+TEST_F(RunCommandTest, CompileTellsWhyAProgramDoesNotCompile) {
+    if (!cuda_is_built()) {
+        GTEST_SKIP() << "this build has no CUDA backend";
+    }
+    write_text(folder.file("plain"), "a file, not a folder");
+    CommandOptions options = in_repository();
+    options.environment.emplace_back("XDG_CACHE_HOME", folder.file("plain"));
+    const CommandResult result =
+        run_command(ptbench_arguments({"run", "--scene", "cornell_open", "--axis", "integrator=megakernel", "--backend",
+                                       "cuda", "--compile", "--arch", "sm_90"}),
+                    options);
+    EXPECT_EQ(result.exit_code, 3);
+    const std::size_t said = result.err.rfind("ptbench: ");
+    ASSERT_NE(said, std::string::npos);
+    EXPECT_NE(result.err.find(" did not compile; the first: " + folder.file("plain") + "/ptbench", said),
+              std::string::npos)
+        << result.err;
+    EXPECT_NE(result.err.find("set XDG_CACHE_HOME", said), std::string::npos) << result.err;
+    EXPECT_EQ(folder.content(), Arguments{"plain"});
+}
+
 TEST_F(RunCommandTest, AnInterruptedRunEndsWithAFileAndGoesOn) {
     constexpr int repetitions = 600;
     for (const int number : {SIGINT, SIGTERM, SIGHUP}) {

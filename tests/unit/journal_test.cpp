@@ -2,16 +2,21 @@
 #include "harness/bench/journal.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
+#include <cstring>
 #include <functional>
 #include <sstream>
 #include <utility>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+
 #include <sys/resource.h>
 #include <sys/syscall.h>
 #include <unistd.h>
+#include <cerrno>
+#include <cstring>
 
 #include "tests/support/command.h"
 #include "tests/support/sealed_lines.h"
@@ -437,6 +442,18 @@ TEST_F(JournalTest, AFolderThatCannotBeMadeIsTheMachinesFault) {
     test::write_text(folder.file("plain"), "a file, not a folder");
     file = folder.file("plain/result.journal.jsonl");
     EXPECT_EQ(refusal<MachineError>(), file + ": cannot be written: Not a directory");
+}
+
+// Such as where somebody who is not root starts a package that root unpacked: what is said is not that the file is
+// missing in a missing folder.
+TEST_F(JournalTest, AFolderThatMayNotBeMadeIsToldByItsOwnReason) {
+    const std::filesystem::path forbidden = "/sys/ptbench_test";
+    std::error_code reason;
+    std::filesystem::create_directories(forbidden, reason);
+    ASSERT_TRUE(reason);
+    file = forbidden / "result.journal.jsonl";
+    EXPECT_EQ(refusal<MachineError>(), file + ": cannot be written: " + reason.message());
+    EXPECT_NE(reason.message(), std::string(std::strerror(ENOENT)));
 }
 
 // A full disk: the line does not fit. No half of it stays behind in front of later lines.
