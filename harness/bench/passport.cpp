@@ -180,6 +180,15 @@ std::uint32_t samples_at(const Cell& cell, Backend backend, double sample_ms, st
 
 }  // namespace
 
+std::uint32_t least_samples(const Plan& plan) {
+    std::uint32_t most = 1;
+    for (const Cell& cell : plan.cells) {
+        const auto in_flight = cell.variant.tuning.find("spp_in_flight");
+        most = in_flight == cell.variant.tuning.end() ? most : std::max(most, in_flight->second);
+    }
+    return most;
+}
+
 Suite scaled_to_machine(const Suite& suite, Backend backend, double sample_ms) {
     Suite scaled = suite;
     std::map<Place, std::uint32_t> known;
@@ -188,7 +197,7 @@ Suite scaled_to_machine(const Suite& suite, Backend backend, double sample_ms) {
         first.scenes.resize(1);
         const Plan plan = make_plan({.name = suite.name, .description = "", .studies = {first}}, backend);
         if (!study.convergence && !plan.cells.empty()) {
-            study.spp = samples_at(plan.cells.front(), backend, sample_ms, known);
+            study.spp = std::max(samples_at(plan.cells.front(), backend, sample_ms, known), least_samples(plan));
             study.spp_on.clear();
         }
     }

@@ -28,9 +28,12 @@ struct PassportOptions {
     bool quiet = false;             // show no progress on stderr
 };
 
+// The fewest samples per pixel that fill the queues of a plan's cells: their most samples in flight.
+std::uint32_t least_samples(const Plan& plan);
+
 // The suite with the numbers of samples per pixel for this machine: powers of two, with which a render of a study's
-// first scene by the fastest integrator takes about `sample_ms`; equal in studies of one scene and resolution. Studies
-// of error against run time are left as they are.
+// first scene by the fastest integrator takes about `sample_ms`, but least_samples() at least; so equal in studies of
+// one scene, resolution and queue length. Studies of error against run time are left as they are.
 Suite scaled_to_machine(const Suite& suite, Backend backend, double sample_ms);
 
 // Runs `suite` twice and writes the passport. Returns 0, or 1 if a cell of either run failed; any other exit code is

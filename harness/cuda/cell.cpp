@@ -301,6 +301,9 @@ void RenderCell<Real>::collect_counts(RenderResult& result) {
         const LeastTraffic traffic = integrator_->least_traffic();
         const std::uint32_t batches = (job_.all_samples - 1) / traffic.samples_in_flight + 1;
         for (const auto& [stage, least] : traffic.by_stage) {
+            if (!least.is_known()) {
+                continue;
+            }
             result.stages.memory_bounds[stage] =
                 bound_of(least, result.stages.live_paths, job_.longest_path, batches, copy_rates());
         }

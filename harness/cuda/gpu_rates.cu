@@ -67,15 +67,27 @@ double host_wait_microseconds() {
     return *middle;
 }
 
+// The largest of the sizes of copies that half of the memory which is free now holds.
+std::size_t largest_copy_that_fits() {
+    std::size_t free = 0, total = 0;
+    PT_CUDA_CHECK(cudaMemGetInfo(&free, &total));
+    std::size_t bytes = largest_copy;
+    while (bytes > smallest_copy && bytes > free / 2) {
+        bytes /= 2;
+    }
+    return bytes;
+}
+
 }  // namespace
 
 std::vector<GpuCopyRate> measure_copy_rates() {
     const unsigned blocks = full_grid();
+    const std::size_t largest = largest_copy_that_fits();
     const Timer timer;
-    const Memory from(largest_copy / 2), to(largest_copy / 2);
-    PT_CUDA_CHECK(cudaMemset(from.as<void>(), 0, largest_copy / 2));
+    const Memory from(largest / 2), to(largest / 2);
+    PT_CUDA_CHECK(cudaMemset(from.as<void>(), 0, largest / 2));
     std::vector<GpuCopyRate> rates;
-    for (std::size_t bytes = smallest_copy; bytes <= largest_copy; bytes *= 2) {
+    for (std::size_t bytes = smallest_copy; bytes <= largest; bytes *= 2) {
         // As many rounds as make a launch long enough for what precedes its first load not to count.
         const int rounds = static_cast<int>(largest_copy / bytes < 4 ? 4 : largest_copy / bytes);
         const double seconds = timer.fastest([&] {

@@ -22,7 +22,7 @@ MemoryBound bound_of(const LeastBytes& least, const std::vector<std::uint64_t>& 
     for (std::size_t k = 0; k < live.size() && k + 1 < longest_path; ++k) {
         const auto before = static_cast<double>(live[k]);
         const double after = k + 1 < live.size() ? static_cast<double>(live[k + 1]) : 0;
-        const double bytes = least.a_path * before + least.a_survivor * after;
+        const double bytes = (least.a_path + (k > 0 ? least.a_listed : 0)) * before + least.a_survivor * after;
         bound.bytes += bytes;
         bound.ms += 1e3 * passes_per_segment * least_seconds(bytes / passes_per_segment, rates);
     }

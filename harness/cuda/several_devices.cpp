@@ -261,7 +261,9 @@ private:
         }
     }
 
+    // Bounds are of the paths of one device, so they do not stand beside sums over several.
     static void add_stages(StageTimes& into, const StageTimes& from) {
+        into.memory_bounds.clear();
         for (const auto& [stage, milliseconds] : from.milliseconds) {
             into.add(stage, milliseconds);
         }

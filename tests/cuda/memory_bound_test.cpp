@@ -31,6 +31,30 @@ TEST(MemoryBoundTest, PassesFollowAllSegmentsButTheLast) {
     EXPECT_EQ(bound_of(least, {}, 8, 1, rate).ms, 0);
 }
 
+TEST(MemoryBoundTest, WhatAPassListsTheNextOneReads) {
+    const LeastBytes least{.a_path = 1000, .a_survivor = 10, .a_listed = 1};
+    const std::vector<GpuCopyRate> rate{{.bytes = 1, .gb_per_s = 1}};
+    EXPECT_EQ(bound_of(least, {4, 2, 1}, 8, 1, rate).bytes, 7 * 1000 + 3 * 10 + 3 * 1);
+}
+
+class MovesPaths : public Compaction {
+public:
+    void compact(Queue&) override {}
+};
+class ListsSlots final : public MovesPaths {
+public:
+    bool moves_paths() const override { return false; }
+};
+
+// Where no path ends, each is read once and written once, its liveness with the rest.
+TEST(MemoryBoundTest, ACompactionReadsNoByteTwice) {
+    const BytesOfAPath path{.state = 64, .liveness = 4, .hit = 8};
+    const std::vector<GpuCopyRate> rate{{.bytes = 1, .gb_per_s = 1}};
+    EXPECT_EQ(bound_of(MovesPaths().least_bytes(path), {5, 5}, 2, 1, rate).bytes, 5 * 2 * 64);
+    EXPECT_EQ(bound_of(ListsSlots().least_bytes(path), {5, 5}, 2, 1, rate).bytes, 5 * (4 + 4));
+    EXPECT_EQ(bound_of(ListsSlots().least_bytes(path), {5, 5, 5}, 3, 1, rate).bytes, 5 * (4 + 4) + 5 * (4 + 4 + 4));
+}
+
 TEST(MemoryBoundTest, EachBatchPassesOverItsOwnPaths) {
     const LeastBytes least{.a_path = 1};
     const std::vector<std::uint64_t> live{4'000'000, 4'000'000};

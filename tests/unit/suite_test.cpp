@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "harness/bench/passport.h"
 #include "harness/failure.h"
 #include "harness/scene/places.h"
 #include "tests/support/backends.h"
@@ -600,6 +601,19 @@ TEST_F(ShippedSuitesTest, LoadAndPlan) {
             }
         }
     }
+}
+
+// A render of fewer samples than a queue may hold in flight would measure a shorter queue.
+TEST_F(ShippedSuitesTest, APassportFillsItsQueues) {
+    if (!test::cuda_is_built()) {
+        GTEST_SKIP() << "this build has no CUDA backend";
+    }
+    const Suite suite = load_suite(find_suite_file("passport"));
+    std::set<std::uint32_t> least;
+    for (const Study& study : suite.studies) {
+        least.insert(least_samples(make_plan({.name = "one", .description = "", .studies = {study}}, Backend::cuda)));
+    }
+    EXPECT_EQ(least, (std::set<std::uint32_t>{1, 4}));
 }
 
 // The three graphs of cis565 and their compactions, on the CPU too.

@@ -89,8 +89,8 @@ public:
         counts_ = arena.take<std::uint32_t>(2);
     }
 
-    // How many paths move depends on where the ended ones lie: none, at the least.
-    LeastBytes least_bytes(const BytesOfAPath& path) const override { return {path.liveness, 0}; }
+    // How many paths move depends on where the ended ones lie.
+    LeastBytes least_bytes(const BytesOfAPath&) const override { return {}; }
 
     // Moves all n live paths into slots 0 to n - 1. The order in which a sort had lined up the slots is dropped.
     void compact(Queue& queue) override {

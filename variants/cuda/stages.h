@@ -58,15 +58,18 @@ struct CellContext {
 
 // Bytes of a path that compactions and sorts read or move.
 struct BytesOfAPath {
-    double state = 0;     // the path itself
+    double state = 0;     // the fields that the scene's kernels write
     double liveness = 0;  // what is read of it to learn whether it is alive: the field, or a sector of memory with it
     double hit = 0;       // its stored hit; 0: none is stored
 };
 
-// The bytes that a pass over the queue reads and writes at least, whoever does it: a bound of its time.
+// The bytes that a pass over the queue reads and writes at least, whoever does it: a bound of its time. All 0: unknown.
 struct LeastBytes {
     double a_path = 0;      // for each path in play before the pass
     double a_survivor = 0;  // for each path in play after it, in addition
+    double a_listed = 0;    // for each path in play before any pass but the first: what the pass before listed
+
+    bool is_known() const { return a_path > 0; }
 };
 
 inline constexpr double slot_bytes = sizeof(std::uint32_t), key_bytes = sizeof(std::uint32_t);
@@ -83,9 +86,11 @@ public:
     virtual bool needs_spare_paths() const { return false; }
     // Whether the compaction copies whole paths, in which case a store must have room for every field of a path.
     virtual bool moves_paths() const { return true; }
-    // A compaction of slot numbers writes those of the survivors, which the next one reads.
+    // A compaction of slot numbers writes those of the survivors, which the next one reads. One of paths has read what
+    // tells of their liveness when it reads the rest.
     virtual LeastBytes least_bytes(const BytesOfAPath& path) const {
-        return {path.liveness, moves_paths() ? 2 * path.state : 2 * slot_bytes};
+        return moves_paths() ? LeastBytes{path.liveness, 2 * path.state - path.liveness, 0}
+                             : LeastBytes{path.liveness, slot_bytes, slot_bytes};
     }
 };
 
@@ -111,7 +116,7 @@ public:
     // Whether it copies them and their hits into the spare ones.
     virtual bool needs_spare_paths() const { return false; }
     LeastBytes least_bytes(const BytesOfAPath& path) const {
-        return {key_bytes + (moves_paths() ? 2 * (path.state + path.hit) : slot_bytes), 0};
+        return {key_bytes + (moves_paths() ? 2 * (path.state + path.hit) : slot_bytes), 0, 0};
     }
 };
 

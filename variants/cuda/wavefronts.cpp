@@ -163,7 +163,8 @@ LeastTraffic Wavefront::least_traffic() const {
     }
     constexpr double sector_bytes = 32;  // the least that is read of memory at once
     const double stride = needs_.layout.segment(start_.paths, real_bytes_).stride;
-    const BytesOfAPath path{.state = static_cast<double>(path_bytes_.state),
+    const std::size_t carried = needs_.layout.bytes(start_.capacity, real_bytes_, PathFields::of(needs_.features));
+    const BytesOfAPath path{.state = static_cast<double>(carried) / start_.capacity,
                             .liveness = std::min(stride, sector_bytes),
                             .hit = static_cast<double>(hit_bytes_)};
     if (needs_.compaction != nullptr && !appends_) {
