@@ -305,7 +305,7 @@ TEST(ModuleRequestTest, StagesNeedNeitherFeaturesNorArithmetic) {
     };
     const cuda::ModuleRequest request = request_of(baseline());
     EXPECT_EQ(request.includes, std::vector<std::string>{"variants/sorting/bucket.cuh"});
-    EXPECT_EQ(request.kernels.size(), 3u);
+    EXPECT_EQ(request.kernels.size(), 4u);
     EXPECT_EQ(request.config.features, no_features);
     EXPECT_TRUE(request.options.empty());
     EXPECT_EQ(cuda::module_key(request), cuda::module_key(request_of(with("arithmetic", "fast"))));
