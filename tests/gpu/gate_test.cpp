@@ -1,5 +1,7 @@
 // The gate in front of the clock, on a GPU: integrators that are broken on purpose must not pass it, sound ones must,
 // and a cell that does not fit into memory fails by itself. Skipped where there is no GPU.
+#include <span>
+
 #include <gtest/gtest.h>
 
 #include "harness/bench/suite.h"
@@ -84,6 +86,10 @@ Scene stability_scene(const std::string& name) {
     return find_scene((home_folder() / "scenes" / "stability" / (name + ".json")).string());
 }
 
+// A scene, and what a queue that renders it is made of.
+using AxisChoice = std::pair<const char*, const char*>;
+using QueueCase = std::pair<const char*, std::vector<AxisChoice>>;
+
 class Gate : public testing::Test {
 protected:
     void SetUp() override {
@@ -109,6 +115,21 @@ protected:
         variant.set("arithmetic", "exact");
         variant.set("integrator", integrator);
         return variant;
+    }
+    static void expect_queues_pass(std::span<const QueueCase> cases, const AxisChoice& of_all,
+                                   const std::pair<const char*, std::uint32_t>& tunable) {
+        for (const auto& [name, choices] : cases) {
+            const Scene scene = find_scene(name);
+            Variant variant = exact_variant("wavefront");
+            variant.set(of_all.first, of_all.second);
+            for (const auto& [axis, choice] : choices) {
+                variant.set(axis, choice);
+            }
+            variant.tuning[tunable.first] = tunable.second;
+            ASSERT_EQ(why_not_applicable(variant, features_of(scene), Backend::cuda), "");
+            const Verdict sound = Verifier(scene, settings_of(scene, 40, 33), 3, Backend::cuda).check(variant);
+            EXPECT_TRUE(sound.holds) << variant.spelled_out() << ": " << sound.message;
+        }
     }
 };
 
@@ -193,7 +214,7 @@ TEST_F(Gate, PassesQueuesWheneverTheyAreRefilled) {
 // Keys by chunk, of a queue that has several chunks, the last one shorter; from a thread a path and from fetching
 // warps.
 TEST_F(Gate, PassesSortsWithinChunksOfTheQueue) {
-    const std::pair<const char*, std::vector<std::pair<const char*, const char*>>> cases[] = {
+    const QueueCase cases[] = {
         {"cornell_open_five", {{"compaction", "none"}, {"sorting", "bucket"}}},
         {"cornell_open_five", {{"compaction", "block_scan_append"}, {"sorting", "bucket"}}},
         {"cornell_open_five", {{"compaction", "block_scan_append"}, {"sorting", "cub_radix"}}},
@@ -201,25 +222,13 @@ TEST_F(Gate, PassesSortsWithinChunksOfTheQueue) {
         {"cornell_open_five", {{"compaction", "thrust_partition"}, {"sorting", "thrust_sort_by_key"}}},
         {"meshes/icosphere_room", {{"sorting", "bucket"}, {"accelerator", "bvh2"}, {"traversal", "persistent"}}},
     };
-    for (const auto& [name, choices] : cases) {
-        const Scene scene = find_scene(name);
-        Variant variant = exact_variant("wavefront");
-        variant.set("sort_key", "chunk_material");
-        for (const auto& [axis, choice] : choices) {
-            variant.set(axis, choice);
-        }
-        variant.tuning["chunk"] = 256;
-        ASSERT_EQ(why_not_applicable(variant, features_of(scene), Backend::cuda), "");
-        const Verdict sound = Verifier(scene, settings_of(scene, 40, 33), 3, Backend::cuda).check(variant);
-        EXPECT_TRUE(sound.holds) << variant.spelled_out() << ": " << sound.message;
-    }
+    expect_queues_pass(cases, {"sort_key", "chunk_material"}, {"chunk", 256});
 }
 
 // Paths and hits that a sort moves: by each layout, after lists of slot numbers and after moved paths, in a loop of a
 // graph, and where paths carry a triangle or go on walks.
 TEST_F(Gate, PassesSortsThatMovePaths) {
-    using Choices = std::vector<std::pair<const char*, const char*>>;
-    const std::pair<const char*, Choices> cases[] = {
+    const QueueCase cases[] = {
         {"cornell_open_five", {{"compaction", "none"}}},
         {"cornell_open_five", {{"compaction", "block_scan_append"}, {"layout", "soa"}}},
         {"cornell_open_five", {{"compaction", "block_scan_append"}, {"layout", "packed"}, {"launch", "graph_while"}}},
@@ -227,18 +236,7 @@ TEST_F(Gate, PassesSortsThatMovePaths) {
         {"materials/cornell_open_walks", {{"compaction", "cub_select_if"}, {"layout", "packed"}}},
         {"meshes/icosphere_room", {{"accelerator", "cwbvh"}, {"direct_light", "nee_mis"}, {"layout", "packed"}}},
     };
-    for (const auto& [name, choices] : cases) {
-        const Scene scene = find_scene(name);
-        Variant variant = exact_variant("wavefront");
-        variant.set("sorting", "bucket");
-        for (const auto& [axis, choice] : choices) {
-            variant.set(axis, choice);
-        }
-        variant.tuning["sort_payload"] = 1;
-        ASSERT_EQ(why_not_applicable(variant, features_of(scene), Backend::cuda), "");
-        const Verdict sound = Verifier(scene, settings_of(scene, 40, 33), 3, Backend::cuda).check(variant);
-        EXPECT_TRUE(sound.holds) << variant.spelled_out() << ": " << sound.message;
-    }
+    expect_queues_pass(cases, {"sorting", "bucket"}, {"sort_payload", 1});
 }
 
 // The reference has the features of its scene alone; the kernel with every feature has other code and the same film.

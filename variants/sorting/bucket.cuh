@@ -207,8 +207,8 @@ constexpr Descriptor descriptor{
         const auto payload = variant.tuning.find("sort_payload");
         if (payload != variant.tuning.end() && payload->second != 0 && variant.integrator.refills_queue) {
             return {"paths_keep_their_slots",
-                    "moves paths with sort_payload=1, but integrator=wavefront_refill puts new "
-                    "paths into the slots of those that end: needs sort_payload=0"};
+                    "moves paths with sort_payload=1, but integrator=" + std::string(variant.integrator.name) +
+                        " puts new paths into the slots of those that end: needs sort_payload=0"};
         }
         if (variant.sort_key.is_countable()) {
             return {};

@@ -83,7 +83,7 @@ class Made(Cells):
         if done is None or stage not in done.memory_bounds or not done.stage_ms.get(stage):
             raise FindingError(f"{self.result.path}: {selection} has no bound of the stage {stage}")
         bound = done.memory_bounds[stage]
-        return Bound(done.stage_ms[stage] / done.spp, bound.ms / done.spp, bound.bytes / done.spp / 1e6)
+        return Bound(self.stage_ms(selection, stage), bound.ms / done.spp, bound.bytes / done.spp / 1e6)
 
     def stage_ms(self, selection: str, stage: str) -> float:
         """Milliseconds of a stage per sample per pixel, in the cell's instrumented pass."""
